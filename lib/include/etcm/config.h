@@ -1,0 +1,51 @@
+// What the caller decides once: capacities, budgets, the split policy.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "etcm/policy.h"
+#include "etcm/status.h"
+#include "etcm/types.h"
+
+namespace etcm {
+
+struct MeshConfig {
+  // Nodes and Steiner vertices together. At least 1; at most vertices_limit.
+  std::uint32_t vertices_max = 0;
+  // One place for each stretch of a feature between neighbouring nodes on it: a feature that runs
+  // through two further nodes takes three. At most features_limit; 0 for a plain Delaunay mesh.
+  std::uint32_t features_max = 0;
+  // Most Steiner vertices the mesh may hold. 0: as many as vertices_max leaves room for.
+  std::uint32_t steiner_max = 0;
+  // Most splits and repairs one call may make before it gives up with Status::step_limit, so that a
+  // watchdog can trust it. One step costs a few microseconds on a desktop. 0: no bound but the
+  // grid's.
+  std::uint32_t steps_max = 0;
+  SplitPolicy policy = split_default;
+};
+
+// Ids carry two bits of bookkeeping beside the index; these are what is left.
+inline constexpr std::uint32_t vertices_limit = sizeof(IdValue) == 2 ? 4094u : (1u << 28) - 2u;
+inline constexpr std::uint32_t features_limit = sizeof(IdValue) == 2 ? 8190u : (1u << 28) - 2u;
+
+// ok, bad_config.
+Status validate(const MeshConfig& config) noexcept;
+
+// Bytes of one vertex (with its two triangles), of one feature stretch, and of the fixed head.
+// Checked against the real layout when the library is compiled.
+inline constexpr std::size_t bytes_per_vertex_capacity = 16 + 14 * sizeof(IdValue);
+inline constexpr std::size_t bytes_per_feature_capacity = 8 * sizeof(IdValue);
+inline constexpr std::size_t bytes_fixed = 512;
+
+// The memory Mesh::open needs for this configuration, all in.
+constexpr std::size_t storage_bytes(std::uint32_t vertices_max,
+                                    std::uint32_t features_max) noexcept {
+  return bytes_fixed + bytes_per_vertex_capacity * vertices_max +
+         bytes_per_feature_capacity * features_max;
+}
+constexpr std::size_t storage_bytes(const MeshConfig& config) noexcept {
+  return storage_bytes(config.vertices_max, config.features_max);
+}
+
+}  // namespace etcm

@@ -1,0 +1,25 @@
+// Where in a mesh a point lies.
+#pragma once
+
+#include <cstdint>
+
+#include "etcm/mesh.h"
+
+namespace etcm {
+
+enum class Place : std::uint8_t { outside, inside_triangle, on_edge, on_vertex };
+
+struct Location {
+  Place place = Place::outside;
+  // inside_triangle: the triangle; on_edge: one of its two; on_vertex: any at the vertex;
+  // outside: the ghost behind a hull edge that the point can see. None when there is no triangle.
+  TriangleId triangle{};
+  int side = 0;       // on_edge: the edge opposite triangle.corner[side]
+  VertexId vertex{};  // on_vertex
+};
+
+// Finds `point` by a visibility walk from `near` (none: from anywhere). Expected O(sqrt(n)), never
+// more than one visit to each triangle. No stack to speak of.
+Location locate(const Mesh& mesh, Point point, TriangleId near = TriangleId::none()) noexcept;
+
+}  // namespace etcm

@@ -1,0 +1,157 @@
+// Mesh: a conforming Delaunay triangulation in caller memory that nodes join, leave and move in.
+//
+// What always holds between calls
+// - The triangulation is THE canonical one of its vertices and subsegments: strict Delaunay, then
+//   features win ties, then the lexicographic symbolic perturbation. It does not depend on the
+//   order in which anything was given, on the compiler or on the machine.
+// - Each feature is a union of mesh edges, exactly; each Steiner vertex lies exactly on its
+// feature.
+//   (After build() answered steiner_budget, step_limit or grid_exhausted: but for the stretches
+//   that unresolved() counts.)
+// - 0, 1, 2 and collinear nodes are meshes too: they have no finite triangle.
+//
+// Guarantee of every call that changes the mesh: it succeeds whole, or the mesh, its hash included,
+// is as it was, and Status says why (build() alone may leave a partly conforming mesh, and says
+// so).
+//
+// Threads: none inside; one thread at a time, or any number of readers.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "etcm/config.h"
+#include "etcm/status.h"
+#include "etcm/types.h"
+
+namespace etcm {
+
+namespace internal {
+struct MeshState;
+}
+
+enum class VertexKind : std::uint8_t { none, node, steiner };
+
+struct FeatureEnds {
+  VertexId from;
+  VertexId to;
+};
+
+// What the last failed call stumbled over; fields that do not apply are none.
+struct Trouble {
+  Status status = Status::ok;
+  VertexId vertex{};    // the node in the way, or the unknown one
+  FeatureId feature{};  // the feature that cannot be made (in build(): its index in the input)
+  FeatureId other{};    // the feature it crosses, overlaps or repeats (as above)
+  Point from{};         // the unresolved piece of `feature`, for steiner_budget, step_limit
+  Point to{};           //   and grid_exhausted
+};
+
+struct Neighbour {
+  VertexId vertex;
+  bool constrained;  // the edge is part of a feature
+};
+
+struct Triangle {
+  std::array<VertexId, 3> corner;       // counter-clockwise
+  std::array<TriangleId, 3> neighbour;  // [i] is across the edge opposite corner[i]
+  std::array<bool, 3> constrained;      // [i]: that edge is part of a feature
+  bool is_ghost() const noexcept {
+    return corner[0] == infinite_vertex || corner[1] == infinite_vertex ||
+           corner[2] == infinite_vertex;
+  }
+};
+
+class Mesh {
+ public:
+  // A mesh without storage: open() first. Any other call before that is a programming error.
+  Mesh() noexcept = default;
+  Mesh(const Mesh&) = delete;
+  Mesh& operator=(const Mesh&) = delete;
+
+  // Takes the storage, which must outlive the mesh, be aligned to 8 and have storage_bytes(config)
+  // bytes; the mesh in it is empty. Errors: bad_config, storage_too_small. O(1).
+  Status open(std::span<std::byte> storage, const MeshConfig& config) noexcept;
+
+  // Forgets all nodes and features. O(1).
+  void clear() noexcept;
+
+  // Builds an empty mesh from nodes and features at once: node i becomes vertex i + 1. Endpoint ids
+  // are those vertices. Feature i becomes FeatureId i. O(n log n).
+  // Errors in the input leave the mesh empty, with trouble() naming the culprit. steiner_budget,
+  // step_limit, grid_exhausted and out_of_vertices during conforming leave the valid Delaunay mesh
+  // of what is done; unresolved() counts the rest, and changes are refused until clear().
+  Status build(std::span<const Position> nodes, std::span<const FeatureEnds> features) noexcept;
+
+  // Drops every Steiner vertex and conforms afresh: the mesh is the one build() makes of the same
+  // nodes and features, whatever the history. All or nothing.
+  Status rebuild() noexcept;
+
+  // A node joins. It may stand on a Steiner vertex (and takes its place), on a feature (which then
+  // runs through it), on the hull or outside. Sets `id` on success only.
+  // Errors: bad_coordinate, duplicate_vertex (trouble().vertex), and the room-and-bounds codes.
+  // Expected O(sqrt(n)) to find the place, O(1) to change it.
+  Status join(Position position, VertexId& id) noexcept;
+
+  // A node leaves. Errors: unknown_vertex, endpoint_in_use, and the room-and-bounds codes (the
+  // feature that ran through it may need more Steiner vertices without it).
+  Status leave(VertexId node) noexcept;
+
+  // A node moves and keeps its id, and its features follow it. Errors: unknown_vertex, those of
+  // join(), and those of add_feature() for the features that follow.
+  Status move(VertexId node, Position position) noexcept;
+
+  // Adds a feature between two nodes and makes it a union of mesh edges. Sets `id` on success only.
+  // Errors: unknown_vertex, zero_length_feature, repeated_feature, overlapping_features,
+  // crossing_features, and the room-and-bounds codes.
+  Status add_feature(FeatureEnds ends, FeatureId& id) noexcept;
+
+  // Removes a feature and its Steiner vertices. Errors: unknown_feature.
+  Status remove_feature(FeatureId feature) noexcept;
+
+  // Counts. O(1) each.
+  const MeshConfig& config() const noexcept;
+  std::uint32_t node_count() const noexcept;
+  std::uint32_t steiner_count() const noexcept;
+  std::uint32_t feature_count() const noexcept;
+  std::uint32_t triangle_count() const noexcept;  // ghosts included; ids run below this
+  std::uint32_t finite_triangle_count() const noexcept;
+  std::uint32_t unresolved() const noexcept;  // pieces of features that are no edges
+  // Every vertex id in use is below this, every feature id below the next. Ids between may be free.
+  std::uint32_t vertex_id_end() const noexcept;
+  std::uint32_t feature_id_end() const noexcept;
+  const Trouble& trouble() const noexcept;
+
+  // Vertices. The id must be below vertex_id_end(), and in use for all but kind().
+  VertexKind kind(VertexId vertex) const noexcept;
+  Point point(VertexId vertex) const noexcept;
+  Position position(VertexId node) const noexcept;
+  // The feature a Steiner vertex stands on, and its parameter there (see policy.h).
+  FeatureId feature_of(VertexId steiner) const noexcept;
+  // Writes the neighbours counter-clockwise, the vertex at infinity left out, as many as fit, and
+  // returns how many there are. O(degree).
+  std::uint32_t neighbours(VertexId vertex, std::span<Neighbour> out) const noexcept;
+
+  // Triangles. The id must be below triangle_count().
+  Triangle triangle(TriangleId id) const noexcept;
+
+  // Features.
+  bool is_feature(FeatureId feature) const noexcept;
+  FeatureEnds ends(FeatureId feature) const noexcept;
+  // Writes the vertices along the feature from ends().from to ends().to, as many as fit, and
+  // returns how many there are. O(their degrees).
+  std::uint32_t chain(FeatureId feature, std::span<VertexId> out) const noexcept;
+
+  // A number of the triangulation alone: the same for the same vertices, edges and subsegments,
+  // whatever the ids, the history and the machine. O(n).
+  std::uint64_t hash() const noexcept;
+
+ private:
+  friend const internal::MeshState& state_of(const Mesh& mesh) noexcept;
+  friend internal::MeshState& state_of(Mesh& mesh) noexcept;
+  internal::MeshState* state_ = nullptr;
+};
+
+}  // namespace etcm
