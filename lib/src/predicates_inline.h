@@ -1,0 +1,84 @@
+// The predicates' filtered fast path, for the library's own loops: the answer is the same as that
+// of the public functions, without a call in the common case.
+//
+// The filters compute the determinant in double with a bound on its error; a value beyond the bound
+// has the right sign. Let u = 2^-53. Coordinates are integers of at most 2^52, so differences are
+// taken in integers, are at most 2^53 and convert to double EXACTLY: the bounds count only the
+// roundings after that, and are tighter than those for rounded differences (Shewchuk, Adaptive
+// Precision Floating-Point Arithmetic, 1997, needs 3u and 10u). Nothing can overflow (values stay
+// below 2^216) or underflow (every product is an integer). On a machine without a floating-point
+// unit this is slow, but as right.
+#pragma once
+
+#include <cmath>
+
+#include "assumptions.h"
+#include "etcm/types.h"
+
+namespace etcm::internal {
+
+// The exact stage, with the integers this build uses.
+int orient2d_settle(const Point& a, const Point& b, const Point& c) noexcept;
+int incircle_settle(const Point& a, const Point& b, const Point& c, const Point& d) noexcept;
+
+inline constexpr double filter_unit = 0x1p-53;
+
+// With l and r the rounded products, |l - r| is the determinant up to u (|l| + |r|), and the last
+// subtraction, being correctly rounded, keeps the sign and changes the size by a factor of at most
+// 1 + u. So det decides if |det| / (1 + u) > u (|l| + |r|). Computing the right side costs two
+// more roundings: u (1 + u) / (1 - u)^2 < u (1 + 8u), which is a double.
+inline constexpr double orient2d_error = filter_unit * (1.0 + 8.0 * filter_unit);
+
+// Each of the 12 monomials lift * product is rounded twice in its lift, twice in its cross product,
+// once where these are multiplied, and at most once in the first of the two last additions: the
+// sum before the last rounding is off by at most 6u / (1 - 6u) times the permanent (the same sum of
+// magnitudes). The last addition keeps the sign, as above. The computed permanent is too small by
+// at most 7 roundings, the product with the constant by one: 6u (1 + u) / ((1 - 6u) (1 - u)^8) is
+// 6u (1 + 15u) to first order, below u (6 + 128u), which is a double.
+inline constexpr double incircle_error = filter_unit * (6.0 + 128.0 * filter_unit);
+
+// Sign of the determinant, or 0 where the double does not decide it.
+inline int orient2d_filter(const Point& a, const Point& b, const Point& c) noexcept {
+  const double left = static_cast<double>(a.x - c.x) * static_cast<double>(b.y - c.y);
+  const double right = static_cast<double>(a.y - c.y) * static_cast<double>(b.x - c.x);
+  const double determinant = left - right;
+  const double bound = orient2d_error * (std::fabs(left) + std::fabs(right));
+  return (determinant > bound) - (determinant < -bound);
+}
+
+inline int incircle_filter(const Point& a, const Point& b, const Point& c,
+                           const Point& d) noexcept {
+  const auto adx = static_cast<double>(a.x - d.x);
+  const auto ady = static_cast<double>(a.y - d.y);
+  const auto bdx = static_cast<double>(b.x - d.x);
+  const auto bdy = static_cast<double>(b.y - d.y);
+  const auto cdx = static_cast<double>(c.x - d.x);
+  const auto cdy = static_cast<double>(c.y - d.y);
+
+  const double bdx_cdy = bdx * cdy, cdx_bdy = cdx * bdy;
+  const double cdx_ady = cdx * ady, adx_cdy = adx * cdy;
+  const double adx_bdy = adx * bdy, bdx_ady = bdx * ady;
+  const double a_lift = adx * adx + ady * ady;
+  const double b_lift = bdx * bdx + bdy * bdy;
+  const double c_lift = cdx * cdx + cdy * cdy;
+
+  const double determinant =
+      a_lift * (bdx_cdy - cdx_bdy) + b_lift * (cdx_ady - adx_cdy) + c_lift * (adx_bdy - bdx_ady);
+  const double permanent = a_lift * (std::fabs(bdx_cdy) + std::fabs(cdx_bdy)) +
+                           b_lift * (std::fabs(cdx_ady) + std::fabs(adx_cdy)) +
+                           c_lift * (std::fabs(adx_bdy) + std::fabs(bdx_ady));
+  const double bound = incircle_error * permanent;
+  return (determinant > bound) - (determinant < -bound);
+}
+
+inline int orient2d_fast(const Point& a, const Point& b, const Point& c) noexcept {
+  const int sign = orient2d_filter(a, b, c);
+  return sign != 0 ? sign : orient2d_settle(a, b, c);
+}
+
+inline int incircle_fast(const Point& a, const Point& b, const Point& c, const Point& d) noexcept {
+  const int sign = incircle_filter(a, b, c, d);
+  return sign != 0 ? sign : incircle_settle(a, b, c, d);
+}
+
+}  // namespace etcm::internal
