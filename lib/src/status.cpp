@@ -54,6 +54,11 @@ Text text_of(Status status) noexcept {
       return {"buffer_too_small",
               "The output buffer is shorter than the needed count that was returned; pass a longer "
               "one."};
+    case Status::mesh_unresolved:
+      return {
+          "mesh_unresolved",
+          "A build ended before every feature conformed, so the mesh takes no changes; clear it "
+          "and build with more room."};
     case Status::out_of_vertices:
       return {"out_of_vertices",
               "The vertex capacity is used up by nodes and Steiner vertices; raise vertices_max."};

@@ -1,3 +1,7 @@
 # Warnings are a property of our own targets, never of whoever uses them: link this PRIVATE.
+# They are errors only where we are the ones to read them.
 add_library(etcm_warnings INTERFACE)
-target_compile_options(etcm_warnings INTERFACE -Wall -Wextra -Wconversion -Wshadow -Werror)
+target_compile_options(etcm_warnings INTERFACE
+  -Wall -Wextra -Wconversion -Wshadow
+  $<$<BOOL:${PROJECT_IS_TOP_LEVEL}>:-Werror>
+)

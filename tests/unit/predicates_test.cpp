@@ -1,0 +1,179 @@
+// orient2d and incircle against an oracle, stage against stage, and the laws they must obey.
+#include "etcm/predicates.h"
+
+#include <gtest/gtest.h>
+
+#include <ostream>
+
+#include "predicate_cases.h"
+#include "predicate_oracle.h"
+#include "predicates_inline.h"
+#include "predicates_internal.h"
+
+namespace etcm {
+void PrintTo(const Point& p, std::ostream* out) { *out << "{" << p.x << ", " << p.y << "}"; }
+}  // namespace etcm
+
+namespace {
+
+using etcm::incircle;
+using etcm::orient2d;
+using etcm::Point;
+using etcm_test::Family;
+using etcm_test::FourPoints;
+using namespace etcm::internal;
+
+constexpr int cases_per_family = 120'000;
+constexpr std::uint64_t seed = 0x45544341;
+
+class EveryFamily : public testing::TestWithParam<Family> {};
+
+INSTANTIATE_TEST_SUITE_P(Predicates, EveryFamily, testing::ValuesIn(etcm_test::families()),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+TEST_P(EveryFamily, Orient2dIsTheOraclesInEveryStage) {
+  etcm_test::PredicateOracle oracle;
+  etcm_test::Random random(seed);
+  for (int i = 0; i < cases_per_family; ++i) {
+    const auto [a, b, c, unused] = GetParam().make(random);
+    const int expected = oracle.orient2d(a, b, c);
+    ASSERT_EQ(orient2d(a, b, c), expected) << testing::PrintToString(std::tie(a, b, c));
+    ASSERT_EQ(orient2d_exact<LimbArithmetic>(a, b, c), expected);
+#ifdef __SIZEOF_INT128__
+    ASSERT_EQ(orient2d_exact<NativeArithmetic>(a, b, c), expected);
+#endif
+    const int filtered = orient2d_filter(a, b, c);
+    ASSERT_TRUE(filtered == 0 || filtered == expected)
+        << "the filter lies: " << testing::PrintToString(std::tie(a, b, c));
+  }
+}
+
+TEST_P(EveryFamily, IncircleIsTheOraclesInEveryStage) {
+  etcm_test::PredicateOracle oracle;
+  etcm_test::Random random(seed + 1);
+  for (int i = 0; i < cases_per_family; ++i) {
+    const FourPoints four = GetParam().make(random);
+    const auto& [a, b, c, d] = four;
+    const int expected = oracle.incircle(a, b, c, d);
+    ASSERT_EQ(incircle(a, b, c, d), expected) << testing::PrintToString(four);
+    ASSERT_EQ(incircle_exact<LimbArithmetic>(a, b, c, d), expected);
+#ifdef __SIZEOF_INT128__
+    ASSERT_EQ(incircle_exact<NativeArithmetic>(a, b, c, d), expected);
+#endif
+    const int filtered = incircle_filter(a, b, c, d);
+    ASSERT_TRUE(filtered == 0 || filtered == expected)
+        << "the filter lies: " << testing::PrintToString(four);
+  }
+}
+
+TEST_P(EveryFamily, SignsFollowThePermutationOfTheArguments) {
+  etcm_test::Random random(seed + 2);
+  for (int i = 0; i < cases_per_family / 4; ++i) {
+    const FourPoints four = GetParam().make(random);
+    const auto& [a, b, c, d] = four;
+    const int turn = orient2d(a, b, c);
+    ASSERT_EQ(orient2d(b, c, a), turn) << testing::PrintToString(four);
+    ASSERT_EQ(orient2d(c, a, b), turn) << testing::PrintToString(four);
+    ASSERT_EQ(orient2d(b, a, c), -turn) << testing::PrintToString(four);
+    ASSERT_EQ(orient2d(a, c, b), -turn) << testing::PrintToString(four);
+    ASSERT_EQ(orient2d(c, b, a), -turn) << testing::PrintToString(four);
+    ASSERT_EQ(orient2d(a, a, b), 0);
+    // Every permutation is a product of these exchanges of neighbours.
+    const int side = incircle(a, b, c, d);
+    ASSERT_EQ(incircle(b, a, c, d), -side) << testing::PrintToString(four);
+    ASSERT_EQ(incircle(a, c, b, d), -side) << testing::PrintToString(four);
+    ASSERT_EQ(incircle(a, b, d, c), -side) << testing::PrintToString(four);
+    ASSERT_EQ(incircle(a, b, c, a), 0);
+  }
+}
+
+enum class Stage { filter, exact };
+
+struct Orient2dCase {
+  const char* name;
+  Point a, b, c;
+  int sign;
+  Stage stage;
+};
+
+constexpr std::int64_t far = etcm_test::coordinate_max;
+
+// The sign, and which stage must find it: a filter that gives up early is a fault as well.
+constexpr Orient2dCase orient2d_table[] = {
+    {"unit_triangle", {0, 0}, {1, 0}, {0, 1}, 1, Stage::filter},
+    {"unit_triangle_clockwise", {0, 0}, {0, 1}, {1, 0}, -1, Stage::filter},
+    {"whole_box", {-far, -far}, {far, -far}, {far, far}, 1, Stage::filter},
+    {"diagonal", {-far, -far}, {far, far}, {0, 0}, 0, Stage::exact},
+    {"one_subunit_left_of_the_diagonal", {-far, -far}, {far, far}, {0, 1}, 1, Stage::filter},
+    {"one_subunit_right_near_the_end",
+     {-far, -far},
+     {far, far - 1},
+     {far - 2, far - 3},
+     -1,
+     Stage::exact},
+    {"products_equal_in_double",
+     {far, far - 1},
+     {far - 1, far - 2},
+     {-far, -far},
+     -1,
+     Stage::exact},
+    {"one_point", {far, -far}, {far, -far}, {far, -far}, 0, Stage::exact},
+};
+
+TEST(Orient2d, EachCaseIsDecidedByItsStage) {
+  for (const auto& [name, a, b, c, sign, stage] : orient2d_table) {
+    EXPECT_EQ(orient2d(a, b, c), sign) << name;
+    EXPECT_EQ(orient2d_filter(a, b, c), stage == Stage::filter ? sign : 0) << name;
+  }
+}
+
+struct IncircleCase {
+  const char* name;
+  FourPoints four;
+  int sign;
+  Stage stage;
+};
+
+constexpr IncircleCase incircle_table[] = {
+    {"centre_of_the_box", {{{far, far}, {-far, far}, {-far, -far}, {0, 0}}}, 1, Stage::filter},
+    {"fourth_corner", {{{far, far}, {-far, far}, {-far, -far}, {far, -far}}}, 0, Stage::exact},
+    {"one_subunit_inside_the_fourth_corner",
+     {{{far, far}, {-far, far}, {-far, -far}, {far - 1, -far}}},
+     1,
+     Stage::exact},
+    {"clockwise_exchanges_the_sign",
+     {{{-far, far}, {far, far}, {-far, -far}, {0, 0}}},
+     -1,
+     Stage::filter},
+    {"outside_a_small_circle", {{{0, 0}, {2, 0}, {0, 2}, {3, 3}}}, -1, Stage::filter},
+    {"inside_a_small_circle", {{{0, 0}, {2, 0}, {0, 2}, {1, 1}}}, 1, Stage::filter},
+    {"on_a_small_circle", {{{0, 0}, {2, 0}, {0, 2}, {2, 2}}}, 0, Stage::exact},
+    {"left_of_a_flat_triangle", {{{0, 0}, {2, 0}, {1, 0}, {1, 1}}}, -1, Stage::filter},
+    {"right_of_a_flat_triangle", {{{0, 0}, {2, 0}, {1, 0}, {1, -1}}}, 1, Stage::filter},
+    {"all_on_a_line", {{{-far, -far}, {0, 0}, {far, far}, {7, 7}}}, 0, Stage::exact},
+};
+
+TEST(Incircle, EachCaseIsDecidedByItsStage) {
+  for (const auto& [name, four, sign, stage] : incircle_table) {
+    const auto& [a, b, c, d] = four;
+    EXPECT_EQ(incircle(a, b, c, d), sign) << name;
+    EXPECT_EQ(incircle_filter(a, b, c, d), stage == Stage::filter ? sign : 0) << name;
+  }
+}
+
+TEST(Filters, DecideNearlyAllOfRandomInput) {
+  etcm_test::Random random(seed + 3);
+  constexpr int count = 100'000;
+  int undecided_turns = 0;
+  int undecided_sides = 0;
+  for (int i = 0; i < count; ++i) {
+    FourPoints four;
+    for (Point& p : four) p = random.point(etcm_test::coordinate_max);
+    undecided_turns += orient2d_filter(four[0], four[1], four[2]) == 0;
+    undecided_sides += incircle_filter(four[0], four[1], four[2], four[3]) == 0;
+  }
+  EXPECT_LT(undecided_turns, count / 1000);
+  EXPECT_LT(undecided_sides, count / 1000);
+}
+
+}  // namespace

@@ -1,0 +1,43 @@
+// Every status has a name and a sentence of its own.
+#include "etcm/status.h"
+
+#include <gtest/gtest.h>
+
+#include <cctype>
+#include <set>
+#include <string>
+
+namespace {
+
+constexpr auto last_status = etcm::Status::grid_exhausted;
+
+TEST(Status, EveryCodeHasANameOfItsOwn) {
+  std::set<std::string> names;
+  for (int code = 0; code <= static_cast<int>(last_status); ++code) {
+    const std::string name = etcm::to_string(static_cast<etcm::Status>(code));
+    EXPECT_NE(name, "unknown_status") << code;
+    EXPECT_TRUE(names.insert(name).second) << name << " stands twice";
+  }
+  EXPECT_STREQ(etcm::to_string(etcm::Status::ok), "ok");
+  EXPECT_STREQ(etcm::to_string(etcm::Status::crossing_features), "crossing_features");
+}
+
+TEST(Status, EveryCodeIsExplainedInOneSentence) {
+  std::set<std::string> sentences;
+  for (int code = 0; code <= static_cast<int>(last_status); ++code) {
+    const std::string sentence = etcm::explain(static_cast<etcm::Status>(code));
+    ASSERT_GT(sentence.size(), 10U) << code;
+    EXPECT_TRUE(std::isupper(static_cast<unsigned char>(sentence.front())) != 0) << sentence;
+    EXPECT_EQ(sentence.back(), '.') << sentence;
+    EXPECT_EQ(sentence.find(". "), std::string::npos) << "more than one sentence: " << sentence;
+    EXPECT_TRUE(sentences.insert(sentence).second) << sentence;
+  }
+}
+
+TEST(Status, AValueOutsideTheEnumerationIsNamedAsSuch) {
+  const auto stray = static_cast<etcm::Status>(static_cast<int>(last_status) + 1);
+  EXPECT_STREQ(etcm::to_string(stray), "unknown_status");
+  EXPECT_NE(etcm::explain(stray), nullptr);
+}
+
+}  // namespace

@@ -1,0 +1,35 @@
+# etcm_add_test(NAME SOURCES file... [LIBRARIES target...] [TIMEOUT seconds] [LABELS label...])
+#
+# One GoogleTest program; each of its cases becomes a test named "<folder>/<suite>.<case>".
+# A source of its own with main() is welcome: it takes precedence over GoogleTest's.
+# TIMEOUT is per case; without it a case has 60 seconds.
+include(GoogleTest)
+
+function(etcm_add_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "SOURCES;LIBRARIES;LABELS")
+  if(NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "etcm_add_test(${name}): give SOURCES; not understood: "
+                        "'${arg_UNPARSED_ARGUMENTS}'")
+  endif()
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 60)
+  endif()
+  get_filename_component(folder "${CMAKE_CURRENT_SOURCE_DIR}" NAME)
+  if(NOT arg_LABELS)
+    set(arg_LABELS ${folder})
+  endif()
+
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} GTest::gmock_main etcm_warnings)
+  # bin/ is for programs a user would run.
+  set_target_properties(${name} PROPERTIES
+    RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests/bin"
+  )
+  # PRE_TEST: a cross build must not run the program while it builds.
+  gtest_discover_tests(${name}
+    TEST_PREFIX "${folder}/"
+    DISCOVERY_MODE PRE_TEST
+    DISCOVERY_TIMEOUT 60
+    PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}"
+  )
+endfunction()
