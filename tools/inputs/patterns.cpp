@@ -65,7 +65,10 @@ Graph comb(std::size_t teeth, std::int32_t spacing, std::int32_t length, std::in
 Graph parallels(std::size_t features, std::int32_t apart, std::int32_t length, std::size_t around,
                 std::uint64_t seed) {
   Random random(seed);
-  Graph graph{"parallels-" + number(features) + "-apart-" + number(apart), {}, {}};
+  Graph graph{
+      "parallels-" + number(features) + "-apart-" + number(apart) + "-around-" + number(around),
+      {},
+      {}};
   for (std::size_t i = 0; i < features; ++i) {
     add_feature(graph, {0, times(i, apart)}, {length, times(i, apart)});
   }
