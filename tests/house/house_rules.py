@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+"""The house rules that a program can check. Usage: house_rules.py RULE (a function below)."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+ROOMS = ("lib", "port", "firmware", "tools", "tests")
+SKIPPED = 77
+
+# What the library may include of the standard library: nothing in these allocates, throws, locks
+# or talks to an operating system. Of <algorithm> the parts that want a buffer would show up in the
+# scan of the archive.
+LIBRARY_HEADERS = {
+    "algorithm", "array", "bit", "cfloat", "climits", "cmath", "compare", "concepts", "cstddef",
+    "cstdint", "cstring", "limits", "new", "span", "type_traits", "utility",
+}
+
+# Folder, and what files in it must not include (a pattern on the included path).
+FORBIDDEN_ARROWS = [
+    ("lib", r"^(etcm/port|port|firmware|tools|tests|modbus|posix|files|inputs)/"),
+    ("lib/src/topology.h", r"predicates"),
+    ("lib/src/topology.cpp", r"predicates"),
+    ("port/include", r"(modbus|gpiod|microhttpd|systemd)"),
+    ("port", r"^(firmware|tools|tests)/"),
+    ("port/posix", r"^(modbus|gpiod|microhttpd)"),
+    ("firmware", r"^(tools|tests|modbus/modbus\.h|gpiod|microhttpd)"),
+    ("tools", r"^(firmware|tests)/"),
+]
+
+
+def files(*suffixes, under=ROOMS):
+    """Files of the project with one of these suffixes, generated and foreign ones left out."""
+    for room in under:
+        start = ROOT / room
+        candidates = [start] if start.is_file() else sorted(start.rglob("*"))
+        for path in candidates:
+            if path.is_file() and path.suffix in suffixes and "__pycache__" not in path.parts:
+                yield path
+
+
+def includes(path):
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        match = re.match(r'\s*#\s*include\s*([<"])([^>"]+)[>"]', line)
+        if match:
+            yield number, match.group(1) == "<", match.group(2)
+
+
+def name(path):
+    return path.relative_to(ROOT)
+
+
+def file_length():
+    """A file of the library that grows past 500 lines hides a second idea."""
+    for path in files(".h", ".cpp", under=("lib",)):
+        count = len(path.read_text().splitlines())
+        if count > 500:
+            yield f"{name(path)}: {count} lines; find the second responsibility and move it out"
+
+
+def no_leftovers():
+    """What is not done belongs in the tracker, not in the source."""
+    # Written apart so that this file does not find itself.
+    marks = re.compile(r"\b(" + "|".join(["TO" + "DO", "FIX" + "ME", "XX" + "X", "HA" + "CK"]) + r")\b")
+    for path in files(".h", ".cpp", ".py", ".sh", ".cmake", ".md", ".txt", ".toml", ""):
+        try:
+            text = path.read_text()
+        except UnicodeDecodeError:
+            continue
+        for number, line in enumerate(text.splitlines(), 1):
+            if marks.search(line):
+                yield f"{name(path)}:{number}: finish it or take it out: {line.strip()}"
+
+
+def readmes():
+    """Each room tells what lives in it; so does each program."""
+    folders = [ROOT / room for room in ROOMS]
+    folders += [path for path in (ROOT / "tools").iterdir() if path.is_dir()]
+    for folder in folders:
+        if any(folder.iterdir()) and not (folder / "README.md").is_file():
+            yield f"{name(folder)}: has no README.md; say what lives here and what it may include"
+
+
+def pragma_once():
+    for path in files(".h"):
+        if "#pragma once" not in path.read_text().splitlines():
+            yield f"{name(path)}: has no #pragma once"
+
+
+def library_includes():
+    """The library includes itself and what needs neither heap nor operating system."""
+    for path in files(".h", ".cpp", under=("lib",)):
+        for number, is_system, header in includes(path):
+            if is_system and header not in LIBRARY_HEADERS:
+                yield f"{name(path)}:{number}: <{header}> is not for the library"
+            if not is_system and not header.startswith("etcm/"):
+                if not (path.parent / header).is_file():
+                    yield f'{name(path)}:{number}: "{header}" is not in the library'
+            public = "include" in name(path).parts
+            if public and not is_system and not (ROOT / "lib/include" / header).is_file():
+                yield f'{name(path)}:{number}: a public header includes "{header}", a private one'
+
+
+def arrows():
+    """The arrow graph of the rooms (tests/README.md) as far as includes show it."""
+    for folder, pattern in FORBIDDEN_ARROWS:
+        for path in files(".h", ".cpp", under=(folder,)):
+            for number, _, header in includes(path):
+                if re.search(pattern, header):
+                    yield f"{name(path)}:{number}: {folder} must not include {header}"
+
+
+def readme_example():
+    """The example in README.md is the one that is compiled and run."""
+    example = (ROOT / "tests/install/outside/example.cpp").read_text()
+    if "```cpp\n" + example + "```" not in (ROOT / "README.md").read_text():
+        yield "README.md: its C++ example differs from tests/install/outside/example.cpp; copy it over"
+
+
+def links():
+    """Relative links in the documents lead to files."""
+    for path in [ROOT / "README.md", *files(".md")]:
+        text = re.sub(r"```.*?```", "", path.read_text(), flags=re.S)
+        for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text):
+            if "://" not in target and not (path.parent / target).exists():
+                yield f"{name(path)}: links to {target}, which does not exist"
+
+
+def format():
+    """clang-format has nothing to say. Skipped without Debian 12's: each version has its own taste."""
+    tool = shutil.which("clang-format-14") or shutil.which("clang-format")
+    version = subprocess.run([tool, "--version"], capture_output=True, text=True).stdout if tool else ""
+    if "version 14." not in version:
+        print("clang-format 14 is not installed; skipped")
+        sys.exit(SKIPPED)
+    for path in files(".h", ".cpp"):
+        result = subprocess.run([tool, "--dry-run", "-Werror", str(path)], capture_output=True)
+        if result.returncode != 0:
+            yield f"{name(path)}: not formatted; run: clang-format -i {name(path)}"
+
+
+RULES = [file_length, no_leftovers, readmes, pragma_once, library_includes, arrows, readme_example,
+         links, format]
+
+
+def main():
+    rules = {rule.__name__: rule for rule in RULES}
+    if len(sys.argv) != 2 or sys.argv[1] not in rules:
+        sys.exit(f"usage: house_rules.py {'|'.join(rules)}")
+    broken = list(rules[sys.argv[1]]())
+    print("\n".join(broken) if broken else "kept")
+    sys.exit(1 if broken else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,30 @@
+# What makes the installed tree findable: find_package(etcm) and pkg-config.
+# Other folders add their targets with install(TARGETS ... EXPORT etcm-targets).
+include(CMakePackageConfigHelpers)
+
+set(etcm_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/etcm")
+
+install(EXPORT etcm-targets NAMESPACE etcm:: DESTINATION ${etcm_package_dir})
+
+configure_package_config_file(
+  "${CMAKE_CURRENT_LIST_DIR}/etcm-config.cmake.in"
+  "${PROJECT_BINARY_DIR}/etcm-config.cmake"
+  INSTALL_DESTINATION ${etcm_package_dir}
+)
+# Before 1.0 a minor version may break its users.
+write_basic_package_version_file(
+  "${PROJECT_BINARY_DIR}/etcm-config-version.cmake"
+  COMPATIBILITY SameMinorVersion
+)
+install(FILES
+  "${PROJECT_BINARY_DIR}/etcm-config.cmake"
+  "${PROJECT_BINARY_DIR}/etcm-config-version.cmake"
+  DESTINATION ${etcm_package_dir}
+)
+
+# Relative, so that the tree can be moved.
+file(RELATIVE_PATH etcm_pc_prefix
+  "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/"
+)
+configure_file("${CMAKE_CURRENT_LIST_DIR}/etcm.pc.in" "${PROJECT_BINARY_DIR}/etcm.pc" @ONLY)
+install(FILES "${PROJECT_BINARY_DIR}/etcm.pc" DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

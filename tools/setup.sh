@@ -1,0 +1,92 @@
+# Shared by the commands in tools/; to be sourced by bash after `set -euo pipefail`.
+#
+#   etcm_root                     the project's folder
+#   etcm_require GROUP...         installs the packages of these groups (tools/packages) that are
+#                                 missing; does nothing, quickly, when none is
+#   etcm_step LABEL COMMAND...    runs the command with its output in a log, shows one line with the
+#                                 progress and the time; if it fails, shows what failed and ends
+#   etcm_build PRESET [TARGET...] configures and builds a preset
+
+etcm_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+etcm_log_dir=$etcm_root/build/log
+
+etcm_fail() {
+  printf '%s: %s\n' "$(basename "$0")" "$1" >&2
+  exit 1
+}
+
+etcm_require() {
+  local group package wanted=() missing=()
+  for group in "$@"; do
+    mapfile -t -O "${#wanted[@]}" wanted < <(
+      awk -v group="$group" '$1 == group {print $2}' "$etcm_root/tools/packages"
+    )
+  done
+  for package in "${wanted[@]}"; do
+    # Asking each by name: one question for all of them ends at the first unknown one.
+    [[ $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) == installed ]] ||
+      missing+=("$package")
+  done
+  ((${#missing[@]} == 0)) && return
+
+  local as_root=()
+  if ((EUID != 0)); then
+    command -v sudo >/dev/null ||
+      etcm_fail "needs root to install packages; as root, run: apt-get install ${missing[*]}"
+    as_root=(sudo)
+    sudo -v || etcm_fail "sudo refused; as root, run: apt-get install ${missing[*]}"
+  fi
+  command -v apt-get >/dev/null ||
+    etcm_fail "knows only apt; install these by hand: ${missing[*]}"
+  etcm_step "package lists" "${as_root[@]}" apt-get -q update
+  etcm_step "install ${#missing[@]} packages" "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get -q install -y --no-install-recommends "${missing[@]}"
+}
+
+# The last "12/345" of a log: Ninja and CTest both write it.
+etcm_progress() {
+  tail -c 2000 "$1" 2>/dev/null | grep -oE '(^|\[| )[0-9]+/[0-9]+' | tail -n 1 | tr -d '[ ' || true
+}
+
+# What a person needs of a failed step's log.
+etcm_show_failure() {
+  grep -vE '^ *Start +[0-9]+:|[ .]Passed +[0-9.]+ sec|^\[[0-9]+/[0-9]+\] (Building|Linking)' "$1" |
+    tail -n "${ETCM_FAILURE_LINES:-80}"
+  printf 'the whole log: %s\n' "$1"
+}
+
+etcm_step() {
+  local label=$1 started=$SECONDS log status=0 watcher=
+  shift
+  mkdir -p "$etcm_log_dir"
+  log=$etcm_log_dir/${label//[^a-zA-Z0-9]/_}.log
+  : >"$log"
+  # The watcher is the one in the background, so that an interrupt reaches the command.
+  if [[ -t 1 ]]; then
+    while kill -0 $$ 2>/dev/null; do
+      printf '\r\033[K%-28s %s' "$label" "$(etcm_progress "$log")"
+      sleep 0.3
+    done &
+    watcher=$!
+  fi
+  "$@" </dev/null >"$log" 2>&1 || status=$?
+  if [[ -n $watcher ]]; then
+    kill "$watcher" 2>/dev/null || true
+    wait "$watcher" 2>/dev/null || true
+    printf '\r\033[K'
+  fi
+  if ((status != 0)); then
+    printf '%-28s FAILED after %d s\n' "$label" $((SECONDS - started))
+    etcm_show_failure "$log"
+    exit 1
+  fi
+  printf '%-28s done in %d s\n' "$label" $((SECONDS - started))
+}
+
+etcm_build() {
+  local preset=$1
+  shift
+  cd "$etcm_root"
+  etcm_step "$preset: configure" cmake --preset "$preset"
+  etcm_step "$preset: build" cmake --build --preset "$preset" ${1:+--target "$@"}
+}
