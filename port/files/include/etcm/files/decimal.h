@@ -1,0 +1,53 @@
+// Decimal numbers as they stand in files, exactly: never through a binary fraction, so that "0.1"
+// times 10 is 1.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace etcm::files {
+
+class Decimal {
+ public:
+  Decimal() = default;  // zero
+
+  // Optional sign, digits with at most one point, optional exponent: "-12", ".5", "3.", "1e3".
+  // Nothing else: no blanks, "inf", "nan", hexadecimal. None for anything else, and for a number of
+  // more than 1000 characters.
+  static std::optional<Decimal> parse(std::string_view text);
+  static Decimal of(std::int64_t value);
+
+  bool is_zero() const { return digits_.empty(); }
+  bool is_negative() const { return negative_; }
+  bool is_integer() const { return exponent_ >= 0; }
+  // The nearest integer; halves go away from zero.
+  Decimal rounded() const;
+  // None where it is no integer or does not fit.
+  std::optional<std::int64_t> to_integer() const;
+  double to_double() const;
+  // Every digit; with an exponent only where zeros would be longer than 40 digits.
+  std::string to_string() const;
+
+  friend Decimal operator*(const Decimal& a, const Decimal& b);
+  friend bool operator==(const Decimal& a, const Decimal& b) = default;
+
+ private:
+  void normalize();
+
+  // The value is digits * 10^exponent; no zeros at either end, so equal values have equal members.
+  std::string digits_;
+  std::int64_t exponent_ = 0;
+  bool negative_ = false;
+};
+
+// Appends the decimal of a coordinate in sub-units (etcm/types.h), every digit: at most 28 behind
+// the point, none for a whole unit.
+void append_coordinate(std::string& text, std::int64_t subunits);
+std::string coordinate_text(std::int64_t subunits);
+
+// The shortest text that reads back as the same double.
+void append_double(std::string& text, double value);
+
+}  // namespace etcm::files

@@ -1,0 +1,25 @@
+// A mesh in Triangle's files: BASE.node, BASE.ele, BASE.edge and BASE.poly.
+#pragma once
+
+#include <string>
+
+#include "etcm/files/file_set.h"
+#include "etcm/files/mesh_image.h"
+
+namespace etcm::files {
+
+std::string node_text(const MeshImage& image);
+std::string ele_text(const MeshImage& image);
+std::string edge_text(const MeshImage& image);
+// Subsegments with their feature's marker, holes, regions; its nodes are in the .node.
+std::string poly_text(const MeshImage& image);
+
+void add_mesh_files(const MeshImage& image, const std::string& base, FileSet& files);
+
+// Reads the four files back. Throws InputError for anything add_mesh_files would not write:
+// coordinates off the sub-unit grid, indices out of range. Nothing geometric is checked.
+// Vertices are Steiner vertices where their marker is the lowest of the file and negative; a
+// subsegment's feature is unknown (0), and it is an edge where the .edge has it.
+MeshImage read_mesh(const std::string& base);
+
+}  // namespace etcm::files
