@@ -11,6 +11,7 @@
 
 #include "etcm/predicates.h"
 #include "predicate_cases.h"
+#include "support/exact.h"
 
 namespace {
 
@@ -18,12 +19,12 @@ using etcm::incircle;
 using etcm::incircle_perturbed;
 using etcm::orient2d;
 using etcm::Point;
-using etcm_test::Family;
-using etcm_test::FourPoints;
+using etcm::test::Family;
+using etcm::test::FourPoints;
 
 class Perturbation : public testing::TestWithParam<Family> {};
 
-INSTANTIATE_TEST_SUITE_P(Predicates, Perturbation, testing::ValuesIn(etcm_test::families()),
+INSTANTIATE_TEST_SUITE_P(Predicates, Perturbation, testing::ValuesIn(etcm::test::families()),
                          [](const auto& test) { return std::string(test.param.name); });
 
 bool all_distinct(const FourPoints& four) { return std::set(four.begin(), four.end()).size() == 4; }
@@ -31,7 +32,7 @@ bool all_distinct(const FourPoints& four) { return std::set(four.begin(), four.e
 // A tie-break that is the sign of some determinant changes sign with every exchange of two points,
 // like the determinant itself. All 24 orders are tried whose first three points turn left.
 TEST_P(Perturbation, IsNeverZeroAndFollowsThePermutation) {
-  etcm_test::Random random(1911);
+  etcm::test::Random random(1911);
   for (int i = 0; i < 10'000; ++i) {
     const FourPoints four = GetParam().make(random);
     if (!all_distinct(four)) continue;
@@ -43,6 +44,7 @@ TEST_P(Perturbation, IsNeverZeroAndFollowsThePermutation) {
       if (orient2d(a, b, c) <= 0) continue;
       const int answer = incircle_perturbed(a, b, c, d);
       ASSERT_TRUE(answer == 1 || answer == -1);
+      ASSERT_EQ(answer, etcm::test::exact_incircle_perturbed(a, b, c, d));
       if (const int exact = incircle(a, b, c, d); exact != 0) {
         ASSERT_EQ(answer, exact);
       }
@@ -118,7 +120,7 @@ TEST(PerturbedDelaunay, OfPointsOnOneCircleIsOneTriangulation) {
     }
   }
   ASSERT_EQ(circle.size(), 36U);
-  etcm_test::Random random(7);
+  etcm::test::Random random(7);
   for (int i = 0; i < 2'000; ++i) {
     std::vector<Point> some;
     const std::int64_t count = random.between(4, 8);
@@ -131,7 +133,7 @@ TEST(PerturbedDelaunay, OfPointsOnOneCircleIsOneTriangulation) {
 }
 
 TEST(PerturbedDelaunay, OfPointsOnASmallGridIsOneTriangulation) {
-  etcm_test::Random random(8);
+  etcm::test::Random random(8);
   for (int i = 0; i < 4'000; ++i) {
     const std::int64_t side = random.between(1, 4);
     std::vector<Point> some;

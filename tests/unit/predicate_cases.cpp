@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace etcm_test {
+namespace etcm::test {
 
 namespace {
 
@@ -121,4 +121,4 @@ constexpr Family table[] = {
 
 std::span<const Family> families() { return table; }
 
-}  // namespace etcm_test
+}  // namespace etcm::test

@@ -8,7 +8,7 @@
 
 #include "etcm/types.h"
 
-namespace etcm_test {
+namespace etcm::test {
 
 using FourPoints = std::array<etcm::Point, 4>;
 
@@ -35,4 +35,4 @@ struct Family {
 
 std::span<const Family> families();
 
-}  // namespace etcm_test
+}  // namespace etcm::test

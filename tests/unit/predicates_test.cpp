@@ -6,9 +6,9 @@
 #include <ostream>
 
 #include "predicate_cases.h"
-#include "predicate_oracle.h"
 #include "predicates_inline.h"
 #include "predicates_internal.h"
+#include "support/exact.h"
 
 namespace etcm {
 void PrintTo(const Point& p, std::ostream* out) { *out << "{" << p.x << ", " << p.y << "}"; }
@@ -19,8 +19,8 @@ namespace {
 using etcm::incircle;
 using etcm::orient2d;
 using etcm::Point;
-using etcm_test::Family;
-using etcm_test::FourPoints;
+using etcm::test::Family;
+using etcm::test::FourPoints;
 using namespace etcm::internal;
 
 constexpr int cases_per_family = 120'000;
@@ -28,15 +28,14 @@ constexpr std::uint64_t seed = 0x45544341;
 
 class EveryFamily : public testing::TestWithParam<Family> {};
 
-INSTANTIATE_TEST_SUITE_P(Predicates, EveryFamily, testing::ValuesIn(etcm_test::families()),
+INSTANTIATE_TEST_SUITE_P(Predicates, EveryFamily, testing::ValuesIn(etcm::test::families()),
                          [](const auto& test) { return std::string(test.param.name); });
 
 TEST_P(EveryFamily, Orient2dIsTheOraclesInEveryStage) {
-  etcm_test::PredicateOracle oracle;
-  etcm_test::Random random(seed);
+  etcm::test::Random random(seed);
   for (int i = 0; i < cases_per_family; ++i) {
     const auto [a, b, c, unused] = GetParam().make(random);
-    const int expected = oracle.orient2d(a, b, c);
+    const int expected = etcm::test::exact_orientation(a, b, c);
     ASSERT_EQ(orient2d(a, b, c), expected) << testing::PrintToString(std::tie(a, b, c));
     ASSERT_EQ(orient2d_exact<LimbArithmetic>(a, b, c), expected);
 #ifdef __SIZEOF_INT128__
@@ -49,12 +48,11 @@ TEST_P(EveryFamily, Orient2dIsTheOraclesInEveryStage) {
 }
 
 TEST_P(EveryFamily, IncircleIsTheOraclesInEveryStage) {
-  etcm_test::PredicateOracle oracle;
-  etcm_test::Random random(seed + 1);
+  etcm::test::Random random(seed + 1);
   for (int i = 0; i < cases_per_family; ++i) {
     const FourPoints four = GetParam().make(random);
     const auto& [a, b, c, d] = four;
-    const int expected = oracle.incircle(a, b, c, d);
+    const int expected = etcm::test::exact_incircle(a, b, c, d);
     ASSERT_EQ(incircle(a, b, c, d), expected) << testing::PrintToString(four);
     ASSERT_EQ(incircle_exact<LimbArithmetic>(a, b, c, d), expected);
 #ifdef __SIZEOF_INT128__
@@ -67,7 +65,7 @@ TEST_P(EveryFamily, IncircleIsTheOraclesInEveryStage) {
 }
 
 TEST_P(EveryFamily, SignsFollowThePermutationOfTheArguments) {
-  etcm_test::Random random(seed + 2);
+  etcm::test::Random random(seed + 2);
   for (int i = 0; i < cases_per_family / 4; ++i) {
     const FourPoints four = GetParam().make(random);
     const auto& [a, b, c, d] = four;
@@ -96,7 +94,7 @@ struct Orient2dCase {
   Stage stage;
 };
 
-constexpr std::int64_t far = etcm_test::coordinate_max;
+constexpr std::int64_t far = etcm::test::coordinate_max;
 
 // The sign, and which stage must find it: a filter that gives up early is a fault as well.
 constexpr Orient2dCase orient2d_table[] = {
@@ -162,13 +160,13 @@ TEST(Incircle, EachCaseIsDecidedByItsStage) {
 }
 
 TEST(Filters, DecideNearlyAllOfRandomInput) {
-  etcm_test::Random random(seed + 3);
+  etcm::test::Random random(seed + 3);
   constexpr int count = 100'000;
   int undecided_turns = 0;
   int undecided_sides = 0;
   for (int i = 0; i < count; ++i) {
     FourPoints four;
-    for (Point& p : four) p = random.point(etcm_test::coordinate_max);
+    for (Point& p : four) p = random.point(etcm::test::coordinate_max);
     undecided_turns += orient2d_filter(four[0], four[1], four[2]) == 0;
     undecided_sides += incircle_filter(four[0], four[1], four[2], four[3]) == 0;
   }
