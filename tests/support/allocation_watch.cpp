@@ -1,0 +1,72 @@
+#include "support/allocation_watch.h"
+
+#include <cstdlib>
+#include <new>
+
+namespace {
+
+bool watching = false;
+std::size_t counted = 0;
+
+void count() noexcept {
+  if (watching) ++counted;
+}
+
+}  // namespace
+
+extern "C" {
+// The linker gives these names their meaning: --wrap turns each call of malloc into one of
+// __wrap_malloc, and __real_malloc into malloc itself.
+// NOLINTBEGIN(bugprone-reserved-identifier)
+void* __real_malloc(std::size_t size);
+void* __real_calloc(std::size_t items, std::size_t size);
+void* __real_realloc(void* memory, std::size_t size);
+void* __real_aligned_alloc(std::size_t alignment, std::size_t size);
+
+void* __wrap_malloc(std::size_t size) {
+  count();
+  return __real_malloc(size);
+}
+void* __wrap_calloc(std::size_t items, std::size_t size) {
+  count();
+  return __real_calloc(items, size);
+}
+void* __wrap_realloc(void* memory, std::size_t size) {
+  count();
+  return __real_realloc(memory, size);
+}
+void* __wrap_aligned_alloc(std::size_t alignment, std::size_t size) {
+  count();
+  return __real_aligned_alloc(alignment, size);
+}
+// NOLINTEND(bugprone-reserved-identifier)
+}
+
+// The other forms of operator new end in these two; the matching deletes are defined because a
+// program that replaces one must replace the other.
+void* operator new(std::size_t size) {
+  count();
+  if (void* memory = __real_malloc(size == 0 ? 1 : size)) return memory;
+  throw std::bad_alloc();
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  count();
+  const auto step = static_cast<std::size_t>(alignment);
+  if (void* memory = __real_aligned_alloc(step, (size + step - 1) / step * step)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+
+namespace etcm::test {
+
+AllocationWatch::AllocationWatch() noexcept {
+  counted = 0;
+  watching = true;
+}
+AllocationWatch::~AllocationWatch() { watching = false; }
+std::size_t AllocationWatch::allocations() const noexcept { return counted; }
+
+}  // namespace etcm::test
