@@ -23,7 +23,7 @@ using etcm::test::Family;
 using etcm::test::FourPoints;
 using namespace etcm::internal;
 
-constexpr int cases_per_family = 120'000;
+constexpr int cases_per_family = 120'000 / etcm::test::thinning;
 constexpr std::uint64_t seed = 0x45544341;
 
 class EveryFamily : public testing::TestWithParam<Family> {};
