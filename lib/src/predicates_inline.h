@@ -13,7 +13,7 @@
 #include <cmath>
 
 #include "assumptions.h"
-#include "etcm/types.h"
+#include "etcm/predicates.h"
 
 namespace etcm::internal {
 

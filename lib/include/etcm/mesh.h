@@ -43,6 +43,7 @@ struct FeatureEnds {
 struct Trouble {
   Status status = Status::ok;
   VertexId vertex{};    // the node in the way, or the unknown one
+  VertexId rejected{};  // duplicate_vertex in build(): the node that stands there too
   FeatureId feature{};  // the feature that cannot be made (in build(): its index in the input)
   FeatureId other{};    // the feature it crosses, overlaps or repeats (as above)
   Point from{};         // the unresolved piece of `feature`, for steiner_budget, step_limit

@@ -20,6 +20,7 @@ enum class [[nodiscard]] Status : std::uint8_t{
     crossing_features,     // the feature would cross, or touch the inside of, another
     endpoint_in_use,       // the node is the endpoint of a feature and cannot leave
     mesh_not_empty,        // build() needs an empty mesh
+    mesh_unresolved,       // build() left features unresolved; only clear() goes on from there
     buffer_too_small,      // the caller's output span is shorter than the count returned
     // Room and bounds: normal answers, the mesh is whole.
     out_of_vertices,  // the vertex capacity is used up

@@ -40,7 +40,8 @@ constexpr Point to_point(Position p) noexcept {
 }
 
 // Ids are indices that keep what they name apart. They are 32 bits wide, or 16 where the build
-// asks for it (CMake: ETCM_ID_BITS=16), which nearly halves the memory and holds 8190 vertices.
+// asks for it (CMake: ETCM_ID_BITS=16), which nearly halves the memory and holds up to 4094
+// vertices.
 #if defined(ETCM_ID_BITS) && ETCM_ID_BITS == 16
 using IdValue = std::uint16_t;
 #else

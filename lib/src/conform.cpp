@@ -1,0 +1,135 @@
+// ETCM (paper, Algorithms 2 and 3): makes the sections that miss a piece unions of edges.
+//
+// A section is walked from its smaller end. What is an edge is marked; what can be one by turning
+// ties is turned; a missing piece is split where the policy says, and the walk goes on from the
+// same place, so that the remainder is asked again whether it already is an edge. Subsegments that
+// a split breaks make their sections dirty, and these come next, in canonical order.
+#include "mesh_internal.h"
+#include "predicates_inline.h"
+#include "reach.h"
+
+namespace etcm::internal {
+namespace {
+
+Status fail(MeshState& m, Status status, SectionId s, const Stretch& piece) noexcept {
+  m.trouble.status = status;
+  m.trouble.feature = feature_of(m, s);
+  m.trouble.from = m.at(piece.head);
+  m.trouble.to = m.at(piece.tail);
+  return status;
+}
+
+SplitSite site_of(const MeshState& m, SectionId s, const Stretch& piece) noexcept {
+  const Topology& topo = m.topology;
+  const SectionRecord& r = m.section(s);
+  const auto units = [&](VertexId v) {
+    return Position{static_cast<std::int32_t>(m.at(v).x / subunits_per_unit),
+                    static_cast<std::int32_t>(m.at(v).y / subunits_per_unit)};
+  };
+  SplitSite site;
+  site.from = units(r.from);
+  site.to = units(r.to);
+  site.head = piece.head == r.from ? 0 : parameter_of(m, s, piece.head);
+  site.tail = piece.tail == r.to ? parameter_end : parameter_of(m, s, piece.tail);
+  site.head_right = m.at(topo.origin(piece.head_edge));
+  site.head_left = m.at(topo.target(piece.head_edge));
+  site.tail_left = m.at(topo.origin(piece.tail_edge));
+  site.tail_right = m.at(topo.target(piece.tail_edge));
+  site.head_is_node = piece.head == r.from;
+  site.tail_is_node = piece.tail == r.to;
+  site.reach_head = reach_from_head(site);
+  site.reach_tail = reach_from_tail(site);
+  site.mesh = m.mesh;
+  return site;
+}
+
+Status split(MeshState& m, SectionId s, const Stretch& piece) noexcept {
+  const SplitSite site = site_of(m, s, piece);
+  if (site.tail - site.head < 2) return fail(m, Status::grid_exhausted, s, piece);
+  const std::uint32_t budget = m.config.steiner_max;
+  if (budget != 0 && m.steiner_count >= budget) return fail(m, Status::steiner_budget, s, piece);
+  const VertexId v = allocate_vertex(m);
+  if (v.is_none()) return fail(m, Status::out_of_vertices, s, piece);
+  Parameter t = m.config.policy(site);
+  if (t <= site.head) t = static_cast<Parameter>(site.head + 1);
+  if (t >= site.tail) t = static_cast<Parameter>(site.tail - 1);
+  m.points[v.value] = site.at(t);
+  m.owner(v) = Owner(Role::fresh, s);
+  ++m.steiner_count;
+  const bool from_head = t - site.head <= site.tail - t;
+  insert_vertex(m, v, find(m, m.at(v), from_head ? piece.head_edge : piece.tail_edge));
+  return Status::ok;
+}
+
+Status conform_section(MeshState& m, SectionId s) noexcept {
+  const VertexId end = m.section(s).to;
+  VertexId v = m.section(s).from;
+  while (v != end) {
+    const Stretch piece = march(m, v, end);
+    if (!piece.is_edge) {
+      if (!piece.constrained.is_none()) {
+        m.trouble.other = feature_of(m, section_of_edge(m, m.topology.origin(piece.constrained),
+                                                        m.topology.target(piece.constrained)));
+        return fail(m, Status::crossing_features, s, piece);
+      }
+      if (m.config.steps_max != 0 && m.steps >= m.config.steps_max) {
+        return fail(m, Status::step_limit, s, piece);
+      }
+      ++m.steps;
+      if (!can_be_edge(m, piece)) {
+        const Status status = split(m, s, piece);
+        if (status != Status::ok) return status;
+        continue;
+      }
+    }
+    settle_piece(m, piece);
+    v = piece.tail;
+  }
+  return Status::ok;
+}
+
+}  // namespace
+
+bool can_be_edge(const MeshState& m, const Stretch& piece) noexcept {
+  if (piece.is_edge) return true;
+  // The first triangle's circle is empty. If it goes through the tail, the piece is a chord of it,
+  // and all that it crosses ends on that circle too; if not, no empty circle goes through both
+  // ends.
+  const Edge e = piece.head_edge;
+  return incircle_fast(m.at(piece.head), m.at(m.topology.origin(e)), m.at(m.topology.target(e)),
+                       m.at(piece.tail)) >= 0;
+}
+
+void settle_piece(MeshState& m, const Stretch& piece) noexcept {
+  if (!piece.is_edge) {
+    constrain(m, flip_in(m, piece));
+  } else if (!m.topology.is_constrained(piece.edge)) {
+    constrain(m, piece.edge);
+  }
+}
+
+Status conform(MeshState& m) noexcept {
+  for (SectionId s = pop_dirty(m); !s.is_none(); s = pop_dirty(m)) {
+    const Status status = conform_section(m, s);
+    if (status != Status::ok) {
+      make_dirty(m, s);
+      return status;
+    }
+  }
+  return Status::ok;
+}
+
+std::uint32_t count_missing(const MeshState& m) noexcept {
+  std::uint32_t missing = 0;
+  for (SectionId s = m.dirty; !s.is_none(); s = m.section(s).next_dirty) {
+    const VertexId end = m.section(s).to;
+    for (VertexId v = m.section(s).from; v != end;) {
+      const Stretch piece = march(m, v, end);
+      if (!piece.is_edge) ++missing;
+      v = piece.tail;
+    }
+  }
+  return missing;
+}
+
+}  // namespace etcm::internal

@@ -1,0 +1,73 @@
+// A vertex joins the triangulation: split the triangle it lies in, then turn the edges of its link
+// that are no longer Delaunay. Walking around the link needs no list of edges, so there is no
+// scratch memory to run out of: an insertion cannot fail once its vertex has a place.
+#include "mesh_internal.h"
+#include "predicates_inline.h"
+
+namespace etcm::internal {
+namespace {
+
+// Behind the hull edge u -> v, to its left: p is in conflict with that ghost if it lies strictly
+// outside, or on the edge itself.
+bool conflicts_with_ghost(const MeshState& m, VertexId u, VertexId v, const Point& p) noexcept {
+  const Point& a = m.at(u);
+  const Point& b = m.at(v);
+  const int side = orient2d_fast(a, b, p);
+  if (side != 0) return side > 0;
+  return a < b ? a < p && p < b : b < p && p < a;
+}
+
+void give_way(MeshState& m, Edge e) noexcept {
+  const SectionId s = section_of_edge(m, m.topology.origin(e), m.topology.target(e));
+  touch(m, s);
+  make_dirty(m, s);
+}
+
+}  // namespace
+
+bool must_flip(const MeshState& m, Edge e, const Point& p) noexcept {
+  const Topology& topo = m.topology;
+  const Edge beyond = topo.twin(e);
+  // Counter-clockwise: a, b, c with b -> c being the twin of e.
+  const VertexId a = topo.apex(beyond), b = topo.origin(beyond), c = topo.target(beyond);
+  if (a == infinite_vertex) return conflicts_with_ghost(m, b, c, p);
+  if (b == infinite_vertex) return conflicts_with_ghost(m, c, a, p);
+  if (c == infinite_vertex) return conflicts_with_ghost(m, a, b, p);
+  const int side = incircle_fast(m.at(a), m.at(b), m.at(c), p);
+  if (side != 0) return side > 0;
+  return !topo.is_constrained(e) && incircle_perturbed(m.at(a), m.at(b), m.at(c), p) > 0;
+}
+
+void insert_vertex(MeshState& m, VertexId v, const Found& found) noexcept {
+  Topology& topo = m.topology;
+  if (topo.triangle_count() == 0) {
+    if (m.lone.is_none()) {
+      m.lone = v;
+    } else {
+      topo.start(m.lone, v);
+      m.lone = VertexId::none();
+    }
+    return;
+  }
+  if (found.place == Place::outside && !found.vertex.is_none()) {
+    // A collinear mesh grows at its end; found.edge runs from there to infinity.
+    topo.split_open(found.edge, v);
+    m.near = topo.edge_at(v);
+    return;
+  }
+  const Point& p = m.at(v);
+  Edge e = topo.split_triangle(Topology::triangle_of(found.edge), v);
+  // Where p lies on an edge, the triangle between is flat until that edge turns, which the first
+  // round sees to: p is inside any circle through the edge's ends.
+  const VertexId first = topo.origin(e);
+  do {
+    while (must_flip(m, e, p)) {
+      if (topo.is_constrained(e)) give_way(m, e);
+      topo.flip(e);
+    }
+    e = topo.next_link_edge(e);
+  } while (topo.origin(e) != first);
+  m.near = e;
+}
+
+}  // namespace etcm::internal

@@ -1,0 +1,72 @@
+// Along a straight line from a vertex: rotate around it to the triangle (or edge) that looks the
+// right way, then step across edges until a vertex stands on the line.
+#include "mesh_internal.h"
+#include "predicates_inline.h"
+
+namespace etcm::internal {
+namespace {
+
+struct Start {
+  bool is_edge;
+  Edge edge;  // is_edge: along the line; else opposite the head in the triangle the line enters
+};
+
+Start leave(const MeshState& m, VertexId head, const Point& goal) noexcept {
+  const Topology& topo = m.topology;
+  const Point& origin = m.at(head);
+  const bool forward = origin < goal;
+  const auto side_of = [&](VertexId v) {
+    return v == infinite_vertex ? 0 : orient2d_fast(origin, goal, m.at(v));
+  };
+  const auto lies_ahead = [&](VertexId v, int side) {
+    return side == 0 && v != infinite_vertex && (origin < m.at(v)) == forward;
+  };
+  // Rotate until an edge lies on the line or a triangle spans it: the near end of its outer edge on
+  // the right, the far one on the left.
+  Edge e = topo.edge_at(head);
+  int side = side_of(topo.target(e));
+  for (unsigned turn = topo.triangle_count();; --turn) {
+    ETCM_CHECK(turn != 0);
+    const VertexId v = topo.target(e);
+    if (lies_ahead(v, side)) return {true, e};
+    const Edge onward = topo.rotate_ccw(e);
+    const int next_side = side_of(topo.target(onward));
+    if (side < 0 && next_side > 0) return {false, Topology::next(e)};
+    e = onward;
+    side = next_side;
+  }
+}
+
+}  // namespace
+
+Stretch march(const MeshState& m, VertexId head, VertexId toward) noexcept {
+  const Topology& topo = m.topology;
+  const Point& origin = m.at(head);
+  const Point& goal = m.at(toward);
+  const Start start = leave(m, head, goal);
+  Stretch stretch;
+  stretch.head = head;
+  if (start.is_edge) {
+    stretch.is_edge = true;
+    stretch.edge = start.edge;
+    stretch.tail = topo.target(start.edge);
+    return stretch;
+  }
+  stretch.head_edge = start.edge;
+  // e always runs from the right of the line to its left.
+  Edge e = start.edge;
+  for (;;) {
+    if (topo.is_constrained(e)) stretch.constrained = e;
+    const Edge beyond = topo.twin(e);
+    const VertexId apex = topo.apex(beyond);
+    const int side = orient2d_fast(origin, goal, m.at(apex));
+    if (side == 0) {
+      stretch.tail = apex;
+      stretch.tail_edge = beyond;
+      return stretch;
+    }
+    e = side > 0 ? Topology::next(beyond) : Topology::prev(beyond);
+  }
+}
+
+}  // namespace etcm::internal

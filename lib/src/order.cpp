@@ -1,0 +1,76 @@
+#include <new>
+
+#include "mesh_internal.h"
+
+namespace etcm::internal {
+namespace {
+
+// The place along a Hilbert curve through 2^16 x 2^16 cells.
+std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y) noexcept {
+  std::uint32_t key = 0;
+  for (std::uint32_t side = 1u << 15; side != 0; side >>= 1) {
+    const bool right = (x & side) != 0, upper = (y & side) != 0;
+    key = (key << 2) | (right ? (upper ? 2u : 3u) : (upper ? 1u : 0u));
+    // The lower quadrants hold the curve mirrored at a diagonal.
+    if (!upper) {
+      if (right) {
+        x = ~x;
+        y = ~y;
+      }
+      const std::uint32_t z = x;
+      x = y;
+      y = z;
+    }
+  }
+  return key;
+}
+
+// Least significant digit first, so four stable passes from one buffer to the other and back.
+void radix_sort(OrderEntry* entries, OrderEntry* buffer, std::size_t count) noexcept {
+  for (unsigned shift = 0; shift < 32; shift += 8) {
+    std::uint32_t start[256] = {};
+    for (std::size_t i = 0; i < count; ++i) ++start[(entries[i].key >> shift) & 255u];
+    std::uint32_t sum = 0;
+    for (std::uint32_t& s : start) {
+      const std::uint32_t here = s;
+      s = sum;
+      sum += here;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      buffer[start[(entries[i].key >> shift) & 255u]++] = entries[i];
+    }
+    OrderEntry* const swapped = entries;
+    entries = buffer;
+    buffer = swapped;
+  }
+}
+
+}  // namespace
+
+OrderEntry* hilbert_order(std::span<const Position> nodes, std::byte* memory,
+                          std::size_t bytes) noexcept {
+  const std::size_t count = nodes.size();
+  auto* const entries = ::new (memory + bytes - count * sizeof(OrderEntry)) OrderEntry[count];
+  auto* const buffer = ::new (memory + bytes - 2 * count * sizeof(OrderEntry)) OrderEntry[count];
+  Position low = nodes[0], high = nodes[0];
+  for (const Position& p : nodes) {
+    if (p.x < low.x) low.x = p.x;
+    if (p.y < low.y) low.y = p.y;
+    if (p.x > high.x) high.x = p.x;
+    if (p.y > high.y) high.y = p.y;
+  }
+  const auto width = static_cast<std::uint32_t>(high.x - low.x);
+  const auto height = static_cast<std::uint32_t>(high.y - low.y);
+  const std::uint64_t extent = (width > height ? width : height) + std::uint64_t{1};
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto x = static_cast<std::uint64_t>(nodes[i].x - low.x);
+    const auto y = static_cast<std::uint64_t>(nodes[i].y - low.y);
+    entries[i].key = hilbert_key(static_cast<std::uint32_t>((x << 16) / extent),
+                                 static_cast<std::uint32_t>((y << 16) / extent));
+    entries[i].vertex = static_cast<std::uint32_t>(i + 1);
+  }
+  radix_sort(entries, buffer, count);
+  return entries;
+}
+
+}  // namespace etcm::internal

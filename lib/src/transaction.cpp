@@ -1,0 +1,129 @@
+// All or nothing in fixed memory. The triangulation is canonical, so going back needs no record of
+// flips: it is enough to know which vertices came, and to keep the ones that went. A vertex that
+// goes keeps its place (detached) until the change ends; one that comes is marked fresh.
+#include "mesh_internal.h"
+
+namespace etcm::internal {
+namespace {
+
+// Forgets the change: what was retired and not used again becomes free.
+void end_change(MeshState& m) noexcept {
+  while (!m.touched.is_none()) {
+    const SectionId s = m.touched;
+    m.touched = m.section(s).next_touched;
+    m.section(s).next_touched = not_listed;
+    if (m.section(s).from.is_none()) free_section(m, s);
+  }
+  m.spare = SectionId::none();
+}
+
+}  // namespace
+
+void begin(MeshState& m) noexcept {
+  m.trouble = Trouble{};
+  m.steps = 0;
+}
+
+void touch_around(MeshState& m, VertexId v) noexcept {
+  if (m.topology.triangle_count() == 0) return;
+  const Edge first = m.topology.edge_at(v);
+  Edge e = first;
+  do {
+    const VertexId w = m.topology.target(e);
+    if (w != infinite_vertex && m.owner(w).role() != Role::node) touch(m, m.owner(w).section());
+    e = m.topology.rotate_ccw(e);
+  } while (e != first);
+}
+
+void detach(MeshState& m, VertexId steiner) noexcept {
+  touch_around(m, steiner);
+  const Owner owner = m.owner(steiner);
+  remove_vertex(m, steiner);
+  --m.steiner_count;
+  if (owner.role() == Role::fresh) {
+    free_vertex(m, steiner);
+    return;
+  }
+  m.owner(steiner) = Owner(Role::detached, owner.section());
+  m.vertex_edges[steiner.value] = Edge{m.detached.value};
+  m.detached = steiner;
+}
+
+void strip_section(MeshState& m, SectionId s) noexcept {
+  touch(m, s);
+  const VertexId from = m.section(s).from, to = m.section(s).to;
+  for (;;) {
+    const Stretch piece = march(m, from, to);
+    if (piece.tail != to) {
+      detach(m, piece.tail);
+      continue;
+    }
+    if (piece.is_edge && m.topology.is_constrained(piece.edge)) release_constraint(m, piece.edge);
+    return;
+  }
+}
+
+void retire_section(MeshState& m, SectionId s) noexcept {
+  touch(m, s);
+  unlink_section(m, s);
+  m.section(s).from = VertexId::none();
+}
+
+void drop_fresh(MeshState& m) noexcept {
+  for (SectionId s = m.touched; !s.is_none(); s = m.section(s).next_touched) {
+    if (!is_laid(m, s)) continue;
+    const VertexId end = m.section(s).to;
+    VertexId v = m.section(s).from;
+    while (v != end) {
+      const VertexId w = march(m, v, end).tail;
+      if (m.owner(w).role() == Role::fresh) {
+        detach(m, w);
+      } else {
+        v = w;
+      }
+    }
+  }
+}
+
+void restore_detached(MeshState& m) noexcept {
+  while (!m.detached.is_none()) {
+    const VertexId v = m.detached;
+    m.detached = VertexId{m.vertex_edges[v.value].value};
+    m.owner(v) = Owner(Role::steiner, m.owner(v).section());
+    ++m.steiner_count;
+    insert_vertex(m, v, find(m, m.at(v), m.near));
+  }
+  while (!pop_dirty(m).is_none()) {
+  }
+  for (SectionId s = m.touched; !s.is_none(); s = m.section(s).next_touched) {
+    if (!is_laid(m, s)) continue;
+    const VertexId end = m.section(s).to;
+    VertexId v = m.section(s).from;
+    while (v != end) {
+      const Stretch piece = march(m, v, end);
+      ETCM_VERIFY_THAT(can_be_edge(m, piece));
+      settle_piece(m, piece);
+      v = piece.tail;
+    }
+  }
+  end_change(m);
+}
+
+void commit(MeshState& m) noexcept {
+  while (!m.detached.is_none()) {
+    const VertexId v = m.detached;
+    m.detached = VertexId{m.vertex_edges[v.value].value};
+    free_vertex(m, v);
+  }
+  SectionId list{};
+  for (SectionId s = m.touched; !s.is_none(); s = m.section(s).next_touched) {
+    if (!is_laid(m, s)) continue;
+    m.section(s).next_dirty = list;
+    list = s;
+  }
+  m.dirty = sort_sections(m, list, precedes);
+  prune(m);
+  end_change(m);
+}
+
+}  // namespace etcm::internal
