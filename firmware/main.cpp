@@ -1,0 +1,136 @@
+// etcm-gateway: the only place that knows which adapters stand behind the interfaces.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "etcm/mesh.h"
+#include "gateway.h"
+#include "mesh_map.h"
+#include "modbus/register_server.h"
+#include "modbus/tcp_bus.h"
+#include "posix/event_loop.h"
+#include "posix/mesh_folder.h"
+#include "posix/steady_clock.h"
+#include "posix/stop_signal.h"
+#include "posix/stream_log.h"
+#include "settings.h"
+#include "site.h"
+
+namespace {
+
+using namespace etcm;
+
+constexpr int exit_bad_settings = 2;
+
+// The only memory the mesh ever has.
+class MeshMemory {
+ public:
+  explicit MeshMemory(const MeshConfig& config) : bytes_(storage_bytes(config)) {}
+  std::span<std::byte> bytes() { return bytes_; }
+
+ private:
+  std::vector<std::byte> bytes_;  // operator new aligns to 16, the mesh asks for 8
+};
+
+void run(const firmware::Settings& settings, port::Log& log) {
+  port::EventLoop loop;
+  port::StopSignal stop(loop);
+  const port::SteadyClock clock;
+
+  MeshMemory memory(settings.mesh);
+  Mesh mesh;
+  if (const Status status = mesh.open(memory.bytes(), settings.mesh); status != Status::ok) {
+    throw std::runtime_error(std::string("the mesh refuses its settings: ") + explain(status));
+  }
+
+  std::vector<std::unique_ptr<port::TcpBus>> buses;
+  std::vector<firmware::PolledBus> polled;
+  for (const firmware::BusSettings& bus : settings.buses) {
+    buses.push_back(std::make_unique<port::TcpBus>(
+        loop, log,
+        port::TcpBusOptions{.name = bus.name,
+                            .address = bus.tcp,
+                            .outstanding_max = bus.outstanding_max,
+                            .reconnect_interval = settings.poll.interval}));
+    polled.push_back({.bus = buses.back().get(), .settings = &bus});
+  }
+  port::RegisterServer server(loop, settings.server.listen, settings.server.clients_max,
+                              firmware::empty_image(settings));
+  log.write(port::Level::info, "serves the mesh on " + to_string(server.address()));
+  std::unique_ptr<port::MeshFolder> folder;
+  if (settings.files) {
+    folder = std::make_unique<port::MeshFolder>(settings.files->folder, settings.files->name);
+    log.write(port::Level::info, "writes " + folder->base() + ".node, .ele and .svg");
+  }
+
+  firmware::Gateway gateway(
+      settings, mesh,
+      {.buses = polled, .server = server, .files = folder.get(), .clock = clock, .log = log});
+  while (!stop.received()) {
+    gateway.step(clock.now());
+    loop.wait(gateway.next_deadline() - clock.now());
+  }
+  gateway.finish(clock.now());
+}
+
+// Reads the settings and the site; prints every mistake.
+bool read(const std::string& path, firmware::Settings& settings) {
+  std::vector<std::string> mistakes;
+  settings = firmware::read_settings(path, mistakes);
+  if (!settings.site.empty()) {
+    try {
+      const auto features = firmware::read_site(settings.site);
+      settings.features.insert(settings.features.end(), features.begin(), features.end());
+    } catch (const std::runtime_error& error) {
+      mistakes.push_back(error.what());
+    }
+  }
+  for (const std::string& mistake : mistakes) std::fprintf(stderr, "%s\n", mistake.c_str());
+  return mistakes.empty();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Collects node positions over Modbus, keeps a conforming Delaunay mesh of them, and "
+      "publishes it as Modbus registers and files.");
+  std::string config;
+  bool check_config = false;
+  bool register_map = false;
+  auto* config_option = app.add_option("--config", config, "settings, a TOML file");
+  auto* check_option = app.add_flag("--check-config", check_config, "check the settings and end");
+  auto* map_option = app.add_flag("--register-map", register_map,
+                                  "print the tables of the registers it serves, and end");
+  check_option->needs(config_option);
+  map_option->excludes(config_option);
+  CLI11_PARSE(app, argc, argv);
+
+  if (register_map) {
+    std::fputs(firmware::describe_mesh_map().c_str(), stdout);
+    return EXIT_SUCCESS;
+  }
+  if (config.empty()) {
+    std::fputs("--config is missing; give the path of the settings, such as --config site.toml\n",
+               stderr);
+    return exit_bad_settings;
+  }
+  try {
+    firmware::Settings settings;
+    if (!read(config, settings)) return exit_bad_settings;
+    if (check_config) {
+      std::printf("%s: good\n", config.c_str());
+      return EXIT_SUCCESS;
+    }
+    port::StreamLog log(stderr);
+    run(settings, log);
+    return EXIT_SUCCESS;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "etcm-gateway: %s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}

@@ -1,0 +1,80 @@
+#include "node_map.h"
+
+#include "words.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+// Offsets into the twelve registers.
+constexpr std::size_t at_magic = 0;
+constexpr std::size_t at_version = 1;  // version << 8 | count of registers
+constexpr std::size_t at_serial = 2;
+constexpr std::size_t at_sequence_before = 4;
+constexpr std::size_t at_x = 5;
+constexpr std::size_t at_y = 7;
+constexpr std::size_t at_status = 9;
+constexpr std::size_t at_boot_count = 10;
+constexpr std::size_t at_sequence_after = 11;
+
+constexpr std::uint16_t magic_swapped = 0x5445;
+constexpr std::uint16_t version_and_length = node_map_version << 8 | node_register_count;
+
+}  // namespace
+
+ReadingFault decode_node(std::span<const std::uint16_t> registers, NodeReading& reading) {
+  if (registers.size() != node_register_count) return ReadingFault::wrong_length;
+  if (registers[at_magic] == magic_swapped) return ReadingFault::swapped_bytes;
+  if (registers[at_magic] != node_magic) return ReadingFault::wrong_magic;
+  if (registers[at_version] != version_and_length) return ReadingFault::wrong_version;
+  if (registers[at_sequence_before] != registers[at_sequence_after]) return ReadingFault::torn;
+  const NodeReading found{.serial = load_u32(registers, at_serial),
+                          .position = {.x = static_cast<std::int32_t>(load_u32(registers, at_x)),
+                                       .y = static_cast<std::int32_t>(load_u32(registers, at_y))},
+                          .status = registers[at_status],
+                          .boot_count = registers[at_boot_count]};
+  if (found.serial == no_serial) return ReadingFault::bad_serial;
+  if ((found.status & node_status::fix_valid) != 0 && !in_range(found.position)) {
+    return ReadingFault::bad_position;
+  }
+  reading = found;
+  return ReadingFault::none;
+}
+
+NodeRegisters encode_node(const NodeReading& reading, std::uint16_t sequence) {
+  NodeRegisters registers{};
+  registers[at_magic] = node_magic;
+  registers[at_version] = version_and_length;
+  store_u32(registers, at_serial, reading.serial);
+  registers[at_sequence_before] = sequence;
+  store_u32(registers, at_x, static_cast<std::uint32_t>(reading.position.x));
+  store_u32(registers, at_y, static_cast<std::uint32_t>(reading.position.y));
+  registers[at_status] = reading.status;
+  registers[at_boot_count] = reading.boot_count;
+  registers[at_sequence_after] = sequence;
+  return registers;
+}
+
+const char* explain(ReadingFault fault) {
+  switch (fault) {
+    case ReadingFault::none:
+      return "ok";
+    case ReadingFault::wrong_length:
+      return "the answer has not 12 registers";
+    case ReadingFault::wrong_magic:
+      return "register 0 is not 0x4554: no position node, take it out of `units`";
+    case ReadingFault::swapped_bytes:
+      return "register 0 has its bytes swapped: correct the node's byte order";
+    case ReadingFault::wrong_version:
+      return "register 1 is not 0x010C: the node needs firmware with map version 1";
+    case ReadingFault::torn:
+      return "torn read: registers 4 and 11 differ";
+    case ReadingFault::bad_serial:
+      return "serial 0xFFFFFFFF: give the node a serial";
+    case ReadingFault::bad_position:
+      return "position beyond +-16777216 units: correct the node's origin or unit";
+  }
+  return "";
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,124 @@
+#include "poller.h"
+
+#include <algorithm>
+
+namespace etcm::firmware {
+
+namespace {
+
+constexpr std::uint8_t torn_repeats_max = 3;
+// A unit may miss this many answers in a row before it is asked less often.
+constexpr std::uint32_t failures_free = 2;
+constexpr std::uint32_t doublings_max = 20;
+
+constexpr auto later = [](const auto& a, const auto& b) { return a.due > b.due; };
+
+}  // namespace
+
+Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
+               ReadingListener& listener, port::Log& log)
+    : settings_(settings), listener_(listener), log_(log) {
+  for (const PolledBus& bus : buses) {
+    Line line{.polled = bus, .unit_at = std::vector<std::uint32_t>(256), .turns = {}};
+    for (const UnitRange range : bus.settings->units) {
+      for (unsigned address = range.first; address <= range.last; ++address) {
+        const std::uint32_t unit = unit_count();
+        line.unit_at[address] = unit;
+        line.turns.push_back({.due = port::Instant{}, .unit = unit});
+        units_.push_back({.bus = static_cast<std::uint32_t>(lines_.size()),
+                          .address = static_cast<std::uint8_t>(address)});
+      }
+    }
+    lines_.push_back(std::move(line));
+  }
+}
+
+void Poller::step(port::Instant now) {
+  for (Line& line : lines_) {
+    port::NodeBus& bus = *line.polled.bus;
+    bus.advance(now);
+    port::BusAnswer answer;
+    while (bus.take_answer(answer)) take(answer, line.unit_at[answer.unit], now);
+    while (bus.ready() && !line.turns.empty() && line.turns.front().due <= now) {
+      std::pop_heap(line.turns.begin(), line.turns.end(), later);
+      Unit& unit = units_[line.turns.back().unit];
+      line.turns.pop_back();
+      unit.asked_at = now;
+      bus.start_read({.unit = unit.address,
+                      .first = node_register_first,
+                      .count = node_register_count,
+                      .timeout = line.polled.settings->timeout},
+                     now);
+    }
+  }
+}
+
+port::Instant Poller::next_deadline() const {
+  port::Instant deadline = port::never;
+  for (const Line& line : lines_) {
+    deadline = std::min(deadline, line.polled.bus->next_deadline());
+    if (line.polled.bus->ready() && !line.turns.empty()) {
+      deadline = std::min(deadline, line.turns.front().due);
+    }
+  }
+  return deadline;
+}
+
+std::string Poller::name(std::uint32_t unit) const {
+  return "unit " + std::to_string(units_[unit].address) + " of " +
+         lines_[units_[unit].bus].polled.settings->name;
+}
+
+void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Instant now) {
+  Unit& unit = units_[index];
+  switch (answer.result) {
+    case port::BusResult::ok:
+      break;
+    case port::BusResult::link_lost:
+      return ask_again(index, now);
+    case port::BusResult::timeout:
+      return fail(index, to_string(answer.result), true, now);
+    case port::BusResult::bad_answer:
+      return fail(index, to_string(answer.result), false, now);
+    case port::BusResult::exception:
+      return fail(index, "exception " + std::to_string(answer.exception), false, now);
+  }
+  NodeReading reading;
+  const ReadingFault fault = decode_node(answer.registers, reading);
+  if (fault == ReadingFault::torn && unit.torn_repeats < torn_repeats_max) {
+    ++unit.torn_repeats;
+    return ask_again(index, now);
+  }
+  unit.torn_repeats = 0;
+  if (fault != ReadingFault::none) return fail(index, explain(fault), false, now);
+  if (!listener_.on_reading(index, reading, now)) {
+    return fail(index, "not the node that was expected", true, now);
+  }
+  unit.has_answered = true;
+  unit.failures = 0;
+  ask_again(index, std::max(now, unit.asked_at + settings_.interval));
+}
+
+void Poller::fail(std::uint32_t index, const std::string& why, bool is_silence, port::Instant now) {
+  Unit& unit = units_[index];
+  ++unit.failures;
+  // One line for each spell of failures; units that were never there are no news.
+  if (unit.failures == 1 && (unit.has_answered || !is_silence)) {
+    log_.write(port::Level::warning, name(index) + ": " + why);
+  }
+  port::Duration pause = settings_.interval;
+  if (unit.failures > failures_free) {
+    const std::uint32_t doublings = std::min(unit.failures - failures_free, doublings_max);
+    pause = std::clamp(settings_.interval * (1 << doublings), settings_.interval,
+                       std::max(settings_.interval, settings_.absent_interval));
+  }
+  ask_again(index, std::max(now, unit.asked_at + pause));
+}
+
+void Poller::ask_again(std::uint32_t unit, port::Instant due) {
+  std::vector<Turn>& turns = lines_[units_[unit].bus].turns;
+  turns.push_back({.due = due, .unit = unit});
+  std::push_heap(turns.begin(), turns.end(), later);
+}
+
+}  // namespace etcm::firmware

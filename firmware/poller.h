@@ -1,0 +1,78 @@
+// Asks every unit of every bus for its position, each at its own time.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "etcm/port/log.h"
+#include "etcm/port/node_bus.h"
+#include "node_map.h"
+#include "settings.h"
+
+namespace etcm::firmware {
+
+struct PolledBus {
+  port::NodeBus* bus = nullptr;
+  const BusSettings* settings = nullptr;
+};
+
+class ReadingListener {
+ public:
+  // A sound answer. `unit` counts the units of all buses from 0. False: the reading is not believed
+  // (the wrong node answers), and the unit counts as failing.
+  virtual bool on_reading(std::uint32_t unit, const NodeReading& reading, port::Instant now) = 0;
+
+ protected:
+  ~ReadingListener() = default;
+};
+
+// A unit that does not answer, or not soundly, is asked ever less often, down to absent_interval,
+// so that it costs the others next to nothing. A torn read is repeated at once. While a bus has
+// lost its link, its units are not asked and do not count as failing.
+class Poller {
+ public:
+  // All arguments must outlive the poller.
+  Poller(const PollSettings& settings, std::span<const PolledBus> buses, ReadingListener& listener,
+         port::Log& log);
+
+  // Takes what was answered and asks whoever is due.
+  void step(port::Instant now);
+  port::Instant next_deadline() const;
+
+  std::uint32_t unit_count() const { return static_cast<std::uint32_t>(units_.size()); }
+  bool is_failing(std::uint32_t unit) const { return units_[unit].failures > 0; }
+  std::string name(std::uint32_t unit) const;  // "unit 7 of yard"
+
+ private:
+  struct Unit {
+    std::uint32_t bus = 0;
+    std::uint8_t address = 0;
+    bool has_answered = false;
+    std::uint8_t torn_repeats = 0;
+    std::uint32_t failures = 0;  // in a row
+    port::Instant asked_at{};
+  };
+  struct Turn {
+    port::Instant due{};
+    std::uint32_t unit = 0;
+  };
+  struct Line {
+    PolledBus polled;
+    std::vector<std::uint32_t> unit_at;  // by address; unit_count() where there is none
+    std::vector<Turn> turns;             // a heap, the earliest on top
+  };
+
+  void take(const port::BusAnswer& answer, std::uint32_t unit, port::Instant now);
+  void fail(std::uint32_t unit, const std::string& why, bool is_silence, port::Instant now);
+  void ask_again(std::uint32_t unit, port::Instant due);
+
+  const PollSettings& settings_;
+  ReadingListener& listener_;
+  port::Log& log_;
+  std::vector<Unit> units_;
+  std::vector<Line> lines_;
+};
+
+}  // namespace etcm::firmware

@@ -1,0 +1,50 @@
+// One generation of the mesh as others may see it; never changed once it is taken.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "etcm/mesh.h"
+
+namespace etcm::firmware {
+
+namespace snapshot_state {
+inline constexpr std::uint16_t partial = 1u << 0;     // something is not in the mesh that should be
+inline constexpr std::uint16_t stale = 1u << 1;       // a node in the mesh has not answered lately
+inline constexpr std::uint16_t budget_hit = 1u << 2;  // room or budget was too small for something
+}  // namespace snapshot_state
+
+// Row i is vertex id i + 1, so a node keeps its row for as long as it is in the mesh.
+struct SnapshotVertex {
+  VertexKind kind = VertexKind::none;
+  bool stale = false;
+  std::uint32_t serial = 0;   // of a node
+  std::uint32_t feature = 0;  // a Steiner vertex stands on it; counted from 1 as configured
+  Point point;
+  std::uint32_t first_neighbour = 0;  // into Snapshot::neighbours
+  std::uint16_t degree = 0;
+};
+
+struct SnapshotNeighbour {
+  std::uint32_t row = 0;
+  bool constrained = false;
+};
+
+struct Snapshot {
+  std::uint32_t generation = 0;
+  std::uint16_t state = 0;  // bits of snapshot_state; 0 is all well
+  std::uint32_t node_count = 0;
+  std::uint32_t steiner_count = 0;
+  std::uint32_t edge_count = 0;
+  std::uint32_t triangle_count = 0;
+  std::uint32_t features_active = 0;
+  std::uint32_t features_configured = 0;
+  std::uint32_t quarantined_count = 0;  // nodes and features the mesh refused
+  std::uint32_t stale_count = 0;
+  std::uint32_t oldest_age_ms = 0;  // of the position of a node in the mesh, at this generation
+  std::uint64_t mesh_hash = 0;
+  std::vector<SnapshotVertex> vertices;
+  std::vector<SnapshotNeighbour> neighbours;
+};
+
+}  // namespace etcm::firmware

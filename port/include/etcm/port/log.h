@@ -1,0 +1,20 @@
+// Where the gateway says what happened, one line for a person each.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace etcm::port {
+
+enum class Level : std::uint8_t { error, warning, info };
+
+class Log {
+ public:
+  // `line` has no line end and no time of its own.
+  virtual void write(Level level, std::string_view line) = 0;
+
+ protected:
+  ~Log() = default;
+};
+
+}  // namespace etcm::port

@@ -1,0 +1,77 @@
+// Modbus TCP framing and the PDUs of reading registers.
+//
+// Own framing, because libmodbus reads a socket until a frame is whole: it blocks, and one client
+// that sends three stray bytes would hold up all others.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace etcm::port {
+
+inline constexpr std::size_t pdu_bytes_max = 253;
+inline constexpr std::size_t mbap_header_bytes = 7;
+inline constexpr std::size_t frame_bytes_max = mbap_header_bytes + pdu_bytes_max;
+
+struct Frame {
+  std::uint16_t transaction = 0;
+  std::uint8_t unit = 0;
+  std::span<const std::uint8_t> pdu;  // into the FrameReader, until its next call
+};
+
+// Cuts a byte stream into frames.
+class FrameReader {
+ public:
+  enum class Next : std::uint8_t {
+    frame,
+    incomplete,  // more bytes are needed
+    broken,      // this is no Modbus TCP: the stream cannot be followed any more
+  };
+
+  // Where to put received bytes; never empty after next() answered `incomplete`.
+  std::span<std::uint8_t> free_space();
+  void received(std::size_t count);
+
+  Next next(Frame& frame);
+
+  void clear() { begin_ = end_ = 0; }
+  bool empty() const { return begin_ == end_; }
+
+ private:
+  std::array<std::uint8_t, 4 * frame_bytes_max> bytes_;
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+};
+
+// Writes the MBAP header before a PDU that already stands at frame[mbap_header_bytes]; returns the
+// length of the whole frame.
+std::size_t write_header(std::span<std::uint8_t> frame, std::uint16_t transaction,
+                         std::uint8_t unit, std::size_t pdu_bytes);
+
+struct RegisterRange {
+  std::uint16_t first = 0;
+  std::uint16_t count = 0;
+};
+
+// The request to read input registers (FC 4); returns the bytes written to `pdu`.
+std::size_t write_read_request(std::span<std::uint8_t> pdu, RegisterRange range);
+
+// The range an FC 3 or FC 4 request asks for. Otherwise nothing, and `exception` is the code to
+// answer with. Whether the range exists is for the caller to say.
+std::optional<RegisterRange> parse_read_request(std::span<const std::uint8_t> pdu,
+                                                std::uint8_t& exception);
+
+std::size_t write_exception(std::span<std::uint8_t> pdu, std::uint8_t function,
+                            std::uint8_t exception);
+std::size_t write_read_answer(std::span<std::uint8_t> pdu, std::uint8_t function,
+                              std::span<const std::uint16_t> registers);
+
+// What an answer to write_read_request() says.
+enum class ReadAnswer : std::uint8_t { registers, exception, malformed };
+ReadAnswer parse_read_answer(std::span<const std::uint8_t> pdu, std::span<std::uint16_t> registers,
+                             std::uint8_t& exception);
+
+}  // namespace etcm::port

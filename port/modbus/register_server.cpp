@@ -1,0 +1,33 @@
+#include "modbus/register_server.h"
+
+#include <modbus/modbus.h>
+
+namespace etcm::port {
+
+RegisterServer::RegisterServer(EventLoop& loop, const SocketAddress& address,
+                               std::size_t clients_max, std::shared_ptr<const RegisterImage> first)
+    : image_(std::move(first)),
+      pinned_(clients_max),
+      listener_(loop, *this, address, clients_max) {}
+
+std::size_t RegisterServer::answer(std::size_t client, std::uint8_t unit,
+                                   std::span<const std::uint8_t> request,
+                                   std::span<std::uint8_t> answer) {
+  std::uint8_t exception = 0;
+  const auto range = parse_read_request(request, exception);
+  if (!range) return write_exception(answer, request[0], exception);
+
+  // Masters address "the device itself" as 0 or 255 on TCP.
+  const std::uint32_t page = unit == 0 || unit == MODBUS_TCP_SLAVE ? 0u : unit - 1u;
+  if (page == 0 && range->first == 0) pinned_[client] = image_;
+  const RegisterImage& image = *pinned_[client];
+  const std::size_t begin = std::size_t{page} * image.registers_per_unit + range->first;
+  if (range->first + range->count > image.registers_per_unit ||
+      begin + range->count > image.registers.size()) {
+    return write_exception(answer, request[0], MODBUS_EXCEPTION_ILLEGAL_DATA_ADDRESS);
+  }
+  return write_read_answer(answer, request[0],
+                           std::span(image.registers).subspan(begin, range->count));
+}
+
+}  // namespace etcm::port

@@ -1,0 +1,80 @@
+// Units behind one Modbus TCP connection, read without blocking, several requests at a time.
+//
+// A late answer can never become another request's data: each request has its own transaction
+// number, and an answer whose number is not under way is thrown away.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "etcm/port/log.h"
+#include "etcm/port/node_bus.h"
+#include "modbus/frame.h"
+#include "posix/event_loop.h"
+#include "posix/tcp_socket.h"
+
+namespace etcm::port {
+
+struct TcpBusOptions {
+  std::string name;  // for the log
+  SocketAddress address;
+  std::uint32_t outstanding_max = 1;  // requests under way at a time
+  Duration reconnect_interval{};      // from one attempt to connect to the next
+};
+
+class TcpBus final : public NodeBus, private EventHandler {
+ public:
+  // `loop` and `log` must outlive the bus.
+  TcpBus(EventLoop& loop, Log& log, const TcpBusOptions& options);
+  ~TcpBus();
+  TcpBus(const TcpBus&) = delete;
+  TcpBus& operator=(const TcpBus&) = delete;
+
+  bool ready() const override;
+  void start_read(const RegisterRead& read, Instant now) override;
+  void advance(Instant now) override;
+  bool take_answer(BusAnswer& answer) override;
+  Instant next_deadline() const override;
+
+ private:
+  enum class Link : std::uint8_t { down, connecting, up };
+
+  struct Request {
+    std::uint16_t transaction = 0;
+    std::uint8_t unit = 0;
+    std::uint16_t count = 0;
+    Instant deadline{};
+  };
+
+  struct Completed {
+    std::uint8_t unit = 0;
+    BusResult result = BusResult::ok;
+    std::uint8_t exception = 0;
+    std::uint16_t count = 0;
+    std::array<std::uint16_t, read_registers_max> registers;
+  };
+
+  void on_ready(bool can_read, bool can_write) override;
+  void receive();
+  void settle(const Frame& frame);
+  void complete(std::size_t request, BusResult result);
+  void connect(Instant now);
+  void drop_link(const char* why);
+
+  EventLoop& loop_;
+  Log& log_;
+  TcpBusOptions options_;
+  FileDescriptor socket_;
+  Link link_ = Link::down;
+  bool reported_down_ = false;
+  Instant next_attempt_{};
+  std::uint16_t last_transaction_ = 0;
+  FrameReader reader_;
+  std::vector<Request> requests_;     // under way
+  std::vector<Completed> completed_;  // a ring; never more than outstanding_max are in it
+  std::size_t completed_begin_ = 0;
+  std::size_t completed_count_ = 0;
+};
+
+}  // namespace etcm::port

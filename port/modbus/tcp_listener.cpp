@@ -1,0 +1,112 @@
+#include "modbus/tcp_listener.h"
+
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+
+namespace etcm::port {
+
+class TcpListener::Client final : private EventHandler {
+ public:
+  Client(EventLoop& loop, RequestHandler& handler, std::size_t index)
+      : loop_(loop), handler_(handler), index_(index) {}
+
+  bool is_free() const { return !socket_.is_open(); }
+
+  void open(FileDescriptor socket) {
+    socket_ = std::move(socket);
+    reader_.clear();
+    unsent_begin_ = unsent_end_ = 0;
+    loop_.add(socket_.get(), *this, true, false);
+    handler_.connected(index_);
+  }
+
+  void close() {
+    if (is_free()) return;
+    loop_.remove(socket_.get());
+    socket_.close();
+    handler_.disconnected(index_);
+  }
+
+ private:
+  void on_ready(bool can_read, bool can_write) override {
+    const bool waited = is_waiting();
+    if (can_write && !send()) return close();
+    if (can_read && !is_waiting() && (!receive() || !answer_all() || !send())) return close();
+    // While answers wait, the client's further requests wait too, in its own socket.
+    if (is_waiting() != waited) loop_.change(socket_.get(), !is_waiting(), is_waiting());
+  }
+
+  bool is_waiting() const { return unsent_end_ > 0; }
+
+  bool receive() {
+    const std::span<std::uint8_t> space = reader_.free_space();
+    const ssize_t count = ::recv(socket_.get(), space.data(), space.size(), 0);
+    if (count < 0) return errno == EAGAIN || errno == EINTR;
+    reader_.received(static_cast<std::size_t>(count));
+    return count > 0;
+  }
+
+  // False when what the client sends is no Modbus TCP.
+  bool answer_all() {
+    Frame request;
+    FrameReader::Next next = reader_.next(request);
+    for (; next == FrameReader::Next::frame; next = reader_.next(request)) {
+      const std::span<std::uint8_t> out = std::span(unsent_).subspan(unsent_end_, frame_bytes_max);
+      const std::size_t pdu =
+          handler_.answer(index_, request.unit, request.pdu, out.subspan(mbap_header_bytes));
+      if (pdu > 0) unsent_end_ += write_header(out, request.transaction, request.unit, pdu);
+    }
+    return next != FrameReader::Next::broken;
+  }
+
+  bool send() {
+    while (unsent_begin_ < unsent_end_) {
+      const ssize_t sent = ::send(socket_.get(), unsent_.data() + unsent_begin_,
+                                  unsent_end_ - unsent_begin_, MSG_NOSIGNAL);
+      if (sent < 0) return errno == EAGAIN || errno == EINTR;
+      unsent_begin_ += static_cast<std::size_t>(sent);
+    }
+    unsent_begin_ = unsent_end_ = 0;
+    return true;
+  }
+
+  EventLoop& loop_;
+  RequestHandler& handler_;
+  std::size_t index_;
+  FileDescriptor socket_;
+  FrameReader reader_;
+  // Room for the answers to all requests the reader can hold: one with registers in it needs a
+  // request of 12 bytes, and an exception is hardly longer than its request.
+  std::array<std::uint8_t, (4 * frame_bytes_max / 12 + 1) * frame_bytes_max> unsent_;
+  std::size_t unsent_begin_ = 0;
+  std::size_t unsent_end_ = 0;
+};
+
+TcpListener::TcpListener(EventLoop& loop, RequestHandler& handler, const SocketAddress& address,
+                         std::size_t clients_max)
+    : loop_(loop), handler_(handler), socket_(listen_tcp(address)) {
+  for (std::size_t i = 0; i < clients_max; ++i) {
+    clients_.push_back(std::make_unique<Client>(loop, handler, i));
+  }
+  loop_.add(socket_.get(), *this, true, false);
+}
+
+TcpListener::~TcpListener() {
+  for (const auto& client : clients_) client->close();
+  loop_.remove(socket_.get());
+}
+
+void TcpListener::on_ready(bool, bool) {
+  while (true) {
+    FileDescriptor socket = accept_tcp(socket_.get());
+    if (!socket.is_open()) return;
+    const auto place = std::find_if(clients_.begin(), clients_.end(),
+                                    [](const auto& client) { return client->is_free(); });
+    if (place != clients_.end()) (*place)->open(std::move(socket));
+  }
+}
+
+}  // namespace etcm::port

@@ -1,0 +1,57 @@
+// The server side of Modbus TCP: connections and frames; what to answer is the handler's business.
+//
+// One client never holds up another: bytes are taken as they come, an answer that does not fit the
+// socket waits in the client's own buffer, and while that is full nothing more is read from it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "modbus/frame.h"
+#include "posix/event_loop.h"
+#include "posix/tcp_socket.h"
+
+namespace etcm::port {
+
+class RequestHandler {
+ public:
+  // A client took place `client`, below clients_max; whoever had it before is gone.
+  virtual void connected(std::size_t client) = 0;
+  virtual void disconnected(std::size_t client) = 0;
+
+  // Writes the answer to a request of at least one byte into `answer` (pdu_bytes_max bytes) and
+  // returns its length; 0 to stay silent, as a unit that is not there does.
+  virtual std::size_t answer(std::size_t client, std::uint8_t unit,
+                             std::span<const std::uint8_t> request,
+                             std::span<std::uint8_t> answer) = 0;
+
+ protected:
+  ~RequestHandler() = default;
+};
+
+class TcpListener final : private EventHandler {
+ public:
+  // Listens at once; throws std::system_error where it cannot. `loop` and `handler` must outlive
+  // this. A client beyond clients_max is turned away.
+  TcpListener(EventLoop& loop, RequestHandler& handler, const SocketAddress& address,
+              std::size_t clients_max);
+  ~TcpListener();
+  TcpListener(const TcpListener&) = delete;
+  TcpListener& operator=(const TcpListener&) = delete;
+
+  SocketAddress address() const { return bound_address(socket_.get()); }
+
+ private:
+  class Client;
+
+  void on_ready(bool can_read, bool can_write) override;
+
+  EventLoop& loop_;
+  RequestHandler& handler_;
+  FileDescriptor socket_;
+  std::vector<std::unique_ptr<Client>> clients_;
+};
+
+}  // namespace etcm::port

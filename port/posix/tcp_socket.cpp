@@ -1,0 +1,78 @@
+#include "posix/tcp_socket.h"
+
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <system_error>
+
+namespace etcm::port {
+
+namespace {
+
+sockaddr_in to_native(const SocketAddress& address) {
+  sockaddr_in native{};
+  native.sin_family = AF_INET;
+  native.sin_addr.s_addr = htonl(address.host);
+  native.sin_port = htons(address.port);
+  return native;
+}
+
+// Requests and answers are single small packets: waiting to fill one only adds delay.
+void send_at_once(int descriptor) {
+  const int on = 1;
+  ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+}
+
+FileDescriptor open_socket() {
+  return FileDescriptor(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+}
+
+}  // namespace
+
+FileDescriptor listen_tcp(const SocketAddress& address) {
+  FileDescriptor listener = open_socket();
+  const int on = 1;
+  ::setsockopt(listener.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  const sockaddr_in native = to_native(address);
+  if (::bind(listener.get(), reinterpret_cast<const sockaddr*>(&native), sizeof native) != 0 ||
+      ::listen(listener.get(), SOMAXCONN) != 0) {
+    throw std::system_error(errno, std::generic_category(),
+                            "cannot listen on " + to_string(address));
+  }
+  return listener;
+}
+
+SocketAddress bound_address(int descriptor) {
+  sockaddr_in native{};
+  socklen_t size = sizeof native;
+  ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&native), &size);
+  return {.host = ntohl(native.sin_addr.s_addr), .port = ntohs(native.sin_port)};
+}
+
+FileDescriptor connect_tcp(const SocketAddress& address) {
+  FileDescriptor socket = open_socket();
+  if (!socket.is_open()) return socket;
+  send_at_once(socket.get());
+  const sockaddr_in native = to_native(address);
+  const int result =
+      ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&native), sizeof native);
+  if (result != 0 && errno != EINPROGRESS) return FileDescriptor{};
+  return socket;
+}
+
+int connect_error(int descriptor) {
+  int error = 0;
+  socklen_t size = sizeof error;
+  ::getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size);
+  return error;
+}
+
+FileDescriptor accept_tcp(int listener) {
+  FileDescriptor socket(::accept4(listener, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+  if (socket.is_open()) send_at_once(socket.get());
+  return socket;
+}
+
+}  // namespace etcm::port

@@ -1,0 +1,22 @@
+// Non-blocking TCP sockets by numeric address.
+#pragma once
+
+#include "etcm/port/socket_address.h"
+#include "posix/file_descriptor.h"
+
+namespace etcm::port {
+
+// A listening socket; throws std::system_error that names the address. Port 0 lets the system
+// choose; bound_address() tells.
+FileDescriptor listen_tcp(const SocketAddress& address);
+SocketAddress bound_address(int descriptor);
+
+// Starts to connect. The socket is writable once that ended; connect_error() then tells how.
+// Not open when it failed at once.
+FileDescriptor connect_tcp(const SocketAddress& address);
+int connect_error(int descriptor);
+
+// Not open when there is nobody to accept.
+FileDescriptor accept_tcp(int listener);
+
+}  // namespace etcm::port

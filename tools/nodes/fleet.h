@@ -1,0 +1,63 @@
+// The simulated nodes as Modbus units.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "modbus/tcp_listener.h"
+#include "node_map.h"
+#include "script.h"
+
+namespace etcm::nodes {
+
+inline constexpr std::uint32_t units_per_port = 247;
+
+// Node n is unit n % 247 + 1 of port n / 247.
+class Fleet {
+ public:
+  explicit Fleet(const Script& script);
+
+  // Lets everything happen that is due this long after the start.
+  void advance(std::uint32_t time_ms);
+
+  // When the next event is due; nothing further after the last: UINT32_MAX.
+  std::uint32_t next_event_ms() const;
+
+  std::uint32_t port_count() const;
+  std::uint32_t unit_count(std::uint32_t port) const;
+
+  // The answer of a unit, as RequestHandler has it.
+  std::size_t answer(std::uint32_t port, std::uint8_t unit, std::span<const std::uint8_t> request,
+                     std::span<std::uint8_t> answer) const;
+
+ private:
+  struct Node {
+    firmware::NodeReading reading;
+    std::uint16_t sequence = 0;
+    bool answers = false;
+  };
+
+  std::vector<Event> events_;
+  std::size_t next_event_ = 0;
+  std::vector<Node> nodes_;
+};
+
+// One port of the fleet.
+class FleetPort final : public port::RequestHandler {
+ public:
+  FleetPort(const Fleet& fleet, std::uint32_t port) : fleet_(fleet), port_(port) {}
+
+  void connected(std::size_t) override {}
+  void disconnected(std::size_t) override {}
+  std::size_t answer(std::size_t, std::uint8_t unit, std::span<const std::uint8_t> request,
+                     std::span<std::uint8_t> answer) override {
+    return fleet_.answer(port_, unit, request, answer);
+  }
+
+ private:
+  const Fleet& fleet_;
+  std::uint32_t port_;
+};
+
+}  // namespace etcm::nodes

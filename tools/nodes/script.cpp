@@ -1,0 +1,114 @@
+#include "script.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <fstream>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+#include <unordered_map>
+
+namespace etcm::nodes {
+
+namespace {
+
+constexpr std::string_view header = "time_ms,serial,event,x,y";
+constexpr std::size_t column_count = 5;
+
+class LineReader {
+ public:
+  explicit LineReader(const std::string& path) : path_(path), file_(path) {
+    if (!file_) throw std::runtime_error(path + ": cannot be read; check the path");
+  }
+
+  bool next() {
+    ++number_;
+    if (!std::getline(file_, line_)) return false;
+    if (!line_.empty() && line_.back() == '\r') line_.pop_back();
+    return true;
+  }
+
+  std::string_view line() const { return line_; }
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw std::runtime_error(path_ + ":" + std::to_string(number_) + ": " + what);
+  }
+
+  std::array<std::string_view, column_count> columns() const {
+    std::array<std::string_view, column_count> found;
+    std::string_view rest = line_;
+    for (std::size_t i = 0; i < column_count; ++i) {
+      const std::size_t comma = rest.find(',');
+      found[i] = rest.substr(0, comma);
+      const bool is_last = i + 1 == column_count;
+      if ((comma == std::string_view::npos) != is_last) {
+        fail("not five columns; write " + std::string(header));
+      }
+      if (!is_last) rest.remove_prefix(comma + 1);
+    }
+    return found;
+  }
+
+  template <class Number>
+  Number number(std::string_view text, const char* column) const {
+    Number value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size()) {
+      fail(std::string(column) + " '" + std::string(text) + "' is not a whole number in range");
+    }
+    return value;
+  }
+
+ private:
+  std::string path_;
+  std::ifstream file_;
+  std::string line_;
+  std::size_t number_ = 0;
+};
+
+std::optional<Action> parse_action(std::string_view text) {
+  if (text == "join") return Action::join;
+  if (text == "move") return Action::move;
+  if (text == "silent") return Action::silent;
+  if (text == "leave") return Action::leave;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Script read_script(const std::string& path) {
+  LineReader reader(path);
+  if (!reader.next() || reader.line() != header) {
+    reader.fail("the first line must be " + std::string(header));
+  }
+  Script script;
+  std::unordered_map<std::uint32_t, std::uint32_t> node_of;
+  while (reader.next()) {
+    if (reader.line().empty() || reader.line().front() == '#') continue;
+    const auto column = reader.columns();
+    Event event;
+    event.time_ms = reader.number<std::uint32_t>(column[0], "time_ms");
+    const auto serial = reader.number<std::uint32_t>(column[1], "serial");
+    const auto action = parse_action(column[2]);
+    if (!action) {
+      reader.fail("event '" + std::string(column[2]) +
+                  "' is unknown; write join, move, silent or leave");
+    }
+    event.action = *action;
+    if (event.action == Action::join || event.action == Action::move) {
+      event.position = {.x = reader.number<std::int32_t>(column[3], "x"),
+                        .y = reader.number<std::int32_t>(column[4], "y")};
+    }
+    const auto [entry, is_new] =
+        node_of.emplace(serial, static_cast<std::uint32_t>(script.serials.size()));
+    if (is_new) script.serials.push_back(serial);
+    event.node = entry->second;
+    script.events.push_back(event);
+  }
+  std::stable_sort(script.events.begin(), script.events.end(),
+                   [](const Event& a, const Event& b) { return a.time_ms < b.time_ms; });
+  return script;
+}
+
+}  // namespace etcm::nodes
