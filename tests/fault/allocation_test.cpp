@@ -1,0 +1,75 @@
+// No call of the library allocates: not in a good run, and not in a refused one.
+#include "support/allocation_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdlib>
+#include <memory>
+#include <vector>
+
+#include "etcm/audit.h"
+#include "etcm/domain.h"
+#include "etcm/locate.h"
+#include "etcm/storage.h"
+#include "inputs/random_graph.h"
+#include "support/meshes.h"
+
+namespace etcm::test {
+namespace {
+
+// The trap must be seen to work before its silence means anything.
+TEST(AllocationWatch, CountsEveryWayToAllocate) {
+  AllocationWatch watch;
+  const std::unique_ptr<int> single = std::make_unique<int>(1);
+  EXPECT_EQ(watch.allocations(), 1u);
+  const std::vector<int> many(10);
+  EXPECT_EQ(watch.allocations(), 2u);
+  // Volatile, or the compiler may leave out a pair of malloc and free.
+  void* volatile raw = std::malloc(16);
+  EXPECT_EQ(watch.allocations(), 3u);
+  std::free(raw);
+}
+
+TEST(Allocation, IsAbsentFromEveryCall) {
+  const Graph graph = inputs::random_graph(400, inputs::FeatureLength::any, 5);
+  static MeshStorage<4000, 600> storage;
+  std::array<Neighbour, 64> neighbours;
+  std::array<VertexId, 256> chain;
+  static std::array<Region, 8000> regions;
+  static std::array<TriangleId, 8000> scratch;
+  std::array<Status, 12> answers{};
+  std::uint64_t read = 0;
+  bool sound = false;
+  std::size_t allocations = 1;
+  {
+    AllocationWatch watch;
+    Mesh mesh;
+    answers[0] = mesh.open(storage.bytes(), storage.config());
+    answers[1] = mesh.build(graph.nodes, graph.features);
+    VertexId joined;
+    answers[2] = mesh.join({500, -20}, joined);
+    answers[3] = mesh.move(joined, {1400, 1400});
+    FeatureId feature;
+    answers[4] = mesh.add_feature({joined, VertexId{1}}, feature);
+    answers[5] = mesh.leave(joined);
+    answers[6] = mesh.remove_feature(FeatureId{0});
+    answers[7] = mesh.rebuild();
+    answers[8] = label_domain(mesh, Exterior::automatic, {}, regions, scratch);
+    answers[9] = mesh.join({position_max + 1, 0}, joined);
+    sound = bool(audit(mesh));
+    read += mesh.hash() + mesh.neighbours(VertexId{1}, neighbours);
+    read += mesh.chain(FeatureId{1}, chain);
+    read += static_cast<std::uint64_t>(locate(mesh, mesh.point(VertexId{2})).place);
+    mesh.clear();
+    allocations = watch.allocations();
+  }
+  EXPECT_EQ(allocations, 0u);
+  EXPECT_TRUE(sound);
+  EXPECT_NE(read, 0u);
+  for (const std::size_t good : {0, 1, 2, 3, 6, 7, 8}) EXPECT_EQ(answers[good], Status::ok) << good;
+  EXPECT_EQ(answers[9], Status::bad_coordinate);
+}
+
+}  // namespace
+}  // namespace etcm::test

@@ -1,0 +1,165 @@
+// Every capacity below what a run needs: each is answered with its own word, and nothing changes.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "inputs/patterns.h"
+#include "inputs/random_graph.h"
+#include "support/meshes.h"
+#include "support/oracle.h"
+
+namespace etcm::test {
+namespace {
+
+// A run that uses every call and needs room at most of them: nodes, long features, a node on a
+// feature, moves, a feature through three nodes.
+std::vector<std::function<Status(Mesh&)>> script() {
+  std::vector<std::function<Status(Mesh&)>> calls;
+  const auto join = [&calls](Position position) {
+    calls.push_back([position](Mesh& mesh) {
+      VertexId id;
+      return mesh.join(position, id);
+    });
+  };
+  const auto feature = [&calls](std::size_t from, std::size_t to) {
+    calls.push_back([from, to](Mesh& mesh) {
+      FeatureId id;
+      return mesh.add_feature(between_nodes(from, to), id);
+    });
+  };
+  join({0, 0});
+  join({1000, 0});
+  for (std::int32_t i = 0; i < 12; ++i) join({40 + 75 * i, i % 2 == 0 ? 9 + i : -8 - i});
+  feature(0, 1);
+  join({500, 0});
+  for (std::int32_t i = 1; i < 4; ++i) join({i * 10, 300 + i});
+  feature(2, 15);
+  feature(13, 16);
+  calls.push_back([](Mesh& mesh) { return mesh.move(vertex_of(14), {501, 3}); });
+  calls.push_back([](Mesh& mesh) { return mesh.move(vertex_of(5), {300, 290}); });
+  calls.push_back([](Mesh& mesh) { return mesh.leave(vertex_of(6)); });
+  calls.push_back([](Mesh& mesh) { return mesh.move(vertex_of(1), {1100, 70}); });
+  calls.push_back([](Mesh& mesh) { return mesh.remove_feature(FeatureId{1}); });
+  join({620, 1});
+  return calls;
+}
+
+struct Need {
+  std::uint32_t vertices = 0;
+  std::uint32_t steiner = 0;
+};
+
+Need need_of_good_run() {
+  const auto mesh = empty_mesh(2000, 100);
+  Need need;
+  int call = 0;
+  for (const auto& change : script()) {
+    EXPECT_EQ(change(**mesh), Status::ok) << "call " << call++;
+    EXPECT_TRUE(is_sound(**mesh));
+    need.vertices = std::max(need.vertices, (*mesh)->node_count() + (*mesh)->steiner_count());
+    need.steiner = std::max(need.steiner, (*mesh)->steiner_count());
+  }
+  return need;
+}
+
+// Runs the script in a mesh that is too small until the first refusal for want of room.
+Status first_refusal(const MeshConfig& config) {
+  OwnedMesh mesh(config);
+  EXPECT_EQ(mesh.opened(), Status::ok);
+  for (const auto& change : script()) {
+    const Picture before = picture_of(*mesh);
+    const Status answer = change(*mesh);
+    if (answer == Status::ok) continue;
+    EXPECT_EQ(picture_of(*mesh), before) << to_string(answer);
+    EXPECT_EQ(mesh->trouble().status, answer);
+    EXPECT_TRUE(is_sound(*mesh)) << to_string(answer);
+    return answer;
+  }
+  return Status::ok;
+}
+
+TEST(Capacity, OfVerticesMayBeAnything) {
+  const Need need = need_of_good_run();
+  ASSERT_GT(need.steiner, 5u);
+  for (std::uint32_t vertices = 1; vertices < need.vertices; ++vertices) {
+    MeshConfig config;
+    config.vertices_max = vertices;
+    config.features_max = 100;
+    EXPECT_EQ(first_refusal(config), Status::out_of_vertices) << vertices << " vertices";
+  }
+}
+
+TEST(Capacity, OfFeaturesMayBeAnything) {
+  for (std::uint32_t features = 0; features < 4; ++features) {
+    MeshConfig config;
+    config.vertices_max = 2000;
+    config.features_max = features;
+    EXPECT_EQ(first_refusal(config), Status::out_of_features) << features << " features";
+  }
+}
+
+TEST(Capacity, OfSteinerVerticesMayBeAnything) {
+  const Need need = need_of_good_run();
+  for (std::uint32_t steiner = 1; steiner < need.steiner; ++steiner) {
+    MeshConfig config;
+    config.vertices_max = 2000;
+    config.features_max = 100;
+    config.steiner_max = steiner;
+    EXPECT_EQ(first_refusal(config), Status::steiner_budget) << steiner << " Steiner vertices";
+  }
+}
+
+TEST(Capacity, OfStepsMayBeAnything) {
+  bool refused = true;
+  for (std::uint32_t steps = 1; refused; ++steps) {
+    ASSERT_LT(steps, 1000u) << "no number of steps is enough";
+    MeshConfig config;
+    config.vertices_max = 2000;
+    config.features_max = 100;
+    config.steps_max = steps;
+    const Status answer = first_refusal(config);
+    EXPECT_TRUE(answer == Status::step_limit || answer == Status::ok) << to_string(answer);
+    refused = answer != Status::ok;
+  }
+}
+
+// build() is the one call that may leave a partly conforming mesh, and it says so.
+TEST(Capacity, OfBuildMayBeAnything) {
+  const Graph graph = inputs::random_graph(60, inputs::FeatureLength::any, 3);
+  const std::uint32_t steiner = (*built(graph))->steiner_count();
+  ASSERT_GT(steiner, 5u);
+  for (std::uint32_t room = 0; room < 60 + steiner; ++room) {
+    MeshConfig config;
+    config.vertices_max = std::max(room, 1u);
+    config.features_max = 100;
+    OwnedMesh mesh(config);
+    ASSERT_EQ(mesh.opened(), Status::ok);
+    EXPECT_EQ(mesh->build(graph.nodes, graph.features), Status::out_of_vertices) << room;
+    if (room < 60) {
+      EXPECT_EQ(mesh->node_count(), 0u) << room;
+    } else {
+      EXPECT_GT(mesh->unresolved(), 0u) << room;
+      EXPECT_NE(mesh->trouble().from, mesh->trouble().to) << room;
+    }
+    mesh->clear();
+    EXPECT_EQ(mesh->node_count(), 0u);
+    EXPECT_TRUE(is_sound(*mesh));
+  }
+}
+
+TEST(Capacity, OfStorageIsCheckedToTheByte) {
+  MeshConfig config;
+  config.vertices_max = 10;
+  config.features_max = 3;
+  std::vector<std::uint64_t> storage(storage_bytes(config) / 8 + 2);
+  const std::span<std::byte> bytes = std::as_writable_bytes(std::span(storage));
+  Mesh mesh;
+  EXPECT_EQ(mesh.open(bytes.first(storage_bytes(config) - 1), config), Status::storage_too_small);
+  EXPECT_EQ(mesh.open(bytes.subspan(1), config), Status::storage_too_small) << "not aligned";
+  EXPECT_EQ(mesh.open(bytes.first(storage_bytes(config)), config), Status::ok);
+}
+
+}  // namespace
+}  // namespace etcm::test

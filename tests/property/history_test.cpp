@@ -1,0 +1,108 @@
+// Whatever happens to a mesh, it stays what mesh.h promises.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "support/history.h"
+#include "support/meshes.h"
+#include "support/oracle.h"
+
+namespace etcm::test {
+namespace {
+
+struct Life {
+  const char* name;
+  std::int32_t side;
+  std::size_t crowd;
+  int events;
+  int audit_every;
+  std::uint32_t vertices_max;
+  std::uint32_t features_max;
+  std::uint32_t steiner_max;
+  std::uint32_t steps_max;
+};
+
+void PrintTo(const Life& life, std::ostream* out) { *out << life.name; }
+
+class Lives : public testing::TestWithParam<Life> {
+ protected:
+  MeshConfig config() const {
+    MeshConfig config;
+    config.vertices_max = GetParam().vertices_max;
+    config.features_max = GetParam().features_max;
+    config.steiner_max = GetParam().steiner_max;
+    config.steps_max = GetParam().steps_max;
+    return config;
+  }
+};
+
+TEST_P(Lives, StaySound) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    OwnedMesh mesh(config());
+    ASSERT_EQ(mesh.opened(), Status::ok);
+    History history(*mesh, GetParam().side, GetParam().crowd, seed);
+    for (int event = 1; event <= GetParam().events; ++event) {
+      ASSERT_TRUE(history.step()) << "seed " << seed << ", event " << event;
+      if (event % GetParam().audit_every != 0) continue;
+      ASSERT_TRUE(passes_audit(*mesh)) << "seed " << seed << ", event " << event;
+      ASSERT_TRUE(history.agrees()) << "seed " << seed << ", event " << event;
+      if (event % 250 == 0) {
+        ASSERT_TRUE(passes_oracle(*mesh)) << "seed " << seed << ", event " << event;
+      }
+    }
+    const Graph standing = graph_of(*mesh);
+    const auto batch = built(shuffled(standing, seed));
+    const Status rebuilt = mesh->rebuild();
+    if (rebuilt == Status::ok) {
+      EXPECT_EQ(mesh->hash(), (*batch)->hash()) << "seed " << seed;
+      EXPECT_TRUE(is_sound(*mesh)) << "seed " << seed;
+      EXPECT_TRUE(history.agrees()) << "seed " << seed;
+    } else {
+      EXPECT_GT(history.refused_for_room(), 0u) << to_string(rebuilt);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Random, Lives,
+    testing::Values(Life{"roomy", 1000, 60, 1000, 10, 4000, 200, 0, 0},
+                    Life{"crowded", 12, 40, 1000, 1, 2000, 200, 0, 0},
+                    Life{"tiny", 3, 6, 1000, 1, 200, 60, 0, 0},
+                    Life{"flat", 1, 4, 300, 1, 50, 20, 0, 0},
+                    Life{"wide", 20'000, 200, 1000, 50, 8000, 400, 0, 0},
+                    Life{"short_of_vertices", 1000, 60, 1000, 10, 90, 200, 0, 0},
+                    Life{"short_of_features", 30, 40, 1000, 10, 2000, 12, 0, 0},
+                    Life{"short_of_steiner", 1000, 60, 1000, 10, 4000, 200, 12, 0},
+                    Life{"short_of_steps", 1000, 60, 1000, 10, 4000, 200, 0, 20}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+// Many nodes, no features: joins and leaves are the inverse of each other.
+TEST(PlainHistory, IsForgotten) {
+  const auto mesh = empty_mesh(600, 0);
+  inputs::Random random(7);
+  std::vector<VertexId> ids;
+  for (int event = 0; event < 3000; ++event) {
+    if (ids.size() > 10 && random.below(ids.size() > 300 ? 2 : 3) == 0) {
+      const std::size_t chosen = random.below(ids.size());
+      ASSERT_EQ((*mesh)->leave(ids[chosen]), Status::ok);
+      ids.erase(ids.begin() + static_cast<std::ptrdiff_t>(chosen));
+    } else {
+      const std::int32_t x = random.between(-40, 40);
+      const Position position{x, random.between(-40, 40)};
+      VertexId id;
+      const Status answer = (*mesh)->join(position, id);
+      if (answer == Status::ok) ids.push_back(id);
+      else ASSERT_TRUE(answer == Status::duplicate_vertex || answer == Status::out_of_vertices);
+    }
+    if (event % 20 != 0) continue;
+    ASSERT_TRUE(passes_audit(**mesh)) << "event " << event;
+    ASSERT_EQ((*mesh)->hash(), (*built(graph_of(**mesh)))->hash()) << "event " << event;
+  }
+  for (const VertexId id : ids) ASSERT_EQ((*mesh)->leave(id), Status::ok);
+  EXPECT_EQ((*mesh)->node_count(), 0u);
+  EXPECT_EQ((*mesh)->triangle_count(), 0u);
+  EXPECT_TRUE(is_sound(**mesh));
+}
+
+}  // namespace
+}  // namespace etcm::test

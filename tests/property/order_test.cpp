@@ -1,0 +1,93 @@
+// The mesh is a function of what was given, not of how: order, direction and way do not matter.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <tuple>
+
+#include "inputs/corpus.h"
+#include "support/meshes.h"
+#include "support/oracle.h"
+
+namespace etcm::test {
+namespace {
+
+// Inputs that need more Steiner vertices than this take too long for a test of every day.
+constexpr std::size_t steiner_room = 30'000;
+constexpr std::size_t nodes_most = 1000;
+
+enum class Policy { standard, paper };
+
+SplitPolicy function_of(Policy policy) {
+  return policy == Policy::paper ? split_paper : split_default;
+}
+
+class Order : public testing::TestWithParam<std::tuple<std::size_t, Policy>> {
+ protected:
+  static const std::vector<inputs::CorpusEntry>& entries() {
+    static const std::vector<inputs::CorpusEntry> all = inputs::corpus();
+    return all;
+  }
+  const Graph& graph() const { return entries()[std::get<0>(GetParam())].graph; }
+  SplitPolicy policy() const { return function_of(std::get<1>(GetParam())); }
+
+ public:
+  static std::string name(const testing::TestParamInfo<ParamType>& info) {
+    const auto [index, policy] = info.param;
+    std::string text = entries()[index].graph.name;
+    for (char& letter : text) {
+      if (letter == '-') letter = '_';
+    }
+    return text + (policy == Policy::paper ? "_paper" : "_default");
+  }
+};
+
+TEST_P(Order, DoesNotMatter) {
+  if (graph().nodes.size() > nodes_most) GTEST_SKIP() << "too large for a test of every day";
+  OwnedMesh mesh(inputs::config_for(graph(), steiner_room, policy()));
+  ASSERT_EQ(mesh.opened(), Status::ok);
+  const Status status = mesh->build(graph().nodes, graph().features);
+  if (status == Status::out_of_vertices) {
+    EXPECT_EQ(std::get<1>(GetParam()), Policy::paper) << "the default policy needs no such room";
+    EXPECT_GT(mesh->unresolved(), 0u);
+    return;
+  }
+  ASSERT_EQ(status, Status::ok);
+  EXPECT_TRUE(passes_audit(*mesh));
+  for (const std::uint64_t seed : {1u, 2u}) {
+    const auto other = built(shuffled(graph(), seed), policy(), steiner_room);
+    EXPECT_EQ((*other)->hash(), mesh->hash()) << "shuffled with seed " << seed;
+    EXPECT_EQ((*other)->steiner_count(), mesh->steiner_count());
+  }
+}
+
+TEST_P(Order, DoesNotMatterForPlainNodesThatJoin) {
+  if (graph().nodes.size() > nodes_most) GTEST_SKIP() << "too large for a test of every day";
+  const Graph plain{graph().name, graph().nodes, {}};
+  const auto batch = built(plain, policy());
+  const auto joined = grown(shuffled(plain, 3), policy());
+  EXPECT_TRUE(passes_audit(**joined));
+  EXPECT_EQ((*joined)->hash(), (*batch)->hash());
+  EXPECT_EQ((*joined)->steiner_count(), 0u);
+}
+
+TEST_P(Order, IsForgottenByRebuild) {
+  if (graph().nodes.size() > 400) GTEST_SKIP() << "too large for a test of every day";
+  OwnedMesh batch(inputs::config_for(graph(), steiner_room, policy()));
+  ASSERT_EQ(batch.opened(), Status::ok);
+  if (batch->build(graph().nodes, graph().features) != Status::ok) {
+    GTEST_SKIP() << "the paper's rule does not end here";
+  }
+  const auto mesh = grown(graph(), policy(), steiner_room);
+  EXPECT_TRUE(passes_audit(**mesh));
+  ASSERT_EQ((*mesh)->rebuild(), Status::ok);
+  EXPECT_TRUE(passes_audit(**mesh));
+  EXPECT_EQ((*mesh)->hash(), batch->hash());
+}
+
+INSTANTIATE_TEST_SUITE_P(Corpus, Order,
+                         testing::Combine(testing::Range(std::size_t{0}, inputs::corpus().size()),
+                                          testing::Values(Policy::standard, Policy::paper)),
+                         Order::name);
+
+}  // namespace
+}  // namespace etcm::test

@@ -1,0 +1,189 @@
+#include "support/history.h"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <utility>
+
+#include "support/meshes.h"
+
+namespace etcm::test {
+namespace {
+
+using testing::AssertionFailure;
+using testing::AssertionResult;
+using testing::AssertionSuccess;
+
+int turn(Position a, Position b, Position c) {
+  const std::int64_t cross = (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) -
+                             (std::int64_t{b.y} - a.y) * (std::int64_t{c.x} - a.x);
+  return (cross > 0) - (cross < 0);
+}
+
+bool is_inside(Position p, Position a, Position b) {
+  return p != a && p != b && turn(a, b, p) == 0 && p.x >= std::min(a.x, b.x) &&
+         p.x <= std::max(a.x, b.x) && p.y >= std::min(a.y, b.y) && p.y <= std::max(a.y, b.y);
+}
+
+// Features may meet where a node stands, and nowhere else.
+Status relation(Position a, Position b, Position c, Position d,
+                const std::map<VertexId, Position>& nodes) {
+  if ((a == c && b == d) || (a == d && b == c)) return Status::repeated_feature;
+  if (turn(a, b, c) == 0 && turn(a, b, d) == 0) {
+    const bool overlap =
+        is_inside(a, c, d) || is_inside(b, c, d) || is_inside(c, a, b) || is_inside(d, a, b);
+    return overlap ? Status::overlapping_features : Status::ok;
+  }
+  if (turn(a, b, c) * turn(a, b, d) >= 0 || turn(c, d, a) * turn(c, d, b) >= 0) return Status::ok;
+  const bool node_at_crossing = std::any_of(nodes.begin(), nodes.end(), [&](const auto& node) {
+    return is_inside(node.second, a, b) && is_inside(node.second, c, d);
+  });
+  return node_at_crossing ? Status::ok : Status::crossing_features;
+}
+
+bool is_for_want_of_room(Status status) {
+  constexpr std::array codes{Status::out_of_vertices, Status::out_of_features,
+                             Status::steiner_budget, Status::step_limit, Status::grid_exhausted};
+  return std::find(codes.begin(), codes.end(), status) != codes.end();
+}
+
+}  // namespace
+
+AssertionResult History::step() {
+  const Picture before = picture_of(mesh_);
+  const std::uint64_t choice = random_.below(100);
+  const std::size_t joins = standing_.nodes.size() < crowd_ ? 45 : 10;
+  const Change change = standing_.nodes.size() < 3 || choice < joins ? join()
+                        : choice < 60                                ? leave()
+                        : choice < 75                                ? move()
+                        : choice < 93                                ? add_feature()
+                                                                     : remove_feature();
+  const bool for_room = is_for_want_of_room(change.answer);
+  if (for_room) ++refused_for_room_;
+  if (!change.expected.contains(change.answer) &&
+      !(for_room && change.expected.contains(Status::ok))) {
+    return AssertionFailure() << change.name << " answered " << to_string(change.answer)
+                              << ", not " << testing::PrintToString(change.expected);
+  }
+  if (change.answer != Status::ok && picture_of(mesh_) != before) {
+    return AssertionFailure() << change.name << " was refused with " << to_string(change.answer)
+                              << ", and changed the mesh";
+  }
+  return AssertionSuccess();
+}
+
+AssertionResult History::agrees() const {
+  const Picture picture = picture_of(mesh_);
+  std::size_t nodes = 0;
+  for (const Picture::Standing& vertex : picture.vertices) {
+    if (vertex.kind != VertexKind::node) continue;
+    ++nodes;
+    const auto found = standing_.nodes.find(vertex.vertex);
+    if (found == standing_.nodes.end() || to_point(found->second) != vertex.point) {
+      return AssertionFailure() << "node " << vertex.vertex.value << " stands wrong";
+    }
+  }
+  for (const Picture::Line& line : picture.features) {
+    const auto found = standing_.features.find(line.feature);
+    if (found == standing_.features.end() || found->second.from != line.from ||
+        found->second.to != line.to) {
+      return AssertionFailure() << "feature " << line.feature.value << " has wrong ends";
+    }
+  }
+  if (nodes != standing_.nodes.size() || nodes != mesh_.node_count() ||
+      picture.features.size() != standing_.features.size()) {
+    return AssertionFailure() << "nodes or features are missing";
+  }
+  return AssertionSuccess();
+}
+
+History::Change History::join() {
+  const Position position = random_position();
+  VertexId id;
+  const Status answer = mesh_.join(position, id);
+  if (is_taken(position, VertexId::none())) return {"join", answer, {Status::duplicate_vertex}};
+  if (answer == Status::ok) standing_.nodes[id] = position;
+  return {"join", answer, {Status::ok}};
+}
+
+History::Change History::leave() {
+  const VertexId node = random_node();
+  Standing after = standing_;
+  after.nodes.erase(node);
+  const bool is_endpoint = std::any_of(
+      standing_.features.begin(), standing_.features.end(),
+      [node](const auto& f) { return f.second.from == node || f.second.to == node; });
+  const std::set<Status> expected =
+      is_endpoint ? std::set{Status::endpoint_in_use} : faults_of(after);
+  const Status answer = mesh_.leave(node);
+  if (answer == Status::ok) standing_ = std::move(after);
+  return {"leave", answer, expected};
+}
+
+History::Change History::move() {
+  const VertexId node = random_node();
+  const Position position = random_position();
+  Standing after = standing_;
+  after.nodes[node] = position;
+  const std::set<Status> expected =
+      is_taken(position, node) ? std::set{Status::duplicate_vertex} : faults_of(after);
+  const Status answer = mesh_.move(node, position);
+  if (answer == Status::ok) standing_ = std::move(after);
+  return {"move", answer, expected};
+}
+
+History::Change History::add_feature() {
+  const FeatureEnds ends{random_node(), random_node()};
+  FeatureId id;
+  const Status answer = mesh_.add_feature(ends, id);
+  if (ends.from == ends.to) return {"add_feature", answer, {Status::zero_length_feature}};
+  Standing after = standing_;
+  after.features[FeatureId::none()] = ends;
+  const std::set<Status> expected = faults_of(after);
+  if (answer == Status::ok) standing_.features[id] = ends;
+  return {"add_feature", answer, expected};
+}
+
+History::Change History::remove_feature() {
+  if (standing_.features.empty()) {
+    return {"remove_feature", mesh_.remove_feature(FeatureId{0}), {Status::unknown_feature}};
+  }
+  const auto chosen = std::next(standing_.features.begin(),
+                                static_cast<std::ptrdiff_t>(random_.below(standing_.features.size())));
+  const Status answer = mesh_.remove_feature(chosen->first);
+  if (answer == Status::ok) standing_.features.erase(chosen);
+  return {"remove_feature", answer, {Status::ok}};
+}
+
+Position History::random_position() {
+  const std::int32_t x = random_.between(0, side_);
+  return {x, random_.between(0, side_)};
+}
+
+VertexId History::random_node() {
+  const auto index = static_cast<std::ptrdiff_t>(random_.below(standing_.nodes.size()));
+  return std::next(standing_.nodes.begin(), index)->first;
+}
+
+bool History::is_taken(Position position, VertexId by_other_than) const {
+  return std::any_of(standing_.nodes.begin(), standing_.nodes.end(), [&](const auto& node) {
+    return node.second == position && node.first != by_other_than;
+  });
+}
+
+std::set<Status> History::faults_of(const Standing& standing) {
+  std::set<Status> faults;
+  for (auto first = standing.features.begin(); first != standing.features.end(); ++first) {
+    for (auto second = standing.features.begin(); second != first; ++second) {
+      faults.insert(relation(standing.nodes.at(first->second.from),
+                             standing.nodes.at(first->second.to),
+                             standing.nodes.at(second->second.from),
+                             standing.nodes.at(second->second.to), standing.nodes));
+    }
+  }
+  if (faults.empty()) return {Status::ok};
+  if (faults.size() > 1) faults.erase(Status::ok);
+  return faults;
+}
+
+}  // namespace etcm::test

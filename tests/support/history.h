@@ -1,0 +1,63 @@
+// A mesh that lives: random joins, leaves, moves and features, each judged against a plain list of
+// what stands, by brute force.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <set>
+
+#include "etcm/mesh.h"
+#include "inputs/random.h"
+
+namespace etcm::test {
+
+class History {
+ public:
+  // The mesh must be empty. Nodes stand on [0, side]^2: a small side makes them meet features,
+  // Steiner vertices and each other often. About `crowd` nodes stand at a time.
+  History(Mesh& mesh, std::int32_t side, std::size_t crowd, std::uint64_t seed)
+      : mesh_(mesh), random_(seed), side_(side), crowd_(crowd) {}
+
+  // Makes one random change. Fails if the answer is wrong, or if a refused change changed anything.
+  testing::AssertionResult step();
+
+  // The nodes and features of the mesh are those of the list.
+  testing::AssertionResult agrees() const;
+
+  std::size_t refused_for_room() const noexcept { return refused_for_room_; }
+
+ private:
+  struct Standing {
+    std::map<VertexId, Position> nodes;
+    std::map<FeatureId, FeatureEnds> features;
+  };
+  struct Change {
+    const char* name;
+    Status answer;
+    std::set<Status> expected;
+  };
+
+  Change join();
+  Change leave();
+  Change move();
+  Change add_feature();
+  Change remove_feature();
+
+  Position random_position();
+  VertexId random_node();
+  bool is_taken(Position position, VertexId by_other_than) const;
+  // What is wrong with features that lie so; ok where nothing is.
+  static std::set<Status> faults_of(const Standing& standing);
+
+  Mesh& mesh_;
+  inputs::Random random_;
+  std::int32_t side_;
+  std::size_t crowd_;
+  Standing standing_;
+  std::size_t refused_for_room_ = 0;
+};
+
+}  // namespace etcm::test
