@@ -5,7 +5,9 @@
 #                                 missing; does nothing, quickly, when none is
 #   etcm_step LABEL COMMAND...    runs the command with its output in a log, shows one line with the
 #                                 progress and the time; if it fails, shows what failed and ends
-#   etcm_build PRESET [TARGET...] configures and builds a preset
+#   etcm_build_all PRESET         configures and builds everything
+#   etcm_build PRESET TARGET...   configures and builds these programs; asks for no package that only
+#                                 tests or measurements need
 
 etcm_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 etcm_log_dir=$etcm_root/build/log
@@ -83,10 +85,18 @@ etcm_step() {
   printf '%-28s done in %d s\n' "$label" $((SECONDS - started))
 }
 
+etcm_build_all() {
+  cd "$etcm_root"
+  etcm_step "$1: configure" cmake --preset "$1" -DETCM_BUILD_TESTS=ON -DETCM_BUILD_BENCH=ON
+  etcm_step "$1: build" cmake --build --preset "$1"
+}
+
 etcm_build() {
-  local preset=$1
+  local preset=$1 options=()
   shift
   cd "$etcm_root"
-  etcm_step "$preset: configure" cmake --preset "$preset"
-  etcm_step "$preset: build" cmake --build --preset "$preset" ${1:+--target "$@"}
+  # A build that has more stays as it is.
+  [[ -f build/$preset/build.ninja ]] || options=(-DETCM_BUILD_TESTS=OFF -DETCM_BUILD_BENCH=OFF)
+  etcm_step "$preset: configure" cmake --preset "$preset" "${options[@]}"
+  etcm_step "$preset: build" cmake --build --preset "$preset" --target "$@"
 }

@@ -28,6 +28,7 @@ function(etcm_add_test name)
   # PRE_TEST: a cross build must not run the program while it builds.
   gtest_discover_tests(${name}
     TEST_PREFIX "${folder}/"
+    NO_PRETTY_VALUES
     DISCOVERY_MODE PRE_TEST
     DISCOVERY_TIMEOUT 60
     PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}"
