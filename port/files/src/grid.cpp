@@ -78,13 +78,17 @@ std::string describe_duplicate(const ConstraintGraph& graph, const GridGraph& gr
 
 }  // namespace
 
+Position place_on_grid(const std::string& file, std::size_t line, const Decimal& x,
+                       const Decimal& y, const Placement& placement) {
+  const Placer placer(file, placement);
+  return {placer.place("x", x, line), placer.place("y", y, line)};
+}
+
 GridGraph place_on_grid(const ConstraintGraph& graph, const Placement& placement) {
   GridGraph grid;
-  const Placer placer(graph.node_file, placement);
   grid.nodes.reserve(graph.nodes.size());
   for (const GraphNode& node : graph.nodes) {
-    grid.nodes.push_back(
-        {placer.place("x", node.x, node.line), placer.place("y", node.y, node.line)});
+    grid.nodes.push_back(place_on_grid(graph.node_file, node.line, node.x, node.y, placement));
   }
   grid.features.reserve(graph.features.size());
   for (const GraphFeature& feature : graph.features) {

@@ -178,11 +178,11 @@ MeshImage image_of(const Mesh& mesh, Exterior exterior, std::span<const Point> h
   return Imager(mesh).make(exterior, holes);
 }
 
-void carry_through(const ConstraintGraph& graph, const std::optional<Decimal>& scale,
-                   MeshImage& image) {
+void carry_through(const ConstraintGraph& graph, const Placement& placement, MeshImage& image) {
   image.index_base = graph.index_base;
   carry_attributes(graph, image);
   carry_markers(graph, image);
+  const std::optional<Decimal>& scale = placement.scale;
   const auto scaled = [&](const Decimal& value) { return scale ? value * *scale : value; };
   for (const GraphHole& hole : graph.holes) {
     image.holes.push_back({scaled(hole.x), scaled(hole.y), hole.line});
@@ -190,8 +190,12 @@ void carry_through(const ConstraintGraph& graph, const std::optional<Decimal>& s
   for (const GraphRegion& region : graph.regions) {
     image.regions.push_back({scaled(region.x), scaled(region.y), region.values});
   }
-  if (scale)
+  if (scale) {
     image.unit_note = "coordinates are " + scale->to_string() + " times those of the input";
+  }
+  if (placement.round) {
+    image.unit_note += scale ? ", rounded" : "coordinates are those of the input, rounded";
+  }
 }
 
 Quality quality_of(const MeshImage& image) {

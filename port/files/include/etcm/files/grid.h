@@ -24,6 +24,8 @@ struct GridGraph {
 
 // Throws InputError for a coordinate that is no integer (after scaling, unless rounded) or out of
 // range.
+Position place_on_grid(const std::string& file, std::size_t line, const Decimal& x,
+                       const Decimal& y, const Placement& placement);
 GridGraph place_on_grid(const ConstraintGraph& graph, const Placement& placement);
 
 // One line on why Mesh::build() refused the graph, with the place in its file. For the statuses

@@ -10,6 +10,7 @@
 
 #include "etcm/domain.h"
 #include "etcm/files/constraint_graph.h"
+#include "etcm/files/grid.h"
 #include "etcm/mesh.h"
 
 namespace etcm::files {
@@ -71,8 +72,7 @@ MeshImage image_of(const Mesh& mesh, Exterior exterior, std::span<const Point> h
 // Gives the image what the graph it was built from says beside geometry: index base, attributes
 // (linear between a feature's endpoints for Steiner vertices), markers, holes, regions. Steiner
 // vertices are marked with a negative marker that no node has: -1, if it is free.
-void carry_through(const ConstraintGraph& graph, const std::optional<Decimal>& scale,
-                   MeshImage& image);
+void carry_through(const ConstraintGraph& graph, const Placement& placement, MeshImage& image);
 
 // Means over the triangles of the image; 0 without any.
 struct Quality {

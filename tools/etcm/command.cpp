@@ -1,0 +1,38 @@
+#include "command.h"
+
+#include <unistd.h>
+
+#include "etcm/files/file_set.h"
+
+namespace etcm::cli {
+
+void PlacementOptions::add_to(CLI::App& command) {
+  command.add_option("--scale", scale_,
+                     "Multiply every coordinate by this decimal; the mesh is in the new unit");
+  command.add_flag("--round", round_, "Take the nearest integer of every coordinate");
+}
+
+files::Placement PlacementOptions::placement() const {
+  files::Placement placement;
+  placement.round = round_;
+  if (scale_.empty()) return placement;
+  placement.scale = files::Decimal::parse(scale_);
+  if (!placement.scale || placement.scale->is_zero() || placement.scale->is_negative()) {
+    throw UsageError("--scale " + scale_ + ": must be a decimal number above 0");
+  }
+  return placement;
+}
+
+void add_policy_option(CLI::App& command, std::string& name) {
+  command.add_option("--policy", name, "Where a feature is split")
+      ->check(CLI::IsMember({"default", "paper"}))
+      ->capture_default_str();
+}
+
+SplitPolicy policy_named(const std::string& name) {
+  return name == "paper" ? split_paper : split_default;
+}
+
+void print(const std::string& text) { files::write_all(STDOUT_FILENO, text, "standard output"); }
+
+}  // namespace etcm::cli

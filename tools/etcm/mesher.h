@@ -1,0 +1,39 @@
+// A graph to a mesh, with room that grows until it fits, and the time it took.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "etcm/files/constraint_graph.h"
+#include "etcm/files/grid.h"
+#include "etcm/mesh.h"
+#include "inputs/owned_mesh.h"
+
+namespace etcm::cli {
+
+// Room for vertices grows up to this (about 1.2 GB), or what the id width allows.
+inline constexpr std::uint32_t vertices_max = std::min(std::uint32_t{1} << 24, vertices_limit);
+
+struct MeshingPlan {
+  SplitPolicy policy = split_default;
+  std::uint32_t steiner_max = 0;   // as in MeshConfig
+  std::size_t spare_vertices = 0;  // room left for nodes that come later
+  std::size_t spare_features = 0;
+};
+
+struct Meshed {
+  std::unique_ptr<inputs::OwnedMesh> mesh;
+  Status status = Status::ok;  // ok, or the reason why some feature is not conforming
+  double delaunay_us = 0;      // the nodes alone, in a mesh of their own
+  double conform_us = 0;       // nodes and features, less the above; not below 0
+};
+
+// Throws InputError where the library refuses the graph.
+Meshed build_mesh(const files::ConstraintGraph& graph, const files::GridGraph& grid,
+                  const MeshingPlan& plan);
+
+// Why conforming stopped, in one line.
+std::string describe_shortfall(const files::ConstraintGraph& graph, const Trouble& trouble,
+                               std::uint32_t unresolved);
+
+}  // namespace etcm::cli

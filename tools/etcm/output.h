@@ -1,0 +1,31 @@
+// The files that `mesh` and `replay` leave: BASE.node, .ele, .edge, .poly and .svg.
+#pragma once
+
+#include <string>
+
+#include "command.h"
+#include "etcm/files/mesh_image.h"
+
+namespace etcm::cli {
+
+class OutputOptions {
+ public:
+  void add_to(CLI::App& command);
+
+  const std::string& base() const { return base_; }
+  Exterior exterior() const;
+  // Throws UsageError where an output would replace one of the graph's own files.
+  void refuse_overwriting(const files::ConstraintGraph& graph) const;
+  // Throws OutputError.
+  void write(const files::MeshImage& image) const;
+
+ private:
+  std::string base_;
+  std::string domain_ = "automatic";
+  std::string unit_ = "units";
+};
+
+// The last part of a path: what a picture is titled with.
+std::string title_of(const std::string& base);
+
+}  // namespace etcm::cli
