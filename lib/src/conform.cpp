@@ -61,17 +61,28 @@ Status split(MeshState& m, SectionId s, const Stretch& piece) noexcept {
   return Status::ok;
 }
 
+// Where a node that two features ran through has left, they cross: in a subsegment of the other, or
+// exactly in one of its Steiner vertices.
+SectionId crossed_section(const MeshState& m, SectionId s, const Stretch& piece) noexcept {
+  if (!piece.constrained.is_none()) {
+    return section_of_edge(m, m.topology.origin(piece.constrained),
+                           m.topology.target(piece.constrained));
+  }
+  if (piece.tail == m.section(s).to || m.owner(piece.tail).section() == s) return SectionId::none();
+  return m.owner(piece.tail).section();
+}
+
 Status conform_section(MeshState& m, SectionId s) noexcept {
   const VertexId end = m.section(s).to;
   VertexId v = m.section(s).from;
   while (v != end) {
     const Stretch piece = march(m, v, end);
+    const SectionId crossed = crossed_section(m, s, piece);
+    if (!crossed.is_none()) {
+      m.trouble.other = feature_of(m, crossed);
+      return fail(m, Status::crossing_features, s, piece);
+    }
     if (!piece.is_edge) {
-      if (!piece.constrained.is_none()) {
-        m.trouble.other = feature_of(m, section_of_edge(m, m.topology.origin(piece.constrained),
-                                                        m.topology.target(piece.constrained)));
-        return fail(m, Status::crossing_features, s, piece);
-      }
       if (m.config.steps_max != 0 && m.steps >= m.config.steps_max) {
         return fail(m, Status::step_limit, s, piece);
       }

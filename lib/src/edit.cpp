@@ -100,17 +100,26 @@ SectionId bypass(MeshState& m, VertexId v) noexcept {
   return parts;
 }
 
+// The section that stands where a part of that list was joined to another.
+SectionId joined_section(const MeshState& m, SectionId part) noexcept {
+  const VertexId end = m.section(part).to;
+  SectionId s = m.owner(end).section();
+  while (m.section(s).to != end || m.section(s).root != m.section(part).root) {
+    s = next_at(m, s, end);
+  }
+  return s;
+}
+
+// Puts v back where it stood, and the features through it.
 void run_through_again(MeshState& m, VertexId v, SectionId parts) noexcept {
+  for (SectionId part = parts; !part.is_none(); part = m.section(part).next) {
+    strip_section(m, joined_section(m, part));
+  }
+  insert_vertex(m, v, find(m, m.at(v), m.near));
   while (!parts.is_none()) {
-    const SectionId rest = parts;
-    parts = m.section(rest).next;
-    const VertexId end = m.section(rest).to;
-    SectionId s = m.owner(end).section();
-    while (m.section(s).to != end || m.section(s).root != m.section(rest).root) {
-      s = next_at(m, s, end);
-    }
-    strip_section(m, s);
-    cut_section(m, s, v, rest);
+    const SectionId part = parts;
+    parts = m.section(part).next;
+    cut_section(m, joined_section(m, part), v, part);
   }
 }
 
@@ -198,7 +207,6 @@ Status Mesh::leave(VertexId node) noexcept {
   }
   clear_dirty(m);
   drop_fresh(m);
-  insert_vertex(m, node, find(m, m.at(node), m.near));
   run_through_again(m, node, parts);
   restore_detached(m);
   return status;
@@ -252,7 +260,6 @@ Status Mesh::move(VertexId node, Position position) noexcept {
   }
   m.points[node.value] = before;
   turn_features(m, features);
-  insert_vertex(m, node, find(m, before, m.near));
   run_through_again(m, node, parts);
   while (!features.is_none()) {
     const SectionId root = features;

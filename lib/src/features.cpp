@@ -122,12 +122,11 @@ void lay(MeshState& m, SectionId root) noexcept {
   }
   touch(m, s);
   make_dirty(m, s);
-  while (!left_over.is_none()) {
-    const SectionId after = m.section(left_over).next;
-    m.section(left_over).next = m.spare;
-    m.spare = left_over;
-    left_over = after;
-  }
+  // In the order in which they were used: the next lay on the old line gives each its old place.
+  SectionId* end_of_spare = &left_over;
+  while (!end_of_spare->is_none()) end_of_spare = &m.section(*end_of_spare).next;
+  *end_of_spare = m.spare;
+  m.spare = left_over;
 }
 
 void take_up(MeshState& m, SectionId root) noexcept {

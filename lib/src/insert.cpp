@@ -57,8 +57,12 @@ void insert_vertex(MeshState& m, VertexId v, const Found& found) noexcept {
   }
   const Point& p = m.at(v);
   Edge e = topo.split_triangle(Topology::triangle_of(found.edge), v);
-  // Where p lies on an edge, the triangle between is flat until that edge turns, which the first
-  // round sees to: p is inside any circle through the edge's ends.
+  // Where p lies on an edge, the triangle between is flat until that edge turns (p is inside any
+  // circle through its ends), so it turns first: in a collinear mesh both its triangles are ghosts
+  // that share their other edges too, and must not be met from there.
+  for (unsigned side = Topology::side_of(found.edge); side != 0; --side) {
+    e = topo.next_link_edge(e);
+  }
   const VertexId first = topo.origin(e);
   do {
     while (must_flip(m, e, p)) {

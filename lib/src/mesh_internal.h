@@ -95,6 +95,8 @@ Stretch march(const MeshState& m, VertexId head, VertexId toward) noexcept;
 void insert_vertex(MeshState& m, VertexId v, const Found& found) noexcept;
 // Takes the vertex out of the triangulation; its id stays. Edges to it must not be needed.
 void remove_vertex(MeshState& m, VertexId v) noexcept;
+// The same for a Steiner vertex and its subsegments.
+void remove_steiner(MeshState& m, VertexId v) noexcept;
 // True where p, a new or moved vertex, belongs inside the circle of the triangle beyond e.
 bool must_flip(const MeshState& m, Edge e, const Point& p) noexcept;
 // Turns the edges that a stretch crosses, all of whose ends lie on one empty circle with it, so

@@ -55,7 +55,7 @@ void prune_section(MeshState& m, SectionId s) noexcept {
       continue;
     }
     make_dirty_around(m, steiner);
-    remove_vertex(m, steiner);
+    remove_steiner(m, steiner);
     free_vertex(m, steiner);
     --m.steiner_count;
     piece = march(m, v, end);

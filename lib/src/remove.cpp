@@ -91,4 +91,20 @@ void remove_vertex(MeshState& m, VertexId v) noexcept {
   m.near = topo.unsplit_triangle(v);
 }
 
+void remove_steiner(MeshState& m, VertexId v) noexcept {
+  // Its subsegments go first: as long as they hold ties on their circles, the triangles there are
+  // not those of the vertices alone, and more of them than the star would have to change.
+  const Topology& topo = m.topology;
+  for (Edge e = topo.edge_at(v), last = topo.rotate_cw(e);;) {
+    if (topo.is_constrained(e)) {
+      release_constraint(m, e);
+      e = topo.edge_at(v);
+      last = topo.rotate_cw(e);
+    }
+    if (e == last) break;
+    e = topo.rotate_ccw(e);
+  }
+  remove_vertex(m, v);
+}
+
 }  // namespace etcm::internal

@@ -38,7 +38,7 @@ void touch_around(MeshState& m, VertexId v) noexcept {
 void detach(MeshState& m, VertexId steiner) noexcept {
   touch_around(m, steiner);
   const Owner owner = m.owner(steiner);
-  remove_vertex(m, steiner);
+  remove_steiner(m, steiner);
   --m.steiner_count;
   if (owner.role() == Role::fresh) {
     free_vertex(m, steiner);
