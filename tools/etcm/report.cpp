@@ -74,9 +74,13 @@ Members describe_mesh(const Meshed& meshed, const files::MeshImage& image,
 std::string summary(const Meshed& meshed, const files::MeshImage& image) {
   const Mesh& mesh = **meshed.mesh;
   const files::Quality quality = files::quality_of(image);
-  return std::to_string(mesh.node_count()) + " nodes, " + std::to_string(mesh.feature_count()) +
-         " features: " + std::to_string(mesh.steiner_count()) + " Steiner vertices, " +
-         std::to_string(image.triangles.size()) + " triangles in " +
+  const auto counted = [](std::size_t count, const char* one, const char* many) {
+    return std::to_string(count) + " " + (count == 1 ? one : many);
+  };
+  return counted(mesh.node_count(), "node", "nodes") + ", " +
+         counted(mesh.feature_count(), "feature", "features") + ": " +
+         counted(mesh.steiner_count(), "Steiner vertex", "Steiner vertices") + ", " +
+         counted(image.triangles.size(), "triangle", "triangles") + " in " +
          fixed((meshed.delaunay_us + meshed.conform_us) / 1000, 2) + " ms (Delaunay " +
          fixed(meshed.delaunay_us / 1000, 2) + ", conforming " +
          fixed(meshed.conform_us / 1000, 2) + "); mean edge ratio " +

@@ -8,8 +8,8 @@ namespace etcm::files {
 namespace {
 
 std::string header(const MeshImage& image) {
-  std::string text = "# etcm: " + std::to_string(image.node_count) + " nodes, " +
-                     std::to_string(image.steiner_count()) + " Steiner vertices";
+  std::string text = "# etcm: " + std::to_string(image.node_count) +
+                     " nodes, Steiner vertices: " + std::to_string(image.steiner_count());
   if (image.steiner_count() > 0) {
     text += " (marker " + std::to_string(image.vertices.back().marker) + ")";
   }

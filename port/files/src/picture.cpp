@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <map>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "etcm/files/decimal.h"
@@ -84,14 +85,35 @@ struct Spot {
   long long y = 0;
 };
 
+// Where a handful of vertices stands so far off that the rest would shrink to a corner, the picture
+// leaves them out (and says so): less than 1 % of all, beyond a gap of a third of the extent.
+std::pair<std::int64_t, std::int64_t> extent_without_outliers(std::vector<std::int64_t> values) {
+  if (values.empty()) return {0, 0};
+  std::sort(values.begin(), values.end());
+  const std::size_t few = values.size() / 100;
+  std::size_t first = 0;
+  std::size_t last = values.size() - 1;
+  const std::int64_t gap = (values[last] - values[first]) / 3;
+  for (std::size_t i = 0; i < few; ++i) {
+    if (values[i + 1] - values[i] > gap) first = i + 1;
+    const std::size_t j = values.size() - 1 - i;
+    if (values[j] - values[j - 1] > gap) last = j - 1;
+  }
+  return {values[first], values[last]};
+}
+
 class Map {
  public:
   explicit Map(const MeshImage& image) {
-    if (!image.vertices.empty()) low_ = high_ = image.vertices.front().point;
+    std::vector<std::int64_t> xs;
+    std::vector<std::int64_t> ys;
     for (const ImageVertex& vertex : image.vertices) {
-      low_ = {std::min(low_.x, vertex.point.x), std::min(low_.y, vertex.point.y)};
-      high_ = {std::max(high_.x, vertex.point.x), std::max(high_.y, vertex.point.y)};
+      xs.push_back(vertex.point.x);
+      ys.push_back(vertex.point.y);
     }
+    std::tie(low_.x, high_.x) = extent_without_outliers(std::move(xs));
+    std::tie(low_.y, high_.y) = extent_without_outliers(std::move(ys));
+    for (const ImageVertex& vertex : image.vertices) outside_count_ += !shows(vertex.point);
     const double width = static_cast<double>(high_.x - low_.x);
     const double height = static_cast<double>(high_.y - low_.y);
     if (width > 0 || height > 0) {
@@ -104,6 +126,8 @@ class Map {
   }
 
   double height_px() const { return height_px_; }
+  // Vertices that the frame leaves out.
+  std::size_t outside_count() const { return outside_count_; }
   double page_height() const { return header_height + height_px_ + footer_height; }
   double px_per_unit() const { return px_per_subunit_ * static_cast<double>(subunits_per_unit); }
 
@@ -113,7 +137,12 @@ class Map {
     return {std::llround(x * 100), std::llround(y * 100)};
   }
 
+  bool shows(const Point& point) const {
+    return low_.x <= point.x && point.x <= high_.x && low_.y <= point.y && point.y <= high_.y;
+  }
+
  private:
+  std::size_t outside_count_ = 0;
   Point low_;
   Point high_;
   double px_per_subunit_ = 0;
@@ -142,7 +171,9 @@ class PathData {
   }
   void dot(Spot to) {
     move_to(to);
-    text_ += "h0";
+    // Not 0: some renderers draw no caps on a line without length.
+    text_ += "h1";
+    at_.x += 1;
   }
   bool empty() const { return text_.empty(); }
   const std::string& text() const { return text_; }
@@ -187,6 +218,11 @@ class Picture {
   std::string make() {
     open_page();
     add_title();
+    if (map_.outside_count() > 0) {
+      text_ += "<clipPath id=\"map\"><rect x=\"0\" y=\"" + px(header_height - 10) + "\" width=\"" +
+               px(page_width) + "\" height=\"" + px(map_.height_px() + 20) + "\"/></clipPath>\n";
+    }
+    text_ += map_.outside_count() > 0 ? "<g clip-path=\"url(#map)\">\n" : "<g>\n";
     text_ +=
         "<g transform=\"scale(.01)\" fill=\"none\" stroke-linejoin=\"round\" "
         "stroke-linecap=\"round\">\n";
@@ -194,7 +230,7 @@ class Picture {
     add_edges();
     add_features();
     add_vertices();
-    text_ += "</g>\n";
+    text_ += "</g>\n</g>\n";
     add_legend();
     add_scale_bar();
     text_ += "</svg>\n";
@@ -217,10 +253,12 @@ class Picture {
       std::nth_element(lengths.begin(), middle, lengths.end());
       spacing = *middle;
     }
-    return {.edge = std::clamp(spacing * 0.02, 0.25, 1.1),
+    // A few Steiner vertices among thousands of nodes are still to be found.
+    const double visible = std::clamp(40 / std::sqrt(image_.steiner_count() + 1.0), 1.8, 4.5);
+    return {.edge = std::clamp(spacing * 0.02, 0.35, 1.1),
             .feature = std::clamp(spacing * 0.06, 0.7, 3.2),
             .node = std::clamp(spacing * 0.14, 0.9, 10.0),
-            .steiner = std::clamp(spacing * 0.17, 1.6, 9.0)};
+            .steiner = std::clamp(spacing * 0.17, visible, 9.0)};
   }
 
   void open_page() {
@@ -247,6 +285,10 @@ class Picture {
                          separator + counted(image_.triangles.size(), "triangle", "triangles");
     if (image_.unresolved_count() > 0) {
       counts += separator + grouped(image_.unresolved_count()) + " unresolved";
+    }
+    if (map_.outside_count() > 0) {
+      counts +=
+          separator + counted(map_.outside_count(), "vertex", "vertices") + " far off, not shown";
     }
     add_text(margin, 73, 16, soft_ink, counts);
   }
@@ -306,6 +348,7 @@ class Picture {
     PathData nodes;
     PathData steiner;
     for (std::size_t i = 0; i < spots_.size(); ++i) {
+      if (!map_.shows(image_.vertices[i].point)) continue;
       (image_.vertices[i].is_steiner ? steiner : nodes).dot(spots_[i]);
     }
     // A white rim keeps symbols apart from bold features under them.
@@ -347,7 +390,7 @@ class Picture {
       label("unresolved", 98);
     }
     line(edge_colour, 1.2, "");
-    label("mesh edge", 94);
+    label("mesh edge", 104);
     if (!image_.triangles.empty()) {
       text_ += "<rect x=\"" + px(x) + "\" y=\"" + px(y - 8) +
                "\" width=\"22\" height=\"16\" fill=\"" + domain_fill + "\" stroke=\"" +
