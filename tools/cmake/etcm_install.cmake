@@ -1,10 +1,13 @@
 # What makes the installed tree findable: find_package(etcm) and pkg-config.
-# Other folders add their targets with install(TARGETS ... EXPORT etcm-targets).
+# Other folders add their targets with install(TARGETS ... EXPORT etcm-targets),
+# COMPONENT development for what a compiler needs, programs for what a user runs.
 include(CMakePackageConfigHelpers)
 
 set(etcm_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/etcm")
 
-install(EXPORT etcm-targets NAMESPACE etcm:: DESTINATION ${etcm_package_dir})
+install(EXPORT etcm-targets NAMESPACE etcm::
+  DESTINATION ${etcm_package_dir} COMPONENT development
+)
 
 configure_package_config_file(
   "${CMAKE_CURRENT_LIST_DIR}/etcm-config.cmake.in"
@@ -19,7 +22,7 @@ write_basic_package_version_file(
 install(FILES
   "${PROJECT_BINARY_DIR}/etcm-config.cmake"
   "${PROJECT_BINARY_DIR}/etcm-config-version.cmake"
-  DESTINATION ${etcm_package_dir}
+  DESTINATION ${etcm_package_dir} COMPONENT development
 )
 
 # Relative, so that the tree can be moved.
@@ -27,4 +30,6 @@ file(RELATIVE_PATH etcm_pc_prefix
   "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/"
 )
 configure_file("${CMAKE_CURRENT_LIST_DIR}/etcm.pc.in" "${PROJECT_BINARY_DIR}/etcm.pc" @ONLY)
-install(FILES "${PROJECT_BINARY_DIR}/etcm.pc" DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES "${PROJECT_BINARY_DIR}/etcm.pc"
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development
+)
