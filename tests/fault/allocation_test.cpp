@@ -1,6 +1,4 @@
 // No call of the library allocates: not in a good run, and not in a refused one.
-#include "support/allocation_watch.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -13,6 +11,7 @@
 #include "etcm/locate.h"
 #include "etcm/storage.h"
 #include "inputs/random_graph.h"
+#include "support/allocation_watch.h"
 #include "support/meshes.h"
 
 namespace etcm::test {

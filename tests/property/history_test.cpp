@@ -1,9 +1,10 @@
 // Whatever happens to a mesh, it stays what mesh.h promises.
+#include "support/history.h"
+
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "support/history.h"
 #include "support/meshes.h"
 #include "support/oracle.h"
 
@@ -34,6 +35,9 @@ class Lives : public testing::TestWithParam<Life> {
     config.steps_max = GetParam().steps_max;
     return config;
   }
+
+ public:
+  static std::string name(const testing::TestParamInfo<Life>& info) { return info.param.name; }
 };
 
 TEST_P(Lives, StaySound) {
@@ -50,6 +54,8 @@ TEST_P(Lives, StaySound) {
         ASSERT_TRUE(passes_oracle(*mesh)) << "seed " << seed << ", event " << event;
       }
     }
+    const bool is_short = std::string(GetParam().name).starts_with("short");
+    EXPECT_EQ(history.refused_for_room() > 0, is_short);
     const Graph standing = graph_of(*mesh);
     const auto batch = built(shuffled(standing, seed));
     const Status rebuilt = mesh->rebuild();
@@ -74,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Life{"short_of_features", 30, 40, 1000, 10, 2000, 12, 0, 0},
                     Life{"short_of_steiner", 1000, 60, 1000, 10, 4000, 200, 12, 0},
                     Life{"short_of_steps", 1000, 60, 1000, 10, 4000, 200, 0, 20}),
-    [](const auto& info) { return std::string(info.param.name); });
+    Lives::name);
 
 // Many nodes, no features: joins and leaves are the inverse of each other.
 TEST(PlainHistory, IsForgotten) {
@@ -91,8 +97,10 @@ TEST(PlainHistory, IsForgotten) {
       const Position position{x, random.between(-40, 40)};
       VertexId id;
       const Status answer = (*mesh)->join(position, id);
-      if (answer == Status::ok) ids.push_back(id);
-      else ASSERT_TRUE(answer == Status::duplicate_vertex || answer == Status::out_of_vertices);
+      if (answer == Status::ok)
+        ids.push_back(id);
+      else
+        ASSERT_TRUE(answer == Status::duplicate_vertex || answer == Status::out_of_vertices);
     }
     if (event % 20 != 0) continue;
     ASSERT_TRUE(passes_audit(**mesh)) << "event " << event;
