@@ -54,15 +54,15 @@ void Gateway::finish(port::Instant now) {
   if (ports_.files != nullptr && files_outdated_) write_files(now);
   const Mesh& mesh = keeper_.mesh();
   const Audit audited = audit(mesh);
-  ports_.log.write(audited ? port::Level::error : port::Level::info,
+  ports_.log.write(audited ? port::Level::info : port::Level::error,
                    "ends at generation " + std::to_string(generation_) + ": " +
                        std::to_string(mesh.node_count()) + " nodes, " +
                        std::to_string(keeper_.features().active_count()) + " of " +
                        std::to_string(keeper_.features().records().size()) + " features, " +
                        std::to_string(mesh.steiner_count()) + " Steiner vertices, " +
                        std::to_string(mesh.finite_triangle_count()) + " triangles, " +
-                       (audited ? std::string("audit failed: ") + to_string(audited.broken)
-                                : std::string("audit passed: conforming")));
+                       (audited ? std::string("audit passed: conforming")
+                                : std::string("audit failed: ") + to_string(audited.broken)));
 }
 
 bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::Instant now) {

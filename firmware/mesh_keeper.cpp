@@ -149,7 +149,8 @@ std::string MeshKeeper::difference(const Before& start) const {
   } else if (active < start.features_active) {
     text += ", " + counted(start.features_active - active, "feature", "features") + " waiting";
   }
-  return text + ", " + std::to_string((clock_.now() - start.at).count()) + " us";
+  const std::int64_t tenths = (clock_.now() - start.at) / std::chrono::nanoseconds(100);
+  return text + ", " + std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " us";
 }
 
 // The mesh would only say the same again.

@@ -9,7 +9,8 @@ namespace {
 constexpr std::uint8_t torn_repeats_max = 3;
 // A unit may miss this many answers in a row before it is asked less often.
 constexpr std::uint32_t failures_free = 2;
-constexpr std::uint32_t doublings_max = 20;
+// A day doubled this often is still a Duration.
+constexpr std::uint32_t doublings_max = 16;
 
 constexpr auto later = [](const auto& a, const auto& b) { return a.due > b.due; };
 
@@ -109,7 +110,7 @@ void Poller::fail(std::uint32_t index, const std::string& why, bool is_silence, 
   port::Duration pause = settings_.interval;
   if (unit.failures > failures_free) {
     const std::uint32_t doublings = std::min(unit.failures - failures_free, doublings_max);
-    pause = std::clamp(settings_.interval * (1 << doublings), settings_.interval,
+    pause = std::clamp(settings_.interval * (std::int64_t{1} << doublings), settings_.interval,
                        std::max(settings_.interval, settings_.absent_interval));
   }
   ask_again(index, std::max(now, unit.asked_at + pause));

@@ -21,6 +21,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::uint8_t unit_max = 247;
+constexpr port::Duration duration_max = 24h;
 
 std::string place_of(const std::string& file, const toml::node& node) {
   return file + ":" + std::to_string(node.source().begin.line);
@@ -77,6 +78,8 @@ class Section {
     const auto found = text ? parse_duration(*text) : std::nullopt;
     if (!found) {
       mistake(*node, "'" + key + "' is no duration; write it as \"500ms\", \"2s\" or \"5min\"");
+    } else if (*found > duration_max) {
+      mistake(*node, "'" + key + "' is longer than a day; give less");
     } else if (*found < least) {
       mistake(*node, "'" + key + "' is too short; give at least \"" + std::to_string(least / 1ms) +
                          "ms\"");
@@ -185,10 +188,10 @@ void read_bus(Section& section, const PollSettings& poll, std::vector<BusSetting
   BusSettings bus;
   bus.timeout = poll.timeout;
   bus.outstanding_max = poll.outstanding_max;
-  bus.name = "bus " + std::to_string(buses.size() + 1);
-  section.read("name", bus.name, "name = \"yard\"");
   section.require("tcp", "tcp = \"127.0.0.1:502\"");
   section.read("tcp", bus.tcp);
+  bus.name = to_string(bus.tcp);
+  section.read("name", bus.name, "name = \"yard\"");
   section.read("timeout", bus.timeout, 1ms);
   section.read("outstanding", bus.outstanding_max, 1, 32);
   section.require("units", "units = \"1-60\"");
@@ -289,7 +292,7 @@ std::optional<port::Duration> parse_duration(const std::string& text) {
   std::int64_t count = 0;
   const char* end = text.data() + text.size();
   const auto [unit, error] = std::from_chars(text.data(), end, count);
-  // A day is longer than any pause here, and far from overflow.
+  // In the largest unit this is far from overflow.
   if (error != std::errc{} || count < 0 || count > 86'400'000) return std::nullopt;
   const std::string_view name(unit, static_cast<std::size_t>(end - unit));
   if (name == "ms") return std::chrono::milliseconds(count);

@@ -1,11 +1,11 @@
-// Time as the gateway sees it: monotonic, in microseconds, from an origin of no meaning.
+// Time as the gateway sees it: monotonic, in nanoseconds, from an origin of no meaning.
 #pragma once
 
 #include <chrono>
 
 namespace etcm::port {
 
-using Duration = std::chrono::microseconds;
+using Duration = std::chrono::nanoseconds;
 
 class Clock;
 using Instant = std::chrono::time_point<Clock, Duration>;
