@@ -79,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Life{"short_of_vertices", 1000, 60, 1000, 10, 90, 200, 0, 0},
                     Life{"short_of_features", 30, 40, 1000, 10, 2000, 12, 0, 0},
                     Life{"short_of_steiner", 1000, 60, 1000, 10, 4000, 200, 12, 0},
-                    Life{"short_of_steps", 1000, 60, 1000, 10, 4000, 200, 0, 20}),
+                    Life{"short_of_steps", 1000, 60, 1000, 10, 4000, 200, 0, 4}),
     Lives::name);
 
 // Many nodes, no features: joins and leaves are the inverse of each other.

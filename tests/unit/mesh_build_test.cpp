@@ -1,0 +1,204 @@
+// build() and the meshes that are hardly one: empty, single, collinear, cocircular, at the edge of
+// the range.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "etcm/storage.h"
+#include "inputs/patterns.h"
+#include "support/meshes.h"
+#include "support/oracle.h"
+
+namespace etcm::test {
+namespace {
+
+constexpr std::int32_t far = position_max;
+
+TEST(MeshBuild, OfNothingIsAMesh) {
+  const auto mesh = built({});
+  EXPECT_EQ((*mesh)->node_count(), 0u);
+  EXPECT_EQ((*mesh)->triangle_count(), 0u);
+  EXPECT_TRUE(is_sound(**mesh));
+  EXPECT_EQ((*mesh)->hash(), (*empty_mesh())->hash());
+}
+
+TEST(MeshBuild, OfOneNodeHasNoNeighbours) {
+  const auto mesh = built({"", {{3, 4}}, {}});
+  EXPECT_EQ((*mesh)->node_count(), 1u);
+  EXPECT_EQ((*mesh)->position(VertexId{1}), (Position{3, 4}));
+  EXPECT_EQ((*mesh)->neighbours(VertexId{1}, {}), 0u);
+  EXPECT_TRUE(is_sound(**mesh));
+}
+
+TEST(MeshBuild, OfTwoNodesIsAnEdge) {
+  const auto mesh = built({"", {{0, 0}, {5, 1}}, {between_nodes(0, 1)}});
+  EXPECT_EQ((*mesh)->finite_triangle_count(), 0u);
+  Neighbour neighbour{};
+  EXPECT_EQ((*mesh)->neighbours(VertexId{1}, {&neighbour, 1}), 1u);
+  EXPECT_EQ(neighbour.vertex, VertexId{2});
+  EXPECT_TRUE(neighbour.constrained);
+  EXPECT_TRUE(is_sound(**mesh));
+}
+
+TEST(MeshBuild, OfCollinearNodesIsAChain) {
+  const auto mesh = built({"", {{0, 0}, {9, 3}, {3, 1}, {6, 2}}, {between_nodes(0, 1)}});
+  EXPECT_EQ((*mesh)->finite_triangle_count(), 0u);
+  std::array<VertexId, 8> chain;
+  ASSERT_EQ((*mesh)->chain(FeatureId{0}, chain), 4u);
+  EXPECT_EQ(chain[0], vertex_of(0));
+  EXPECT_EQ(chain[1], vertex_of(2));
+  EXPECT_EQ(chain[2], vertex_of(3));
+  EXPECT_EQ(chain[3], vertex_of(1));
+  EXPECT_TRUE(is_sound(**mesh));
+}
+
+TEST(MeshBuild, OfCocircularNodesNeedsNoPointForAChord) {
+  const auto mesh = built(inputs::exact_circle(40, 1));
+  EXPECT_EQ((*mesh)->steiner_count(), 0u);
+  EXPECT_TRUE(is_sound(**mesh));
+}
+
+TEST(MeshBuild, TakesAnyDiagonalOfASquare) {
+  for (const FeatureEnds diagonal : {between_nodes(0, 2), between_nodes(1, 3)}) {
+    const auto mesh = built({"", {{0, 0}, {2, 0}, {2, 2}, {0, 2}}, {diagonal}});
+    EXPECT_EQ((*mesh)->steiner_count(), 0u);
+    EXPECT_TRUE(is_sound(**mesh));
+  }
+}
+
+TEST(MeshBuild, ReachesTheEdgesOfTheRange) {
+  const Graph graph{"",
+                    {{-far, -far}, {far, -far}, {far, far}, {-far, far}, {0, 1}, {1, 0}, {far, 0}},
+                    {between_nodes(0, 2), between_nodes(2, 3), between_nodes(4, 3)}};
+  const auto mesh = built(graph);
+  EXPECT_TRUE(is_sound(**mesh));
+  EXPECT_EQ((*mesh)->hash(), (*built(shuffled(graph, 1)))->hash());
+}
+
+TEST(MeshBuild, RefusesWhatIsOutOfRange) {
+  constexpr std::int32_t least = std::numeric_limits<std::int32_t>::min();
+  constexpr std::int32_t most = std::numeric_limits<std::int32_t>::max();
+  for (const std::int32_t bad : {far + 1, -far - 1, least, most}) {
+    for (const Position position : {Position{bad, 0}, Position{0, bad}}) {
+      const auto mesh = empty_mesh();
+      EXPECT_EQ((*mesh)->build(std::array{Position{1, 1}, position}, {}), Status::bad_coordinate);
+      EXPECT_EQ((*mesh)->node_count(), 0u);
+      EXPECT_EQ((*mesh)->trouble().status, Status::bad_coordinate);
+      EXPECT_TRUE(is_sound(**mesh));
+    }
+  }
+}
+
+struct Wrong {
+  const char* name;
+  Status status;
+  Graph graph;
+};
+
+void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.name; }
+
+class MeshBuildRefuses : public testing::TestWithParam<Wrong> {
+ public:
+  static std::string name(const testing::TestParamInfo<Wrong>& info) { return info.param.name; }
+};
+
+TEST_P(MeshBuildRefuses, AndStaysEmpty) {
+  const auto mesh = empty_mesh();
+  const Picture before = picture_of(**mesh);
+  const Graph& graph = GetParam().graph;
+  EXPECT_EQ((*mesh)->build(graph.nodes, graph.features), GetParam().status);
+  EXPECT_EQ((*mesh)->trouble().status, GetParam().status);
+  EXPECT_EQ(picture_of(**mesh), before);
+  EXPECT_TRUE(is_sound(**mesh));
+  VertexId id;
+  EXPECT_EQ((*mesh)->join({0, 0}, id), Status::ok) << "the mesh is still of use";
+}
+
+const std::vector<Position> square{{0, 0}, {10, 0}, {10, 10}, {0, 10}, {5, 0}};
+
+INSTANTIATE_TEST_SUITE_P(
+    Inputs, MeshBuildRefuses,
+    testing::Values(
+        Wrong{"duplicate", Status::duplicate_vertex, {"", {{0, 0}, {1, 1}, {0, 0}}, {}}},
+        Wrong{"two_duplicates", Status::duplicate_vertex, {"", {{7, 7}, {7, 7}}, {}}},
+        Wrong{"unknown_end", Status::unknown_vertex, {"", square, {between_nodes(0, 5)}}},
+        Wrong{"infinite_end",
+              Status::unknown_vertex,
+              {"", square, {{infinite_vertex, vertex_of(1)}}}},
+        Wrong{"no_end", Status::unknown_vertex, {"", square, {{VertexId::none(), vertex_of(1)}}}},
+        Wrong{"no_length", Status::zero_length_feature, {"", square, {between_nodes(2, 2)}}},
+        Wrong{"repeated",
+              Status::repeated_feature,
+              {"", square, {between_nodes(0, 2), between_nodes(2, 0)}}},
+        Wrong{"overlapping",
+              Status::overlapping_features,
+              {"", square, {between_nodes(0, 1), between_nodes(0, 4)}}},
+        Wrong{"crossing",
+              Status::crossing_features,
+              {"", square, {between_nodes(0, 2), between_nodes(1, 3)}}}),
+    MeshBuildRefuses::name);
+
+TEST(MeshBuild, NamesTheDuplicateAndTheCrossing) {
+  const auto mesh = empty_mesh();
+  ASSERT_EQ((*mesh)->build(std::array{Position{0, 0}, Position{1, 1}, Position{0, 0}}, {}),
+            Status::duplicate_vertex);
+  EXPECT_TRUE((*mesh)->trouble().vertex == vertex_of(0) ||
+              (*mesh)->trouble().vertex == vertex_of(2));
+  ASSERT_EQ((*mesh)->build(
+                square, std::array{between_nodes(1, 4), between_nodes(0, 2), between_nodes(1, 3)}),
+            Status::crossing_features);
+  const Trouble& trouble = (*mesh)->trouble();
+  EXPECT_EQ(std::min(trouble.feature, trouble.other), FeatureId{1});
+  EXPECT_EQ(std::max(trouble.feature, trouble.other), FeatureId{2});
+}
+
+TEST(MeshBuild, NeedsAnEmptyMesh) {
+  const auto mesh = built({"", square, {}});
+  const Picture before = picture_of(**mesh);
+  EXPECT_EQ((*mesh)->build(square, {}), Status::mesh_not_empty);
+  EXPECT_EQ(picture_of(**mesh), before);
+  (*mesh)->clear();
+  EXPECT_EQ((*mesh)->build(square, {}), Status::ok);
+}
+
+TEST(MeshBuild, LetsFeaturesMeetWhereANodeStands) {
+  const auto mesh = built(
+      {"", {{0, 0}, {10, 0}, {5, -5}, {5, 5}, {5, 0}}, {between_nodes(0, 1), between_nodes(2, 3)}});
+  EXPECT_EQ((*mesh)->steiner_count(), 0u);
+  EXPECT_TRUE(is_sound(**mesh));
+}
+
+TEST(MeshOpen, ChecksItsConfiguration) {
+  MeshStorage<10, 4> storage;
+  Mesh mesh;
+  MeshConfig config = storage.config();
+  EXPECT_EQ(mesh.open(storage.bytes(), config), Status::ok);
+  config.vertices_max = 0;
+  EXPECT_EQ(validate(config), Status::bad_config);
+  EXPECT_EQ(mesh.open(storage.bytes(), config), Status::bad_config);
+  config = storage.config();
+  config.policy = nullptr;
+  EXPECT_EQ(validate(config), Status::bad_config);
+  config = storage.config();
+  config.features_max = features_limit + 1;
+  EXPECT_EQ(validate(config), Status::bad_config);
+  config = storage.config();
+  config.vertices_max = vertices_limit + 1;
+  EXPECT_EQ(validate(config), Status::bad_config);
+}
+
+TEST(MeshQueries, FillWhatFitsAndSayWhatIsNeeded) {
+  const auto mesh = built({"", {{0, 0}, {10, 0}, {10, 10}, {0, 10}, {5, 4}}, {}});
+  std::array<Neighbour, 2> few{};
+  EXPECT_EQ((*mesh)->neighbours(vertex_of(4), few), 4u);
+  EXPECT_NE(few[1].vertex, few[0].vertex);
+  EXPECT_EQ((*mesh)->kind(infinite_vertex), VertexKind::none);
+  EXPECT_EQ((*mesh)->vertex_id_end(), 6u);
+  EXPECT_FALSE((*mesh)->is_feature(FeatureId{0}));
+}
+
+}  // namespace
+}  // namespace etcm::test

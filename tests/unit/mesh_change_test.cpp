@@ -1,0 +1,226 @@
+// join(), leave(), move(): on a Steiner vertex, on a feature, on the hull, outside, and back.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "support/meshes.h"
+#include "support/oracle.h"
+
+namespace etcm::test {
+namespace {
+
+// One long feature with nodes close by on both sides. Steiner vertices are needed, and since the
+// feature's length is a power of two, many grid points on it are whole units.
+class MeshChange : public testing::Test {
+ protected:
+  MeshChange() : mesh_(empty_mesh(4000, 100)) {
+    Graph graph{"", {{0, 0}, {1024, 0}}, {between_nodes(0, 1)}};
+    for (std::int32_t i = 1; i < 16; ++i) graph.nodes.push_back({64 * i, i % 2 == 0 ? 5 : -5});
+    EXPECT_EQ(mesh().build(graph.nodes, graph.features), Status::ok);
+    EXPECT_GT(mesh().steiner_count(), 0u);
+  }
+
+  Mesh& mesh() { return **mesh_; }
+
+  VertexId joined(Position position) {
+    VertexId id;
+    EXPECT_EQ(mesh().join(position, id), Status::ok) << testing::PrintToString(position);
+    EXPECT_TRUE(is_sound(mesh()));
+    return id;
+  }
+
+  // A Steiner vertex whose place is a whole unit.
+  std::optional<VertexId> whole_steiner_vertex() {
+    for (const VertexId vertex : steiner_vertices(mesh())) {
+      const Point point = mesh().point(vertex);
+      if (point.x % subunits_per_unit == 0 && point.y % subunits_per_unit == 0) return vertex;
+    }
+    return std::nullopt;
+  }
+
+  void expect_refused(Status answer, Status expected, const Picture& before) {
+    EXPECT_EQ(answer, expected);
+    EXPECT_EQ(mesh().trouble().status, expected);
+    EXPECT_EQ(picture_of(mesh()), before);
+    EXPECT_TRUE(is_sound(mesh()));
+  }
+
+  std::unique_ptr<OwnedMesh> mesh_;
+};
+
+TEST_F(MeshChange, JoinsExactlyOnASteinerVertex) {
+  const std::optional<VertexId> steiner = whole_steiner_vertex();
+  ASSERT_TRUE(steiner) << "the feature has no Steiner vertex on a whole unit";
+  const Point point = mesh().point(*steiner);
+  const std::uint32_t steiner_before = mesh().steiner_count();
+  const VertexId node = joined({static_cast<std::int32_t>(point.x / subunits_per_unit),
+                                static_cast<std::int32_t>(point.y / subunits_per_unit)});
+  EXPECT_EQ(mesh().kind(node), VertexKind::node);
+  EXPECT_EQ(mesh().point(node), point);
+  EXPECT_LE(mesh().steiner_count(), steiner_before);
+  EXPECT_EQ(mesh().leave(node), Status::ok);
+  EXPECT_TRUE(is_sound(mesh()));
+  EXPECT_EQ(mesh().feature_count(), 1u);
+}
+
+TEST_F(MeshChange, JoinsOnAFeatureAndLeavesIt) {
+  const VertexId node = joined({333, 0});
+  std::vector<VertexId> chain(mesh().chain(FeatureId{0}, {}));
+  mesh().chain(FeatureId{0}, chain);
+  EXPECT_EQ(std::count(chain.begin(), chain.end(), node), 1);
+  EXPECT_EQ(mesh().leave(node), Status::ok);
+  EXPECT_TRUE(is_sound(mesh()));
+}
+
+TEST_F(MeshChange, JoinsOnTheHullAndOutsideAndLeavesIt) {
+  const std::uint64_t before = mesh().hash();
+  for (const Position position : {Position{512, 900}, Position{-700, 3}, Position{2000, 0},
+                                  Position{position_max, -position_max}}) {
+    const VertexId node = joined(position);
+    EXPECT_EQ(mesh().leave(node), Status::ok);
+    EXPECT_TRUE(is_sound(mesh()));
+  }
+  EXPECT_EQ(mesh().rebuild(), Status::ok);
+  EXPECT_EQ(mesh().hash(), before);
+}
+
+TEST_F(MeshChange, RefusesToJoinWhereANodeStands) {
+  const Picture before = picture_of(mesh());
+  VertexId id;
+  expect_refused(mesh().join({64, -5}, id), Status::duplicate_vertex, before);
+  EXPECT_EQ(mesh().trouble().vertex, vertex_of(2));
+  EXPECT_TRUE(id.is_none());
+}
+
+TEST_F(MeshChange, RefusesToJoinOutOfRange) {
+  const Picture before = picture_of(mesh());
+  VertexId id;
+  for (const std::int32_t bad :
+       {position_max + 1, -position_max - 1, std::numeric_limits<std::int32_t>::min(),
+        std::numeric_limits<std::int32_t>::max()}) {
+    expect_refused(mesh().join({bad, 0}, id), Status::bad_coordinate, before);
+    expect_refused(mesh().join({0, bad}, id), Status::bad_coordinate, before);
+    expect_refused(mesh().move(vertex_of(2), {bad, bad}), Status::bad_coordinate, before);
+  }
+}
+
+TEST_F(MeshChange, RefusesWhatIsNoNode) {
+  const Picture before = picture_of(mesh());
+  for (const VertexId unknown : {infinite_vertex, VertexId::none(), VertexId{3999}, VertexId{9999},
+                                 steiner_vertices(mesh()).front()}) {
+    expect_refused(mesh().leave(unknown), Status::unknown_vertex, before);
+    expect_refused(mesh().move(unknown, {1, 1}), Status::unknown_vertex, before);
+    FeatureId id;
+    expect_refused(mesh().add_feature({unknown, vertex_of(1)}, id), Status::unknown_vertex, before);
+  }
+  for (const FeatureId unknown : {FeatureId::none(), FeatureId{1}, FeatureId{9999}}) {
+    expect_refused(mesh().remove_feature(unknown), Status::unknown_feature, before);
+  }
+}
+
+TEST_F(MeshChange, RefusesToLetAnEndpointLeave) {
+  const Picture before = picture_of(mesh());
+  expect_refused(mesh().leave(vertex_of(0)), Status::endpoint_in_use, before);
+  ASSERT_EQ(mesh().remove_feature(FeatureId{0}), Status::ok);
+  EXPECT_EQ(mesh().steiner_count(), 0u);
+  EXPECT_EQ(mesh().leave(vertex_of(0)), Status::ok);
+  EXPECT_TRUE(is_sound(mesh()));
+}
+
+TEST_F(MeshChange, MovesANodeAcrossAFeature) {
+  EXPECT_EQ(mesh().move(vertex_of(8), {450, 40}), Status::ok);
+  EXPECT_TRUE(is_sound(mesh()));
+  EXPECT_EQ(mesh().move(vertex_of(8), {450, 0}), Status::ok) << "onto it";
+  EXPECT_TRUE(is_sound(mesh()));
+  EXPECT_EQ(mesh().move(vertex_of(8), {450, -40}), Status::ok) << "off it again";
+  EXPECT_TRUE(is_sound(mesh()));
+  EXPECT_EQ(mesh().position(vertex_of(8)), (Position{450, -40}));
+}
+
+TEST_F(MeshChange, MovesToWhereItStands) {
+  const std::uint64_t before = mesh().hash();
+  EXPECT_EQ(mesh().move(vertex_of(3), mesh().position(vertex_of(3))), Status::ok);
+  EXPECT_EQ(mesh().hash(), before);
+}
+
+TEST_F(MeshChange, MovesAnEndAndItsFeatureFollows) {
+  EXPECT_EQ(mesh().move(vertex_of(1), {900, 300}), Status::ok);
+  EXPECT_TRUE(is_sound(mesh()));
+  EXPECT_EQ(mesh().ends(FeatureId{0}).to, vertex_of(1));
+}
+
+TEST_F(MeshChange, RefusesAMoveThatMakesFeaturesCross) {
+  const VertexId low = joined({100, -500});
+  const VertexId lower = joined({200, -500});
+  FeatureId id;
+  ASSERT_EQ(mesh().add_feature({low, lower}, id), Status::ok);
+  const Picture before = picture_of(mesh());
+  expect_refused(mesh().move(lower, {300, 500}), Status::crossing_features, before);
+  expect_refused(mesh().move(low, {64, -5}), Status::duplicate_vertex, before);
+  expect_refused(mesh().move(vertex_of(0), {150, -510}), Status::crossing_features, before);
+  EXPECT_EQ(mesh().move(vertex_of(0), {150, -500}), Status::ok) << "features may meet at a node";
+  EXPECT_TRUE(is_sound(mesh()));
+}
+
+TEST_F(MeshChange, RefusesALeaveThatMakesFeaturesCross) {
+  const VertexId node = joined({512, 0});
+  const VertexId above = joined({512, 100});
+  const VertexId below = joined({512, -100});
+  FeatureId id;
+  ASSERT_EQ(mesh().add_feature({above, below}, id), Status::ok);
+  const Picture before = picture_of(mesh());
+  expect_refused(mesh().leave(node), Status::crossing_features, before);
+  expect_refused(mesh().move(node, {511, 1}), Status::crossing_features, before);
+}
+
+TEST_F(MeshChange, RefusesFeaturesThatMayNotLie) {
+  const Picture before = picture_of(mesh());
+  FeatureId id;
+  const auto refused = [&](std::size_t from, std::size_t to, Status expected) {
+    expect_refused(mesh().add_feature(between_nodes(from, to), id), expected, before);
+    expect_refused(mesh().add_feature(between_nodes(to, from), id), expected, before);
+    EXPECT_TRUE(id.is_none());
+  };
+  refused(4, 4, Status::zero_length_feature);
+  refused(0, 1, Status::repeated_feature);
+  refused(2, 3, Status::crossing_features);
+}
+
+TEST_F(MeshChange, RefusesFeaturesThatOverlap) {
+  const VertexId on = joined({400, 0});
+  const VertexId beyond = joined({1500, 0});
+  const Picture before = picture_of(mesh());
+  FeatureId id;
+  expect_refused(mesh().add_feature({vertex_of(0), on}, id), Status::overlapping_features, before);
+  expect_refused(mesh().add_feature({beyond, on}, id), Status::overlapping_features, before);
+  EXPECT_EQ(mesh().add_feature({beyond, vertex_of(1)}, id), Status::ok) << "end to end is legal";
+  EXPECT_TRUE(is_sound(mesh()));
+}
+
+TEST_F(MeshChange, TakesOutSteinerVerticesWhoseCauseHasGone) {
+  for (std::size_t node = 2; node < 17; ++node)
+    ASSERT_EQ(mesh().leave(vertex_of(node)), Status::ok);
+  EXPECT_EQ(mesh().steiner_count(), 0u);
+  EXPECT_EQ(mesh().node_count(), 2u);
+  EXPECT_TRUE(is_sound(mesh()));
+}
+
+TEST_F(MeshChange, ShrinksToNothingAndGrowsAgain) {
+  ASSERT_EQ(mesh().remove_feature(FeatureId{0}), Status::ok);
+  for (std::size_t node = 0; node < 17; ++node) {
+    ASSERT_EQ(mesh().leave(vertex_of(node)), Status::ok);
+    ASSERT_TRUE(is_sound(mesh()));
+  }
+  EXPECT_EQ(mesh().hash(), (*empty_mesh())->hash());
+  joined({1, 1});
+  joined({2, 2});
+  joined({0, 5});
+  EXPECT_EQ(mesh().finite_triangle_count(), 1u);
+}
+
+}  // namespace
+}  // namespace etcm::test

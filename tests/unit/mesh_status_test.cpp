@@ -1,0 +1,133 @@
+// Every Status, reached by name: one that no call can answer any more, or a new one that nobody
+// provokes, fails here.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "etcm/domain.h"
+#include "etcm/storage.h"
+#include "inputs/patterns.h"
+#include "support/meshes.h"
+
+namespace etcm::test {
+namespace {
+
+const std::vector<Position> square{{0, 0}, {10, 0}, {10, 10}, {0, 10}, {5, 0}};
+
+Status open_with(const MeshConfig& config) { return OwnedMesh(config).opened(); }
+
+Status build_with(const MeshConfig& config, const Graph& graph) {
+  OwnedMesh mesh(config);
+  EXPECT_EQ(mesh.opened(), Status::ok);
+  return mesh->build(graph.nodes, graph.features);
+}
+
+Status build(const Graph& graph) { return build_with(inputs::config_for(graph, 1000), graph); }
+
+// Needs Steiner vertices.
+Graph needy() { return inputs::comb(20, 10, 1000, 5); }
+
+Status after_unresolved() {
+  MeshConfig config = inputs::config_for(needy(), 1000);
+  config.steiner_max = 1;
+  OwnedMesh mesh(config);
+  EXPECT_EQ(mesh->build(needy().nodes, needy().features), Status::steiner_budget);
+  VertexId id;
+  return mesh->join({-50, -50}, id);
+}
+
+const std::map<Status, std::function<Status()>> ways{
+    {Status::ok, [] { return build(needy()); }},
+    {Status::bad_config, [] { return open_with({}); }},
+    {Status::storage_too_small, [] { return Mesh().open({}, MeshStorage<4, 1>::config()); }},
+    {Status::bad_coordinate,
+     [] {
+       return build({"", {{position_max + 1, 0}}, {}});
+     }},
+    {Status::duplicate_vertex,
+     [] {
+       return build({"", {{1, 1}, {1, 1}}, {}});
+     }},
+    {Status::unknown_vertex,
+     [] {
+       return build({"", square, {between_nodes(0, 9)}});
+     }},
+    {Status::unknown_feature,
+     [] {
+       return (*built({"", square, {}}))->remove_feature(FeatureId{0});
+     }},
+    {Status::zero_length_feature,
+     [] {
+       return build({"", square, {between_nodes(1, 1)}});
+     }},
+    {Status::repeated_feature,
+     [] {
+       return build({"", square, {between_nodes(0, 2), between_nodes(0, 2)}});
+     }},
+    {Status::overlapping_features,
+     [] {
+       return build({"", square, {between_nodes(0, 1), between_nodes(4, 1)}});
+     }},
+    {Status::crossing_features,
+     [] {
+       return build({"", square, {between_nodes(0, 2), between_nodes(1, 3)}});
+     }},
+    {Status::endpoint_in_use,
+     [] {
+       return (*built({"", square, {between_nodes(0, 2)}}))->leave(vertex_of(2));
+     }},
+    {Status::mesh_not_empty,
+     [] {
+       return (*built({"", square, {}}))->build(square, {});
+     }},
+    {Status::mesh_unresolved, after_unresolved},
+    {Status::buffer_too_small,
+     [] {
+       return label_domain(**built({"", square, {}}), Exterior::hull, {}, {}, {});
+     }},
+    {Status::out_of_vertices,
+     [] {
+       return build_with({.vertices_max = 4}, {"", square, {}});
+     }},
+    {Status::out_of_features,
+     [] {
+       return build_with({.vertices_max = 9}, {"", square, {between_nodes(0, 2)}});
+     }},
+    {Status::steiner_budget,
+     [] {
+       MeshConfig config = inputs::config_for(needy(), 1000);
+       config.steiner_max = 1;
+       return build_with(config, needy());
+     }},
+    {Status::step_limit,
+     [] {
+       MeshConfig config = inputs::config_for(needy(), 1000);
+       config.steps_max = 1;
+       return build_with(config, needy());
+     }},
+    {Status::grid_exhausted,
+     [] {
+       // The paper's rule closes in on the common node until the grid ends.
+       const Graph fan = inputs::fan({50, 7200, 1000, 100'000, 1});
+       return build_with(inputs::config_for(fan, 200'000, split_paper), fan);
+     }},
+};
+
+TEST(MeshStatus, IsReachedByName) {
+  for (const auto& [status, way] : ways) EXPECT_EQ(way(), status) << to_string(status);
+}
+
+TEST(MeshStatus, AllAreReached) {
+  // Past the last one, all have the same name.
+  const std::string no_name = to_string(Status{255});
+  for (unsigned value = 0; to_string(static_cast<Status>(value)) != no_name; ++value) {
+    const auto status = static_cast<Status>(value);
+    EXPECT_TRUE(ways.contains(status)) << to_string(status);
+  }
+}
+
+}  // namespace
+}  // namespace etcm::test
