@@ -106,17 +106,19 @@ GridGraph place_on_grid(const ConstraintGraph& graph, const Placement& placement
 std::string describe_refusal(const ConstraintGraph& graph, const GridGraph& grid,
                              const Trouble& trouble) {
   if (trouble.status == Status::duplicate_vertex) return describe_duplicate(graph, grid);
-  const std::size_t feature = trouble.feature.value;
-  if (trouble.feature.is_none() || feature >= graph.features.size()) {
+  if (trouble.feature.is_none() || trouble.feature.value >= graph.features.size()) {
     return graph.poly_file + ": " + explain(trouble.status);
   }
-  std::string text = graph.poly_file + ":" + std::to_string(graph.features[feature].line) + ": " +
-                     feature_name(graph, feature) + " ";
   const bool has_other = !trouble.other.is_none() && trouble.other.value < graph.features.size();
-  const std::string other = has_other
-                                ? feature_name(graph, trouble.other.value) + " (line " +
-                                      std::to_string(graph.features[trouble.other.value].line) + ")"
-                                : "another feature";
+  // Two features in each other's way: the later one is told off.
+  const std::size_t feature =
+      has_other ? std::max(trouble.feature.value, trouble.other.value) : trouble.feature.value;
+  const std::size_t earlier = std::min(trouble.feature.value, trouble.other.value);
+  const std::string text = graph.poly_file + ":" + std::to_string(graph.features[feature].line) +
+                           ": " + feature_name(graph, feature) + " ";
+  const std::string other = has_other ? feature_name(graph, earlier) + " (line " +
+                                            std::to_string(graph.features[earlier].line) + ")"
+                                      : "another feature";
   switch (trouble.status) {
     case Status::crossing_features:
       return text + "crosses " + other + "; put a node where they meet";

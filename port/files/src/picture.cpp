@@ -401,8 +401,8 @@ class Picture {
 
   void add_scale_bar() {
     if (map_.px_per_unit() <= 0) return;
-    // The greatest 1, 2 or 5 times a power of ten that takes at most 220 pixels.
-    const double most = 220 / map_.px_per_unit();
+    // The greatest 1, 2 or 5 times a power of ten that takes at most 240 pixels.
+    const double most = 240 / map_.px_per_unit();
     const double power = std::pow(10, std::floor(std::log10(most)));
     const double length = most >= 5 * power ? 5 * power : most >= 2 * power ? 2 * power : power;
     const double right = page_width - margin;

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -82,7 +83,8 @@ bool RecordReader::next() {
 
 void RecordReader::require(const std::string& what) {
   if (next()) return;
-  fail_at(lines_seen_, "the file ends before " + what + "; it is cut short or a count is too high");
+  fail_at(std::max<std::size_t>(lines_seen_, 1),
+          "the file ends before " + what + "; it is cut short or a count is too high");
 }
 
 void RecordReader::expect_end() {
