@@ -30,7 +30,7 @@ int run_mesh(const MeshOptions& options) {
   const Meshed meshed = build_mesh(graph, grid, plan);
   files::MeshImage image = files::image_of(**meshed.mesh, options.output.exterior(), grid.holes);
   files::carry_through(graph, placement, image);
-  options.output.write(image);
+  options.output.write(**meshed.mesh, image);
   if (options.json) {
     print(json_object(describe_mesh(meshed, image, options.policy)));
   } else {

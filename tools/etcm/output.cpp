@@ -1,6 +1,7 @@
 #include "output.h"
 
 #include <filesystem>
+#include <iostream>
 
 #include "etcm/files/file_set.h"
 #include "etcm/files/mesh_text.h"
@@ -44,11 +45,18 @@ void OutputOptions::refuse_overwriting(const files::ConstraintGraph& graph) cons
   }
 }
 
-void OutputOptions::write(const files::MeshImage& image) const {
+void OutputOptions::write(const Mesh& mesh, const files::MeshImage& image) const {
   files::FileSet files;
   files::add_mesh_files(image, base_, files);
   files.add(base_ + ".svg", files::svg_text(image, {title_of(base_), unit_}));
   files.commit();
+  if (image.triangles.empty() && mesh.finite_triangle_count() > 0) {
+    std::cerr
+        << "etcm: " << base_
+        << ": no triangle is inside the domain; close the features around it, move the holes, "
+           "or use --domain hull"
+        << std::endl;
+  }
 }
 
 std::string title_of(const std::string& base) {

@@ -16,8 +16,8 @@ class OutputOptions {
   Exterior exterior() const;
   // Throws UsageError where an output would replace one of the graph's own files.
   void refuse_overwriting(const files::ConstraintGraph& graph) const;
-  // Throws OutputError.
-  void write(const files::MeshImage& image) const;
+  // Throws OutputError. Says so on the standard error where the domain came out empty.
+  void write(const Mesh& mesh, const files::MeshImage& image) const;
 
  private:
   std::string base_;

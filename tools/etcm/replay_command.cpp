@@ -108,7 +108,7 @@ int run_replay(const ReplayOptions& options) {
   const Mesh& mesh = **replayed.meshed.mesh;
   files::MeshImage image = files::image_of(mesh, options.output.exterior(), grid.holes);
   files::carry_through(replayed.graph, placement, image);
-  options.output.write(image);
+  options.output.write(mesh, image);
   Members members = describe_mesh(replayed.meshed, image, options.policy);
   const Members about_events = describe_events(replayed);
   if (options.json) {
