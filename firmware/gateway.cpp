@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "etcm/audit.h"
@@ -27,6 +28,7 @@ Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports
       ports_(ports),
       poller_(settings.poll, ports.buses, *this, ports.log),
       roster_(poller_.unit_count()),
+      disbelieved_(poller_.unit_count(), no_serial),
       keeper_(mesh, settings.features, roster_, ports.clock, ports.log),
       // An eighth of the pause it watches for is late by little, and costs little.
       sweep_interval_(std::clamp<port::Duration>(
@@ -38,7 +40,8 @@ void Gateway::step(port::Instant now) {
     sweep_silent(now);
     sweep_due_ = now + sweep_interval_;
   }
-  changed_ = keeper_.retry_refused(generation_ + 1) || changed_;
+  keeper_.retry_refused(generation_ + 1);
+  changed_ = keeper_.take_changed() || changed_;
   if (changed_ && published_at_ + publish_pause <= now) publish(now);
   if (files_due() <= now) write_files(now);
 }
@@ -75,9 +78,9 @@ bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::I
   }
   if ((reading.status & node_status::leaving) != 0) {
     if (node->is_placed()) {
-      changed_ = keeper_.leave(*node, "on its own request", generation_ + 1) || changed_;
+      keeper_.leave(*node, "on its own request", generation_ + 1);
     } else {
-      node->refusal = Status::ok;
+      keeper_.forgive(*node);
     }
     return true;
   }
@@ -92,46 +95,52 @@ bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::I
 // The record for what a unit answered; null when it must not be believed.
 NodeRecord* Gateway::record_of(std::uint32_t unit, std::uint32_t serial) {
   NodeRecord& here = roster_.at(unit);
-  if (here.serial == serial) return &here;
   const std::string name = poller_.name(unit);
-  if (here.is_known()) {
+  if (here.is_known() && here.serial != serial) {
     // Another node took over the unit, or its words are swapped. Until the old one has been silent
     // long enough to leave, nobody can tell.
-    if (!poller_.is_failing(unit)) {
-      ports_.log.write(port::Level::warning,
-                       name + ": answers with serial " + std::to_string(serial) + " instead of " +
-                           std::to_string(here.serial) + "; believed once node " +
-                           std::to_string(here.serial) + " has left");
-    }
+    disbelieve(unit, serial,
+               name + ": answers with serial " + std::to_string(serial) + " instead of " +
+                   std::to_string(here.serial) + "; believed once node " +
+                   std::to_string(here.serial) + " has left");
     return nullptr;
   }
-  NodeRecord* const elsewhere = roster_.find(serial);
-  if (elsewhere == nullptr) return &roster_.bind(unit, serial);
-  const std::uint32_t other = roster_.unit_of(*elsewhere);
-  if (poller_.is_failing(other)) {
-    ports_.log.write(port::Level::info, "node " + std::to_string(serial) + " went from " +
-                                            poller_.name(other) + " to " + name);
-    return &roster_.move(*elsewhere, unit);
+  if (!here.is_known()) {
+    NodeRecord* const elsewhere = roster_.find(serial);
+    if (elsewhere == nullptr) {
+      roster_.bind(unit, serial);
+    } else if (const std::uint32_t other = roster_.unit_of(*elsewhere); poller_.is_failing(other)) {
+      ports_.log.write(port::Level::info, "node " + std::to_string(serial) + " went from " +
+                                              poller_.name(other) + " to " + name);
+      roster_.move(*elsewhere, unit);
+    } else {
+      disbelieve(unit, serial,
+                 "two nodes with serial " + std::to_string(serial) + ": " + poller_.name(other) +
+                     " and " + name + "; the second is ignored, give it a serial of its own");
+      return nullptr;
+    }
   }
-  if (!poller_.is_failing(unit)) {
-    ports_.log.write(port::Level::error,
-                     "two nodes with serial " + std::to_string(serial) + ": " +
-                         poller_.name(other) + " and " + name +
-                         "; the second is ignored, give it a serial of its own");
+  disbelieved_[unit] = no_serial;
+  return &here;
+}
+
+// Says so once, not at each poll.
+void Gateway::disbelieve(std::uint32_t unit, std::uint32_t serial, const std::string& why) {
+  if (std::exchange(disbelieved_[unit], serial) != serial) {
+    ports_.log.write(port::Level::error, why);
   }
-  return nullptr;
 }
 
 void Gateway::place(NodeRecord& node) {
   if (!node.is_placed()) {
-    changed_ = keeper_.join(node, generation_ + 1) || changed_;
+    keeper_.join(node, generation_ + 1);
     return;
   }
   const std::int64_t band = settings_.poll.dead_band;
   if (squared_distance(node.position, node.placed) > band * band) {
-    changed_ = keeper_.move(node, generation_ + 1) || changed_;
+    keeper_.move(node, generation_ + 1);
   } else {
-    node.refusal = Status::ok;
+    keeper_.forgive(node);
   }
 }
 
@@ -141,7 +150,7 @@ void Gateway::sweep_silent(port::Instant now) {
     const port::Duration silence = now - node.heard_at;
     if (silence > settings_.poll.leave_after) {
       if (node.is_placed()) {
-        changed_ = keeper_.leave(node, "silent", generation_ + 1) || changed_;
+        keeper_.leave(node, "silent", generation_ + 1);
       }
       if (!node.is_placed()) roster_.release(node);
     } else if (silence > settings_.poll.stale_after && !node.stale) {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "etcm/port/clock.h"
 #include "etcm/port/log.h"
@@ -50,6 +51,7 @@ class Gateway final : private ReadingListener {
  private:
   bool on_reading(std::uint32_t unit, const NodeReading& reading, port::Instant now) override;
   NodeRecord* record_of(std::uint32_t unit, std::uint32_t serial);
+  void disbelieve(std::uint32_t unit, std::uint32_t serial, const std::string& why);
   void place(NodeRecord& node);
   void sweep_silent(port::Instant now);
   void publish(port::Instant now);
@@ -61,6 +63,7 @@ class Gateway final : private ReadingListener {
   const GatewayPorts ports_;
   Poller poller_;
   Roster roster_;
+  std::vector<std::uint32_t> disbelieved_;  // by unit: the serial that was not believed last
   MeshKeeper keeper_;
   port::Duration sweep_interval_;
   port::Instant sweep_due_{};
@@ -68,7 +71,7 @@ class Gateway final : private ReadingListener {
   port::Instant files_tried_at_{};
   std::uint32_t generation_ = 0;  // published last
   bool changed_ = false;          // since then
-  bool files_outdated_ = true;
+  bool files_outdated_ = false;
   bool files_failing_ = false;
 };
 

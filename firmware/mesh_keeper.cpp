@@ -38,15 +38,13 @@ MeshKeeper::MeshKeeper(Mesh& mesh, std::span<const FeatureSettings> features, Ro
       features_(features, mesh.config().features_max),
       serials_(mesh.config().vertices_max + 1, no_serial) {}
 
-bool MeshKeeper::join(NodeRecord& node, std::uint32_t generation) {
-  if (!is_worth_a_try(node)) return false;
+void MeshKeeper::join(NodeRecord& node, std::uint32_t generation) {
+  if (!is_worth_a_try(node)) return;
   const Before start = before();
   VertexId id;
   const Status status = mesh_.join(node.position, id);
-  if (status != Status::ok) {
-    refuse(node, "join", status);
-    return false;
-  }
+  if (status != Status::ok) return refuse(node, "join", status);
+  changed_ = true;
   node.vertex = id;
   node.placed = node.position;
   node.refusal = Status::ok;
@@ -56,17 +54,14 @@ bool MeshKeeper::join(NodeRecord& node, std::uint32_t generation) {
              "node " + std::to_string(node.serial) + " joined at " + place_text(node.placed) +
                  ": generation " + std::to_string(generation) + ", " +
                  counted(mesh_.neighbours(id, {}), "neighbour", "neighbours") + difference(start));
-  return true;
 }
 
-bool MeshKeeper::move(NodeRecord& node, std::uint32_t generation) {
-  if (!is_worth_a_try(node)) return false;
+void MeshKeeper::move(NodeRecord& node, std::uint32_t generation) {
+  if (!is_worth_a_try(node)) return;
   const Before start = before();
   const Status status = mesh_.move(node.vertex, node.position);
-  if (status != Status::ok) {
-    refuse(node, "move", status);
-    return false;
-  }
+  if (status != Status::ok) return refuse(node, "move", status);
+  changed_ = true;
   const Position from = node.placed;
   node.placed = node.position;
   node.refusal = Status::ok;
@@ -75,10 +70,9 @@ bool MeshKeeper::move(NodeRecord& node, std::uint32_t generation) {
                                     place_text(from) + " to " + place_text(node.placed) +
                                     ": generation " + std::to_string(generation) +
                                     difference(start));
-  return true;
 }
 
-bool MeshKeeper::leave(NodeRecord& node, const char* why, std::uint32_t generation) {
+void MeshKeeper::leave(NodeRecord& node, const char* why, std::uint32_t generation) {
   const Before start = before();
   for (const std::uint32_t number : features_.ending_at(node.serial)) {
     const FeatureRecord& feature = features_.records()[number];
@@ -87,37 +81,35 @@ bool MeshKeeper::leave(NodeRecord& node, const char* why, std::uint32_t generati
     features_.deactivate(number);
   }
   const bool lost_features = features_.active_count() != start.features_active;
-  if (node.refusal != Status::ok && node.refused_epoch == epoch_ && !lost_features) return false;
+  if (node.refusal != Status::ok && node.refused_epoch == epoch_ && !lost_features) return;
   const Status status = mesh_.leave(node.vertex);
   ++epoch_;
-  if (status != Status::ok) {
-    refuse(node, "leave", status);
-    return lost_features;
-  }
+  changed_ = true;
+  if (status != Status::ok) return refuse(node, "leave", status);
   serials_[node.vertex.value] = no_serial;
   node.vertex = VertexId::none();
   node.refusal = Status::ok;
   log_.write(port::Level::info, "node " + std::to_string(node.serial) + " left (" + why +
                                     "): generation " + std::to_string(generation) +
                                     difference(start));
-  return true;
 }
 
-bool MeshKeeper::retry_refused(std::uint32_t generation) {
-  if (retried_epoch_ == epoch_) return false;
+void MeshKeeper::forgive(NodeRecord& node) {
+  if (node.refusal == Status::ok) return;
+  node.refusal = Status::ok;
+  changed_ = true;
+}
+
+void MeshKeeper::retry_refused(std::uint32_t generation) {
+  if (retried_epoch_ == epoch_) return;
   retried_epoch_ = epoch_;
-  bool changed = false;
   for (NodeRecord& node : roster_.records()) {
-    if (node.is_known() && !node.is_placed() && node.refusal != Status::ok) {
-      changed = join(node, generation) || changed;
-    }
+    if (node.is_known() && !node.is_placed() && node.refusal != Status::ok) join(node, generation);
   }
-  if (features_.refused_count() == 0) return changed;
-  const std::uint32_t active_before = features_.active_count();
+  if (features_.refused_count() == 0) return;
   for (std::uint32_t number = 0; number < features_.records().size(); ++number) {
     if (features_.records()[number].refusal != Status::ok) try_feature(number);
   }
-  return changed || features_.active_count() != active_before;
 }
 
 bool MeshKeeper::is_short_of_room() const {
@@ -165,6 +157,7 @@ void MeshKeeper::refuse(NodeRecord& node, const char* verb, Status status) {
   node.refused_at = node.position;
   node.refused_epoch = epoch_;
   if (is_news) {
+    changed_ = true;
     log_.write(port::Level::warning, "node " + std::to_string(node.serial) + " cannot " + verb +
                                          " at " + place_text(node.position) + ": " +
                                          trouble_text(status));
@@ -185,11 +178,13 @@ void MeshKeeper::try_feature(std::uint32_t number) {
   const Status status = mesh_.add_feature({.from = from->vertex, .to = to->vertex}, id);
   if (status == Status::ok) {
     features_.activate(number, id);
+    changed_ = true;
     return;
   }
   const bool is_news = record.refusal != status;
   features_.refuse(number, status, epoch_);
   if (is_news) {
+    changed_ = true;
     log_.write(port::Level::warning, features_.name(number) + " refused: " + trouble_text(status));
   }
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "etcm/mesh.h"
@@ -21,15 +22,20 @@ class MeshKeeper {
   MeshKeeper(Mesh& mesh, std::span<const FeatureSettings> features, Roster& roster,
              const port::Clock& clock, port::Log& log);
 
-  // Each returns whether the mesh changed. `generation` is what the log calls the result.
-  bool join(NodeRecord& node, std::uint32_t generation);
-  bool move(NodeRecord& node, std::uint32_t generation);
+  // `generation` is what the log calls the result.
+  void join(NodeRecord& node, std::uint32_t generation);
+  void move(NodeRecord& node, std::uint32_t generation);
   // Also takes the node's features out; they come back with it. Where the mesh refuses, the node
   // stays in it without features.
-  bool leave(NodeRecord& node, const char* why, std::uint32_t generation);
+  void leave(NodeRecord& node, const char* why, std::uint32_t generation);
+  // The node no longer asks for what was refused.
+  void forgive(NodeRecord& node);
 
   // Tries again what was refused, where the mesh has changed in a way that may help.
-  bool retry_refused(std::uint32_t generation);
+  void retry_refused(std::uint32_t generation);
+
+  // Whether the mesh or the quarantine changed since the last call.
+  bool take_changed() { return std::exchange(changed_, false); }
 
   const Mesh& mesh() const { return mesh_; }
   const FeatureBook& features() const { return features_; }
@@ -62,6 +68,7 @@ class MeshKeeper {
   // Counts the changes that may make room for what was refused.
   std::uint32_t epoch_ = 0;
   std::uint32_t retried_epoch_ = 0;
+  bool changed_ = false;
 };
 
 }  // namespace etcm::firmware

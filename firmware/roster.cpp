@@ -23,17 +23,15 @@ std::uint32_t Roster::unit_of(const NodeRecord& record) const {
   return static_cast<std::uint32_t>(&record - records_.data());
 }
 
-NodeRecord& Roster::bind(std::uint32_t unit, std::uint32_t serial) {
+void Roster::bind(std::uint32_t unit, std::uint32_t serial) {
   by_serial_.insert(lower_bound(serial), {.serial = serial, .unit = unit});
   records_[unit] = {};
   records_[unit].serial = serial;
-  return records_[unit];
 }
 
-NodeRecord& Roster::move(NodeRecord& record, std::uint32_t unit) {
+void Roster::move(NodeRecord& record, std::uint32_t unit) {
   lower_bound(record.serial)->unit = unit;
   records_[unit] = std::exchange(record, {});
-  return records_[unit];
 }
 
 void Roster::release(NodeRecord& record) {

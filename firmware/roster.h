@@ -45,9 +45,9 @@ class Roster {
   std::uint32_t unit_of(const NodeRecord& record) const;
 
   // REQUIRES: nobody is known at the unit, and the serial at no unit.
-  NodeRecord& bind(std::uint32_t unit, std::uint32_t serial);
+  void bind(std::uint32_t unit, std::uint32_t serial);
   // The node now answers at another unit, where nobody is known.
-  NodeRecord& move(NodeRecord& record, std::uint32_t unit);
+  void move(NodeRecord& record, std::uint32_t unit);
   void release(NodeRecord& record);
 
  private:

@@ -182,6 +182,13 @@ void read_poll(Section& section, PollSettings& poll) {
   section.read("stale_after", poll.stale_after, 1ms);
   section.read("leave_after", poll.leave_after, 1ms);
   section.read("dead_band", poll.dead_band, 0, static_cast<std::uint32_t>(position_max));
+  if (poll.leave_after <= poll.interval) {
+    const toml::node* culprit = section.find("leave_after");
+    if (culprit == nullptr) culprit = section.find("interval");
+    section.mistake(*culprit,
+                    "leave_after is not longer than interval, so nodes would leave between two "
+                    "questions; make leave_after several times as long as interval");
+  }
 }
 
 void read_bus(Section& section, const PollSettings& poll, std::vector<BusSettings>& buses) {
@@ -249,11 +256,6 @@ void read_all(Section& file, const std::filesystem::path& folder, Settings& sett
     settings.files = std::move(files);
   });
   file.each("feature", [&](Section& section) { read_feature(section, settings.features); });
-  if (settings.poll.leave_after <= settings.poll.interval) {
-    file.mistake(file.table(),
-                 "leave_after is not longer than interval, so nodes would leave between two "
-                 "questions; make leave_after several times as long as interval");
-  }
 }
 
 }  // namespace

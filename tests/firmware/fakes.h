@@ -1,0 +1,120 @@
+// A gateway with time, bus, server and files in the test's hand; the mesh is the real one.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "etcm/mesh.h"
+#include "gateway.h"
+#include "node_map.h"
+#include "settings.h"
+
+namespace etcm::firmware {
+
+class SimulatedClock final : public port::Clock {
+ public:
+  port::Instant now() const override { return now_; }
+  void pass(port::Duration time) { now_ += time; }
+
+ private:
+  // Past every pause that runs from the origin, as a real monotonic clock is.
+  port::Instant now_{std::chrono::hours(1)};
+};
+
+class RecordingLog final : public port::Log {
+ public:
+  void write(port::Level, std::string_view line) override { lines.emplace_back(line); }
+  std::size_t count(const std::string& part) const;
+  std::vector<std::string> lines;
+};
+
+// Units that answer at once, or time out when the gateway's clock has passed the timeout.
+class ScriptedBus final : public port::NodeBus {
+ public:
+  bool ready() const override { return link_up; }
+  void start_read(const port::RegisterRead& read, port::Instant now) override;
+  void advance(port::Instant now) override;
+  bool take_answer(port::BusAnswer& answer) override;
+  port::Instant next_deadline() const override;
+
+  void set(std::uint8_t unit, const NodeReading& reading);
+  void set_registers(std::uint8_t unit, const NodeRegisters& registers);
+  void set_result(std::uint8_t unit, port::BusResult result, std::uint8_t exception = 0);
+  void silence(std::uint8_t unit) { units_.erase(unit); }
+
+  bool link_up = true;
+  std::map<std::uint8_t, std::uint32_t> reads;  // by unit
+
+ private:
+  struct Unit {
+    port::BusResult result = port::BusResult::ok;
+    std::uint8_t exception = 0;
+    NodeRegisters registers{};
+  };
+  struct Waiting {
+    std::uint8_t unit;
+    port::Instant deadline;
+  };
+  std::map<std::uint8_t, Unit> units_;
+  std::vector<Waiting> waiting_;
+  std::deque<std::uint8_t> done_;
+  std::deque<std::uint8_t> timed_out_;
+  NodeRegisters handed_{};
+};
+
+class RecordingServer final : public port::MeshServer {
+ public:
+  void publish(std::shared_ptr<const port::RegisterImage> image) override {
+    images.push_back(std::move(image));
+  }
+  // The value of a header row by its name.
+  std::uint32_t header(const std::string& name) const;
+  std::vector<std::shared_ptr<const port::RegisterImage>> images;
+};
+
+class RecordingFiles final : public port::MeshFiles {
+ public:
+  bool write(const Mesh& mesh, std::span<const std::uint32_t>, std::string& why) override {
+    ++attempts;
+    if (failing) {
+      why = "the disk is full";
+      return false;
+    }
+    nodes_written.push_back(mesh.node_count());
+    return true;
+  }
+  bool failing = false;
+  std::uint32_t attempts = 0;
+  std::vector<std::uint32_t> nodes_written;
+};
+
+// One bus with units 1 to 20, asked every 100 ms.
+struct Rig {
+  explicit Rig(std::vector<FeatureSettings> features = {}, std::uint32_t vertices_max = 100);
+
+  void start();
+  // Runs the gateway for this long, a step every 10 ms.
+  void run(port::Duration duration);
+  // Unit `unit` is the node with serial 1000 + unit.
+  void put(std::uint8_t unit, std::int32_t x, std::int32_t y,
+           std::uint16_t status = node_status::fix_valid);
+
+  Settings settings;
+  SimulatedClock clock;
+  RecordingLog log;
+  ScriptedBus bus;
+  RecordingServer server;
+  RecordingFiles files;
+  std::vector<std::byte> memory;
+  Mesh mesh;
+  std::vector<PolledBus> polled;
+  std::unique_ptr<Gateway> gateway;
+};
+
+FeatureSettings feature(std::uint32_t from, std::uint32_t to);
+
+}  // namespace etcm::firmware

@@ -1,0 +1,354 @@
+// Gateway::step() with the real mesh, on a simulated clock and a scripted bus.
+#include "gateway.h"
+
+#include <gtest/gtest.h>
+
+#include "etcm/audit.h"
+#include "fakes.h"
+#include "mesh_map.h"
+#include "words.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(Gateway, NodesJoinAtOnceAndArePublished) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.put(2, 100, 0);
+  rig.put(3, 0, 100);
+  rig.run(1s);
+  EXPECT_EQ(rig.mesh.node_count(), 3u);
+  EXPECT_EQ(rig.server.header("node_count"), 3u);
+  EXPECT_EQ(rig.server.header("edge_count"), 3u);
+  EXPECT_EQ(rig.server.header("triangle_count"), 1u);
+  EXPECT_EQ(rig.server.header("state"), 0u);
+  EXPECT_EQ(rig.log.count("node 1003 joined at (0, 100)"), 1u);
+}
+
+TEST(Gateway, ANodeThatJoinsAloneIsAGenerationOfItsOwn) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.run(1s);
+  const std::uint32_t before = rig.gateway->generation();
+  rig.put(2, 100, 0);
+  rig.run(1s);
+  EXPECT_EQ(rig.gateway->generation(), before + 1);
+  EXPECT_EQ(rig.log.count("node 1002 joined at (100, 0): generation " + std::to_string(before + 1) +
+                          ", 1 neighbour"),
+            1u);
+}
+
+TEST(Gateway, NothingIsPublishedWhileNothingChanges) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.images.size(), 1u);
+  EXPECT_EQ(rig.files.attempts, 1u);
+  rig.run(5s);
+  EXPECT_EQ(rig.server.images.size(), 1u);
+  EXPECT_EQ(rig.files.attempts, 1u);
+}
+
+TEST(Gateway, EveryBlockCarriesTheGeneration) {
+  Rig rig;
+  for (std::uint8_t unit = 1; unit <= 20; ++unit) rig.put(unit, unit * unit, 7 * unit % 11);
+  rig.run(2s);
+  const auto& registers = rig.server.images.back()->registers;
+  for (std::size_t block = 0; block < registers.size(); block += block_size) {
+    EXPECT_EQ(load_u32(registers, block), rig.gateway->generation()) << block;
+  }
+}
+
+TEST(Gateway, ANodeThatMovedIsFollowedBeyondTheDeadBand) {
+  Rig rig;
+  rig.settings.poll.dead_band = 5;
+  rig.put(1, 0, 0);
+  rig.run(500ms);
+  rig.put(1, 3, 4);  // exactly the dead band
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.position(VertexId{1}), (Position{0, 0}));
+  rig.put(1, 3, 5);
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.position(VertexId{1}), (Position{3, 5}));
+  EXPECT_EQ(rig.log.count("node 1001 moved from (0, 0) to (3, 5)"), 1u);
+}
+
+TEST(Gateway, ASilentNodeIsStaleThenLeavesAndComesBack) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.put(2, 100, 0);
+  rig.run(1s);
+  rig.bus.silence(1);
+  rig.run(1500ms);
+  EXPECT_EQ(rig.mesh.node_count(), 2u);
+  EXPECT_EQ(rig.server.header("stale_count"), 1u);
+  EXPECT_EQ(rig.server.header("state"), snapshot_state::stale);
+  rig.run(3s);
+  EXPECT_EQ(rig.mesh.node_count(), 1u);
+  EXPECT_EQ(rig.log.count("node 1001 left (silent)"), 1u);
+  rig.put(1, 0, 0);
+  rig.run(1s);
+  EXPECT_EQ(rig.mesh.node_count(), 2u);
+  EXPECT_EQ(rig.server.header("state"), 0u);
+}
+
+TEST(Gateway, ANodeMayAskToLeave) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.run(500ms);
+  rig.put(1, 0, 0, node_status::fix_valid | node_status::leaving);
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.node_count(), 0u);
+  EXPECT_EQ(rig.log.count("left (on its own request)"), 1u);
+  rig.put(1, 0, 0);
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.node_count(), 1u);
+}
+
+TEST(Gateway, WithoutAFixANodeStaysWhereItWas) {
+  Rig rig;
+  rig.put(1, 0, 0, 0);
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.node_count(), 0u);
+  rig.put(1, 5, 5);
+  rig.run(500ms);
+  rig.put(1, 99, 99, 0);
+  rig.run(5s);
+  EXPECT_EQ(rig.mesh.position(VertexId{1}), (Position{5, 5}));
+}
+
+TEST(Gateway, AFeatureIsActiveWhileBothItsEndsAreThere) {
+  Rig rig({feature(1001, 1002)});
+  rig.put(1, 0, 0);
+  rig.put(3, 50, 40);
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.feature_count(), 0u);
+  EXPECT_EQ(rig.server.header("state"), snapshot_state::partial);
+  rig.put(2, 100, 0);
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.feature_count(), 1u);
+  EXPECT_EQ(rig.server.header("features_active"), 1u);
+  rig.bus.silence(2);
+  rig.run(5s);
+  EXPECT_EQ(rig.mesh.feature_count(), 0u);
+  EXPECT_EQ(rig.mesh.node_count(), 2u);
+  rig.put(2, 100, 10);
+  rig.run(1s);
+  EXPECT_EQ(rig.mesh.feature_count(), 1u);
+  EXPECT_TRUE(audit(rig.mesh));
+}
+
+TEST(Gateway, ACrossingFeatureWaitsInQuarantineUntilTheOtherIsGone) {
+  Rig rig({feature(1001, 1002), feature(1003, 1004)});
+  rig.put(1, 0, 0);
+  rig.put(2, 100, 100);
+  rig.run(500ms);
+  rig.put(3, 0, 100);
+  rig.put(4, 100, 0);
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.feature_count(), 1u);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
+  EXPECT_EQ(rig.server.header("state"), snapshot_state::partial);
+  EXPECT_EQ(rig.log.count("feature 2 (1003-1004, site.toml:1) refused"), 1u);
+  EXPECT_EQ(rig.log.count("feature 1 (1001-1002"), 1u) << "the reason names the other feature";
+  rig.put(1, 0, 0, node_status::leaving);
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.feature_count(), 1u);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
+}
+
+TEST(Gateway, ANodeOnTopOfAnotherWaitsInQuarantineUntilThereIsRoom) {
+  Rig rig;
+  rig.put(1, 10, 10);
+  rig.run(500ms);
+  rig.put(2, 10, 10);
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.node_count(), 1u);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
+  EXPECT_EQ(rig.log.count("node 1002 cannot join at (10, 10)"), 1u) << "said once, not each poll";
+  rig.put(1, 20, 20);
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.node_count(), 2u);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
+}
+
+TEST(Gateway, AMoveThatWouldCrossAFeatureLeavesTheGoodMesh) {
+  Rig rig({feature(1001, 1002), feature(1003, 1004)});
+  rig.put(1, 0, 0);
+  rig.put(2, 100, 0);
+  rig.put(3, 0, 10);
+  rig.put(4, 100, 10);
+  rig.run(500ms);
+  ASSERT_EQ(rig.mesh.feature_count(), 2u);
+  rig.put(4, 50, -10);
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.feature_count(), 2u);
+  EXPECT_EQ(rig.log.count("node 1004 cannot move at (50, -10)"), 1u);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
+  EXPECT_TRUE(audit(rig.mesh));
+  rig.put(4, 100, 10);
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
+}
+
+TEST(Gateway, AFullMeshIsSaidInTheState) {
+  Rig rig({}, 2);
+  for (std::uint8_t unit = 1; unit <= 3; ++unit) rig.put(unit, unit, unit * unit);
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.node_count(), 2u);
+  EXPECT_EQ(rig.server.header("state"), snapshot_state::partial | snapshot_state::budget_hit);
+}
+
+TEST(Gateway, ATornReadIsRepeatedAtOnceAndNeverBecomesAPosition) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.run(500ms);
+  NodeRegisters torn =
+      encode_node({.serial = 1001, .position = {99, 99}, .status = node_status::fix_valid}, 1);
+  torn[11] = 2;
+  rig.bus.set_registers(1, torn);
+  const std::uint32_t before = rig.bus.reads[1];
+  rig.run(100ms);
+  EXPECT_GE(rig.bus.reads[1], before + 4);
+  EXPECT_EQ(rig.mesh.position(VertexId{1}), (Position{0, 0}));
+  EXPECT_EQ(rig.log.count("unit 1 of yard: torn read"), 1u);
+}
+
+struct BadAnswer {
+  const char* name;
+  NodeRegisters registers;
+  const char* logged;
+};
+
+NodeRegisters spoilt(std::size_t index, std::uint16_t value) {
+  NodeRegisters registers =
+      encode_node({.serial = 1001, .position = {99, 99}, .status = node_status::fix_valid}, 1);
+  registers[index] = value;
+  return registers;
+}
+
+class GatewayRefuses : public testing::TestWithParam<BadAnswer> {};
+
+TEST_P(GatewayRefuses, ToTakeAPositionFromIt) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.run(500ms);
+  rig.bus.set_registers(1, GetParam().registers);
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.position(VertexId{1}), (Position{0, 0}));
+  EXPECT_EQ(rig.log.count(GetParam().logged), 1u) << testing::PrintToString(rig.log.lines);
+  rig.run(5s);
+  EXPECT_EQ(rig.mesh.node_count(), 0u) << "nobody vouches for the node any more";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Answers, GatewayRefuses,
+    testing::Values(BadAnswer{"wrong_magic", spoilt(0, 0x4555), "register 0 is not 0x4554"},
+                    BadAnswer{"swapped_bytes", spoilt(0, 0x5445), "bytes swapped"},
+                    BadAnswer{"wrong_version", spoilt(1, 0x020c), "register 1 is not 0x010C"},
+                    BadAnswer{"out_of_range", spoilt(5, 0x0101), "position beyond"}),
+    [](const auto& row) { return std::string(row.param.name); });
+
+TEST(Gateway, AnotherSerialAtAUnitIsNotBelievedUntilTheFirstHasLeft) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.run(500ms);
+  rig.bus.set(1, {.serial = 5000, .position = {99, 99}, .status = node_status::fix_valid});
+  rig.run(1s);
+  EXPECT_EQ(rig.mesh.position(VertexId{1}), (Position{0, 0}));
+  EXPECT_EQ(rig.log.count("answers with serial 5000 instead of 1001"), 1u);
+  rig.run(5s);
+  EXPECT_EQ(rig.log.count("node 1001 left (silent)"), 1u);
+  EXPECT_EQ(rig.log.count("node 5000 joined at (99, 99)"), 1u);
+}
+
+TEST(Gateway, TwoNodesWithOneSerialAreAnAlarmNotAFlipFlop) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.run(500ms);
+  rig.bus.set(2, {.serial = 1001, .position = {99, 99}, .status = node_status::fix_valid});
+  rig.run(3s);
+  EXPECT_EQ(rig.mesh.node_count(), 1u);
+  EXPECT_EQ(rig.mesh.position(VertexId{1}), (Position{0, 0}));
+  EXPECT_EQ(rig.log.count("two nodes with serial 1001"), 1u);
+}
+
+TEST(Gateway, ANodeMayChangeItsUnit) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.run(500ms);
+  rig.bus.silence(1);
+  rig.bus.set(2, {.serial = 1001, .position = {0, 0}, .status = node_status::fix_valid});
+  rig.run(5s);
+  EXPECT_EQ(rig.mesh.node_count(), 1u);
+  EXPECT_EQ(rig.log.count("node 1001 went from unit 1 of yard to unit 2 of yard"), 1u);
+  EXPECT_EQ(rig.log.count("left"), 0u);
+}
+
+TEST(Gateway, ExceptionsCostTheUnitItsTurnsOnly) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.put(2, 10, 0);
+  rig.run(500ms);
+  rig.bus.set_result(1, port::BusResult::exception, 11);
+  rig.run(2s);
+  EXPECT_EQ(rig.log.count("unit 1 of yard: exception 11"), 1u);
+  EXPECT_EQ(rig.server.header("stale_count"), 1u);
+  EXPECT_EQ(rig.mesh.node_count(), 2u);
+}
+
+TEST(Gateway, AbsentUnitsAreAskedEverLessOften) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.run(10s);
+  EXPECT_GE(rig.bus.reads[1], 80u);
+  EXPECT_LE(rig.bus.reads[2], 30u);
+  EXPECT_GE(rig.bus.reads[2], 20u) << "absent_interval is the longest pause";
+}
+
+TEST(Gateway, AfterALostLinkAllAreAskedWithinAPoll) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.run(500ms);
+  rig.bus.link_up = false;
+  rig.run(2s);
+  EXPECT_EQ(rig.server.header("stale_count"), 1u);
+  const std::uint32_t before = rig.bus.reads[1];
+  rig.bus.link_up = true;
+  rig.run(100ms);
+  EXPECT_GT(rig.bus.reads[1], before);
+  rig.run(100ms);
+  EXPECT_EQ(rig.server.header("stale_count"), 0u);
+}
+
+TEST(Gateway, FilesAreWrittenNotMoreOftenThanAskedAndFinallyComplete) {
+  Rig rig;
+  rig.settings.files->interval = 10s;
+  rig.put(1, 0, 0);
+  rig.run(1s);
+  const std::size_t before = rig.files.attempts;
+  rig.put(2, 10, 0);
+  rig.run(1s);
+  EXPECT_EQ(rig.files.attempts, before);
+  rig.gateway->finish(rig.clock.now());
+  EXPECT_EQ(rig.files.nodes_written.back(), 2u);
+  EXPECT_EQ(rig.log.count("audit passed: conforming"), 1u);
+}
+
+TEST(Gateway, GoesOnWhenFilesCannotBeWrittenAndSaysSoOnce) {
+  Rig rig;
+  rig.files.failing = true;
+  rig.put(1, 0, 0);
+  rig.run(5s);
+  EXPECT_GE(rig.files.attempts, 5u);
+  EXPECT_EQ(rig.log.count("the disk is full"), 1u);
+  EXPECT_EQ(rig.server.header("node_count"), 1u);
+  rig.files.failing = false;
+  rig.run(1s);
+  EXPECT_EQ(rig.log.count("files are written again"), 1u);
+}
+
+}  // namespace
+}  // namespace etcm::firmware

@@ -1,0 +1,148 @@
+// The two register maps.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "mesh_map.h"
+#include "node_map.h"
+#include "words.h"
+
+namespace etcm::firmware {
+namespace {
+
+TEST(NodeMap, ComesBackAsItWentOut) {
+  for (const Position position :
+       {Position{0, 0}, Position{-1, 1}, Position{position_max, -position_max}}) {
+    const NodeReading sent{.serial = 0xdeadbeef,
+                           .position = position,
+                           .status = node_status::fix_valid | node_status::relay,
+                           .boot_count = 65535};
+    NodeReading found;
+    ASSERT_EQ(decode_node(encode_node(sent, 65535), found), ReadingFault::none);
+    EXPECT_EQ(found.serial, sent.serial);
+    EXPECT_EQ(found.position, sent.position);
+    EXPECT_EQ(found.status, sent.status);
+    EXPECT_EQ(found.boot_count, sent.boot_count);
+  }
+}
+
+TEST(NodeMap, HasTheLayoutOfTheTable) {
+  const NodeRegisters registers = encode_node(
+      {.serial = 0x00010002, .position = {-2, 0x00030004}, .status = 5, .boot_count = 6}, 9);
+  EXPECT_EQ(registers, (NodeRegisters{0x4554, 0x010c, 1, 2, 9, 0xffff, 0xfffe, 3, 4, 5, 6, 9}));
+}
+
+TEST(NodeMap, AFaultLeavesTheReadingAlone) {
+  NodeReading reading{.serial = 42, .position = {}};
+  NodeRegisters registers = encode_node({.serial = 7, .position = {}}, 1);
+  registers[11] = 2;
+  EXPECT_EQ(decode_node(registers, reading), ReadingFault::torn);
+  EXPECT_EQ(reading.serial, 42u);
+  EXPECT_EQ(decode_node(std::span(registers).first(11), reading), ReadingFault::wrong_length);
+  EXPECT_EQ(decode_node(encode_node({.serial = no_serial, .position = {}}, 1), reading),
+            ReadingFault::bad_serial);
+}
+
+TEST(NodeMap, APositionOutOfRangeIsNoFaultWithoutAFix) {
+  NodeReading reading;
+  EXPECT_EQ(decode_node(encode_node({.serial = 1, .position = {position_max + 1, 0}}, 1), reading),
+            ReadingFault::none);
+}
+
+// Reads vertex and neighbour by the documented rule alone: unit, block, register.
+class Reader {
+ public:
+  explicit Reader(const port::RegisterImage& image) : image_(image) {}
+
+  std::uint32_t header(const std::string& name) const {
+    for (const MapRow& row : header_rows()) {
+      if (name == row.name) return value(0, row.offset, row.registers);
+    }
+    ADD_FAILURE() << "no header row " << name;
+    return 0;
+  }
+  std::uint32_t vertex(std::uint32_t row, const std::string& name) const {
+    for (const MapRow& field : vertex_rows()) {
+      if (name != field.name) continue;
+      return value(header("vertex_block_first") + row / 7, 2 + row % 7 * 16u + field.offset,
+                   field.registers);
+    }
+    ADD_FAILURE() << "no vertex row " << name;
+    return 0;
+  }
+  std::uint32_t neighbour(std::uint32_t entry) const {
+    return value(header("neighbour_block_first") + entry / 59, 2 + entry % 59 * 2u, 2);
+  }
+
+ private:
+  std::uint32_t value(std::uint32_t block, std::uint32_t offset, std::uint32_t registers) const {
+    const std::uint32_t unit = 1 + block / 546;
+    const std::uint32_t address = block % 546 * 120 + offset;
+    const std::size_t at = std::size_t{unit - 1} * image_.registers_per_unit + address;
+    return registers == 1 ? image_.registers.at(at) : load_u32(image_.registers, at);
+  }
+  const port::RegisterImage& image_;
+};
+
+TEST(MeshMap, ComesBackByTheDocumentedRule) {
+  constexpr std::uint32_t vertices = 5000;  // more than one unit
+  Snapshot snapshot{.generation = 0x12345678,
+                    .node_count = 4999,
+                    .steiner_count = 1,
+                    .mesh_hash = 0x0123456789abcdef,
+                    .vertices = {},
+                    .neighbours = {}};
+  for (std::uint32_t row = 0; row < vertices; ++row) {
+    snapshot.vertices.push_back({.kind = VertexKind::node,
+                                 .stale = row == 3,
+                                 .serial = 70000 + row,
+                                 .point = to_point({-static_cast<int>(row), 5}),
+                                 .first_neighbour = row,
+                                 .degree = 1});
+    snapshot.neighbours.push_back({.row = vertices - 1 - row, .constrained = row % 2 == 0});
+  }
+  snapshot.vertices[4000] = {.kind = VertexKind::steiner,
+                             .feature = 9,
+                             .point = {-1, subunits_per_unit + 1},
+                             .first_neighbour = 4000,
+                             .degree = 1};
+  const port::RegisterImage image = encode_mesh(snapshot, vertices);
+  const Reader reader(image);
+  EXPECT_EQ(reader.header("magic"), 0x4d45u);
+  EXPECT_EQ(reader.header("node_count"), 4999u);
+  EXPECT_EQ(reader.header("mesh_hash_high"), 0x01234567u);
+  EXPECT_EQ(reader.header("mesh_hash_low"), 0x89abcdefu);
+  for (std::uint32_t row = 0; row < vertices; ++row) {
+    ASSERT_EQ(reader.neighbour(reader.vertex(row, "neighbour_first")) & 0x7fffffffu,
+              vertices - 1 - row);
+    if (row == 4000) continue;
+    ASSERT_EQ(reader.vertex(row, "serial"), 70000 + row);
+    ASSERT_EQ(static_cast<std::int32_t>(reader.vertex(row, "x")), -static_cast<int>(row));
+    ASSERT_EQ(reader.vertex(row, "kind"), row == 3 ? 0x0101u : 1u);
+  }
+  EXPECT_EQ(reader.vertex(4000, "kind"), 2u);
+  EXPECT_EQ(reader.vertex(4000, "feature"), 9u);
+  EXPECT_EQ(static_cast<std::int32_t>(reader.vertex(4000, "x")), -1);
+  EXPECT_EQ(reader.vertex(4000, "x_fraction"), (1u << 28) - 1);
+  EXPECT_EQ(reader.vertex(4000, "y"), 1u);
+  EXPECT_EQ(reader.vertex(4000, "y_fraction"), 1u);
+}
+
+TEST(MeshMap, TheGreatestMeshFitsTheUnits) {
+  const MeshMapLayout greatest = mesh_map_layout(mesh_map_vertices_max());
+  EXPECT_LE(greatest.block_count(), units_max * unit_blocks);
+  EXPECT_GT(mesh_map_layout(mesh_map_vertices_max() + 100).block_count(), units_max * unit_blocks);
+}
+
+TEST(MeshMap, TheOperatingGuideHasItsTables) {
+  std::ifstream file(ETCM_FIRMWARE_README);
+  ASSERT_TRUE(file) << ETCM_FIRMWARE_README;
+  std::stringstream text;
+  text << file.rdbuf();
+  EXPECT_NE(text.str().find(describe_mesh_map()), std::string::npos)
+      << "put the output of `etcm-gateway --register-map` into firmware/README.md";
+}
+
+}  // namespace
+}  // namespace etcm::firmware

@@ -1,0 +1,181 @@
+// The configuration file: what is good, and what is said about what is not.
+#include "settings.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+class SettingsFile : public testing::Test {
+ protected:
+  SettingsFile() {
+    folder_ =
+        std::filesystem::path(testing::TempDir()) /
+        ("settings_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    path_ = folder_ / "site.toml";
+  }
+  ~SettingsFile() override { std::filesystem::remove_all(folder_); }
+
+  Settings read(const std::string& text) {
+    std::ofstream(path_) << text;
+    mistakes_.clear();
+    return read_settings(path_, mistakes_);
+  }
+
+  std::filesystem::path folder_;
+  std::string path_;
+  std::vector<std::string> mistakes_;
+};
+
+TEST_F(SettingsFile, TheLeastThatWorks) {
+  const Settings settings =
+      read("[mesh]\nvertices_max = 10\n[[bus]]\ntcp = \"127.0.0.1:502\"\nunits = \"1-3,9\"\n");
+  EXPECT_TRUE(mistakes_.empty()) << mistakes_.front();
+  EXPECT_EQ(settings.mesh.vertices_max, 10u);
+  ASSERT_EQ(settings.buses.size(), 1u);
+  EXPECT_EQ(settings.buses[0].name, "127.0.0.1:502");
+  EXPECT_EQ(settings.buses[0].units.size(), 2u);
+  EXPECT_EQ(settings.buses[0].timeout, settings.poll.timeout);
+  EXPECT_EQ(to_string(settings.server.listen), "127.0.0.1:1502");
+  EXPECT_FALSE(settings.files);
+}
+
+TEST_F(SettingsFile, EverySettingArrives) {
+  const Settings settings = read(R"(
+site = "coast.poly"
+[mesh]
+vertices_max = 10
+features_max = 11
+steiner_max = 5
+steps_max = 12
+policy = "paper"
+[poll]
+interval = "250ms"
+timeout = "30ms"
+outstanding = 2
+absent_interval = "1min"
+stale_after = "3s"
+leave_after = "9s"
+dead_band = 4
+[[bus]]
+name = "yard"
+tcp = "10.0.0.1:503"
+units = "7"
+timeout = "40ms"
+outstanding = 1
+[server]
+listen = "0.0.0.0:1602"
+clients_max = 3
+[files]
+folder = "out"
+name = "plan"
+interval = "2s"
+[[feature]]
+from = 4000000000
+to = 2
+)");
+  EXPECT_TRUE(mistakes_.empty()) << mistakes_.front();
+  EXPECT_EQ(settings.site, folder_ / "coast.poly");
+  EXPECT_EQ(settings.mesh.features_max, 11u);
+  EXPECT_EQ(settings.mesh.steiner_max, 5u);
+  EXPECT_EQ(settings.mesh.steps_max, 12u);
+  EXPECT_EQ(settings.mesh.policy, split_paper);
+  EXPECT_EQ(settings.poll.interval, 250ms);
+  EXPECT_EQ(settings.poll.timeout, 30ms);
+  EXPECT_EQ(settings.poll.absent_interval, 1min);
+  EXPECT_EQ(settings.poll.stale_after, 3s);
+  EXPECT_EQ(settings.poll.leave_after, 9s);
+  EXPECT_EQ(settings.poll.dead_band, 4u);
+  EXPECT_EQ(settings.buses[0].name, "yard");
+  EXPECT_EQ(settings.buses[0].timeout, 40ms);
+  EXPECT_EQ(settings.buses[0].outstanding_max, 1u);
+  EXPECT_EQ(to_string(settings.server.listen), "0.0.0.0:1602");
+  EXPECT_EQ(settings.server.clients_max, 3u);
+  EXPECT_EQ(settings.files->folder, folder_ / "out");
+  EXPECT_EQ(settings.files->name, "plan");
+  EXPECT_EQ(settings.files->interval, 2s);
+  EXPECT_EQ(settings.features[0].from, 4000000000u);
+  EXPECT_EQ(settings.features[0].place, path_ + ":30");
+}
+
+struct Mistake {
+  const char* name;
+  std::string text;  // after three good lines
+  int line;
+  const char* what;
+  const char* cure;
+};
+
+std::string bus(const std::string& lines) { return "[[bus]]\ntcp = \"127.0.0.1:502\"\n" + lines; }
+
+class SettingsMistake : public SettingsFile, public testing::WithParamInterface<Mistake> {};
+
+TEST_P(SettingsMistake, IsNamedWithItsLineAndCure) {
+  read("# a site\n[mesh]\nvertices_max = 10\n" + GetParam().text);
+  ASSERT_EQ(mistakes_.size(), 1u) << testing::PrintToString(mistakes_);
+  const std::string begin = path_ + ":" + std::to_string(GetParam().line) + ": ";
+  EXPECT_EQ(mistakes_[0].substr(0, begin.size()), begin);
+  EXPECT_NE(mistakes_[0].find(GetParam().what), std::string::npos) << mistakes_[0];
+  EXPECT_NE(mistakes_[0].find(GetParam().cure), std::string::npos) << mistakes_[0];
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Rows, SettingsMistake,
+    testing::Values(
+        Mistake{"syntax", bus("units = \"1\"\n") + "x = = 1\n", 7, "", "correct the TOML"},
+        Mistake{"misspelt_key", "vertexes = 1\n" + bus("units = \"1\"\n"), 4,
+                "'vertexes' is unknown in [mesh]", "known here: features_max"},
+        Mistake{"no_bus", "", 1, "'bus' is missing", "add it, such as [[bus]]"},
+        Mistake{"bus_is_no_list", "[bus]\n", 4, "'bus' must be a list", "[[bus]]"},
+        Mistake{"no_units", bus(""), 4, "'units' is missing", "units = \"1-60\""},
+        Mistake{"bad_units", bus("units = \"1-300\"\n"), 6, "'units' must list", "\"1-60\""},
+        Mistake{"bad_address", "[[bus]]\ntcp = \"host\"\nunits = \"1\"\n", 5, "is no address",
+                "127.0.0.1:502"},
+        Mistake{"number_as_text", "features_max = \"9\"\n" + bus("units = \"1\"\n"), 4,
+                "out of range", "whole number from 0"},
+        Mistake{"negative", "features_max = -1\n" + bus("units = \"1\"\n"), 4, "out of range",
+                "whole number from 0"},
+        Mistake{"bad_policy", "policy = \"fast\"\n" + bus("units = \"1\"\n"), 4,
+                "policy 'fast' is unknown", "\"paper\""},
+        Mistake{"no_unit_of_time", "[poll]\ninterval = \"500\"\n" + bus("units = \"1\"\n"), 5,
+                "is no duration", "\"500ms\""},
+        Mistake{"duration_as_number", "[poll]\ninterval = 500\n" + bus("units = \"1\"\n"), 5,
+                "is no duration", "\"500ms\""},
+        Mistake{"zero_duration", "[poll]\ntimeout = \"0ms\"\n" + bus("units = \"1\"\n"), 5,
+                "too short", "at least \"1ms\""},
+        Mistake{"long_duration", "[poll]\ntimeout = \"1441min\"\n" + bus("units = \"1\"\n"), 5,
+                "longer than a day", "give less"},
+        Mistake{"leaves_too_soon",
+                "[poll]\ninterval = \"2s\"\nleave_after = \"2s\"\n" + bus("units = \"1\"\n"), 6,
+                "leave_after is not longer than interval", "several times"},
+        Mistake{"feature_to_itself", bus("units = \"1\"\n") + "[[feature]]\nfrom = 5\nto = 5\n", 7,
+                "from node 5 to itself", "two different serials"},
+        Mistake{"two_buses_of_one_name", bus("units = \"1\"\n") + bus("units = \"2\"\n"), 7,
+                "two buses are named", "rename one"},
+        Mistake{"files_without_folder", bus("units = \"1\"\n") + "[files]\n", 7,
+                "'folder' is missing in [files]", "add it"}),
+    [](const auto& row) { return std::string(row.param.name); });
+
+TEST_F(SettingsFile, AllMistakesComeAtOnceFromTheTop) {
+  read("[poll]\nx = 1\ninterval = 1\n[mesh]\nvertices_max = 0\n");
+  ASSERT_EQ(mistakes_.size(), 4u) << testing::PrintToString(mistakes_);
+  EXPECT_NE(mistakes_[0].find(":1: 'bus' is missing"), std::string::npos) << mistakes_[0];
+  EXPECT_NE(mistakes_[1].find(":2: 'x' is unknown"), std::string::npos) << mistakes_[1];
+  EXPECT_NE(mistakes_[3].find(":5: 'vertices_max'"), std::string::npos) << mistakes_[3];
+}
+
+TEST_F(SettingsFile, AFileThatIsNotThereIsAMistake) {
+  read_settings(folder_ / "nowhere.toml", mistakes_);
+  ASSERT_EQ(mistakes_.size(), 1u);
+  EXPECT_NE(mistakes_[0].find("nowhere.toml"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace etcm::firmware
