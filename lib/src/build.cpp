@@ -98,7 +98,7 @@ Status Mesh::build(std::span<const Position> nodes,
       if (course.status != Status::ok) return reject(*this, course.status);
       lay(m, root);
     }
-    m.unresolved = count_missing(m);
+    m.unresolved = settle_rest(m);
     m.trouble = trouble;
     return status;
   }

@@ -40,6 +40,8 @@ SplitSite site_of(const MeshState& m, SectionId s, const Stretch& piece) noexcep
   site.reach_head = reach_from_head(site);
   site.reach_tail = reach_from_tail(site);
   site.mesh = m.mesh;
+  site.head_triangle = TriangleId{Topology::triangle_of(piece.head_edge)};
+  site.tail_triangle = TriangleId{Topology::triangle_of(piece.tail_edge)};
   return site;
 }
 
@@ -130,13 +132,17 @@ Status conform(MeshState& m) noexcept {
   return Status::ok;
 }
 
-std::uint32_t count_missing(const MeshState& m) noexcept {
+std::uint32_t settle_rest(MeshState& m) noexcept {
   std::uint32_t missing = 0;
-  for (SectionId s = m.dirty; !s.is_none(); s = m.section(s).next_dirty) {
+  for (SectionId s = pop_dirty(m); !s.is_none(); s = pop_dirty(m)) {
     const VertexId end = m.section(s).to;
     for (VertexId v = m.section(s).from; v != end;) {
       const Stretch piece = march(m, v, end);
-      if (!piece.is_edge) ++missing;
+      if (crossed_section(m, s, piece).is_none() && can_be_edge(m, piece)) {
+        settle_piece(m, piece);
+      } else {
+        ++missing;
+      }
       v = piece.tail;
     }
   }

@@ -145,8 +145,9 @@ Status conform(MeshState& m) noexcept;
 bool can_be_edge(const MeshState& m, const Stretch& piece) noexcept;
 // Makes a piece that can be an edge a marked edge.
 void settle_piece(MeshState& m, const Stretch& piece) noexcept;
-// Pieces of dirty sections that are no edges, once conform() has given up.
-std::uint32_t count_missing(const MeshState& m) noexcept;
+// Once conform() has given up: marks the pieces of dirty sections that can be edges, and counts the
+// others.
+std::uint32_t settle_rest(MeshState& m) noexcept;
 
 // --- features.cpp: a feature as a run of sections
 // -------------------------------------------------

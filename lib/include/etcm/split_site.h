@@ -27,8 +27,11 @@ struct SplitSite {
   // Whether each end of the piece is a node (else a Steiner vertex).
   bool head_is_node = false;
   bool tail_is_node = false;
-  // The mesh as it stands, for rules that look further.
+  // The mesh as it stands, and the triangles by which the piece leaves head and arrives at tail:
+  // for rules that look further.
   const Mesh* mesh = nullptr;
+  TriangleId head_triangle{};
+  TriangleId tail_triangle{};
 
   constexpr Point at(Parameter t) const noexcept {
     return {from.x * subunits_per_unit + t * (static_cast<std::int64_t>(to.x) - from.x),
