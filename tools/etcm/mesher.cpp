@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <span>
+#include <utility>
 
 #include "etcm/files/decimal.h"
 #include "etcm/files/error.h"
@@ -33,13 +35,33 @@ std::unique_ptr<inputs::OwnedMesh> open_mesh(const MeshConfig& config) {
   return mesh;
 }
 
+// Builds, and again where that is quick, for the first run pays for cold caches; what counts is the
+// fastest. The mesh of the last run stays.
+std::pair<Status, double> timed_build(Mesh& mesh, const files::GridGraph& grid,
+                                      std::span<const FeatureEnds> features) {
+  constexpr int runs_max = 5;
+  constexpr double total_us_max = 20000;
+  double fastest_us = 0;
+  double total_us = 0;
+  for (int run = 0;; ++run) {
+    const auto start = Clock::now();
+    const Status status = mesh.build(grid.nodes, features);
+    const double us = microseconds_since(start);
+    fastest_us = run == 0 ? us : std::min(fastest_us, us);
+    total_us += us;
+    if (status != Status::ok || run + 1 == runs_max || total_us > total_us_max) {
+      return {status, fastest_us};
+    }
+    mesh.clear();
+  }
+}
+
 double time_delaunay(const files::GridGraph& grid) {
   const MeshConfig config{.vertices_max = std::max(1u, at_most(grid.nodes.size(), vertices_limit))};
   const auto mesh = open_mesh(config);
-  const auto start = Clock::now();
-  const Status status = (*mesh)->build(grid.nodes, {});
+  const auto [status, us] = timed_build(**mesh, grid, {});
   // What is wrong with the nodes, building the whole graph tells as well.
-  return status == Status::ok ? microseconds_since(start) : 0;
+  return status == Status::ok ? us : 0;
 }
 
 }  // namespace
@@ -59,9 +81,9 @@ Meshed build_mesh(const files::ConstraintGraph& graph, const files::GridGraph& g
   meshed.delaunay_us = time_delaunay(grid);
   while (true) {
     meshed.mesh = open_mesh(config);
-    const auto start = Clock::now();
-    meshed.status = (*meshed.mesh)->build(grid.nodes, grid.features);
-    meshed.conform_us = std::max(0.0, microseconds_since(start) - meshed.delaunay_us);
+    const auto [status, us] = timed_build(**meshed.mesh, grid, grid.features);
+    meshed.status = status;
+    meshed.conform_us = std::max(0.0, us - meshed.delaunay_us);
     if (meshed.status != Status::out_of_vertices || config.vertices_max == vertices_max) break;
     config.vertices_max = at_most(std::size_t{config.vertices_max} * 2, vertices_max);
   }
