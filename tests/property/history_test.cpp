@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
+#include <ostream>
 #include <string>
+#include <vector>
 
 #include "support/meshes.h"
 #include "support/oracle.h"
@@ -81,6 +85,22 @@ INSTANTIATE_TEST_SUITE_P(
                     Life{"short_of_steiner", 1000, 60, 1000, 10, 4000, 200, 12, 0},
                     Life{"short_of_steps", 1000, 60, 1000, 10, 4000, 200, 0, 4}),
     Lives::name);
+
+// What a mesh holds after a long life is little more than what it needs.
+TEST(History, LeavesFewSteinerVerticesBehind) {
+  double log_sum = 0;
+  constexpr int lives = 10;
+  for (std::uint64_t seed = 1; seed <= lives; ++seed) {
+    const auto mesh = empty_mesh(8000, 1000);
+    History history(**mesh, 1000, 200, seed);
+    for (int event = 0; event < 1000; ++event) ASSERT_TRUE(history.step()) << "seed " << seed;
+    const std::uint32_t lived = (*mesh)->steiner_count();
+    ASSERT_EQ((*mesh)->rebuild(), Status::ok);
+    ASSERT_GT((*mesh)->steiner_count(), 0u);
+    log_sum += std::log(static_cast<double>(lived) / (*mesh)->steiner_count());
+  }
+  EXPECT_LE(std::exp(log_sum / lives), 1.10) << "geometric mean against a batch build";
+}
 
 // Many nodes, no features: joins and leaves are the inverse of each other.
 TEST(PlainHistory, IsForgotten) {
