@@ -1,0 +1,175 @@
+// The server with several clients, some of them rude, and libmodbus as an independent one.
+#include "modbus/register_server.h"
+
+#include <gtest/gtest.h>
+#include <modbus/modbus.h>
+
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "peer.h"
+
+namespace etcm::port {
+namespace {
+
+std::shared_ptr<const RegisterImage> image_of(std::uint16_t value) {
+  return std::make_shared<const RegisterImage>(RegisterImage{
+      .registers_per_unit = 600, .registers = std::vector<std::uint16_t>(900, value)});
+}
+
+class Server : public testing::Test {
+ protected:
+  FileDescriptor connect() {
+    FileDescriptor client = connect_tcp(server_.address());
+    EXPECT_TRUE(client.is_open());
+    // Accepted once it is answered; nothing else tells a client so.
+    EXPECT_EQ(ask(client, 1, 0), 1);
+    return client;
+  }
+
+  Bytes exchange(const FileDescriptor& client, const Bytes& request, std::size_t size) {
+    pollfd writable{.fd = client.get(), .events = POLLOUT, .revents = 0};
+    ::poll(&writable, 1, 1000);
+    send_bytes(client.get(), request);
+    Bytes answer;
+    EXPECT_TRUE(turn_until(loop_, [&] {
+      receive_available(client.get(), answer);
+      return answer.size() >= size;
+    }));
+    return answer;
+  }
+
+  // The value of one register; the exception code as a negative number.
+  int ask(const FileDescriptor& client, std::uint8_t unit, std::uint16_t first) {
+    const Bytes answer = exchange(client, read_request(9, unit, first, 1), 9);
+    if (answer[7] == 0x84) return -answer[8];
+    return answer[9] << 8 | answer[10];
+  }
+
+  EventLoop loop_;
+  RegisterServer server_{loop_, {.host = 0x7f000001, .port = 0}, 3, image_of(1)};
+};
+
+TEST_F(Server, UnitsAreStretchesOfOneImage) {
+  const FileDescriptor client = connect();
+  EXPECT_EQ(ask(client, 1, 599), 1);
+  EXPECT_EQ(ask(client, 1, 600), -2);
+  EXPECT_EQ(ask(client, 2, 299), 1);
+  EXPECT_EQ(ask(client, 2, 300), -2);
+  EXPECT_EQ(ask(client, 3, 0), -2);
+  EXPECT_EQ(ask(client, 0, 0), 1) << "the device itself";
+  EXPECT_EQ(ask(client, 255, 0), 1) << "the device itself";
+}
+
+TEST_F(Server, AClientSeesOneImageUntilItReadsTheHeaderAgain) {
+  const FileDescriptor first = connect();
+  const FileDescriptor second = connect();
+  server_.publish(image_of(2));
+  EXPECT_EQ(ask(first, 1, 5), 1);
+  EXPECT_EQ(ask(first, 2, 0), 1) << "register 0 of another unit is no header";
+  EXPECT_EQ(ask(second, 1, 0), 2);
+  EXPECT_EQ(ask(second, 1, 5), 2);
+  EXPECT_EQ(ask(first, 1, 5), 1);
+  EXPECT_EQ(ask(first, 1, 0), 2);
+  EXPECT_EQ(ask(first, 1, 5), 2);
+}
+
+TEST_F(Server, NothingCanBeWritten) {
+  const FileDescriptor client = connect();
+  for (const int number : {5, 6, 15, 16, 22, 23, 43, 99}) {
+    const auto function = static_cast<std::uint8_t>(number);
+    const Bytes answer = exchange(client, frame_of(3, 1, {function, 0, 0, 0, 1}), 9);
+    EXPECT_EQ(answer, frame_of(3, 1, {static_cast<std::uint8_t>(function | 0x80), 1}));
+  }
+}
+
+TEST_F(Server, StrayBytesAndDrippedRequestsHoldUpNobody) {
+  const FileDescriptor rude = connect();
+  const FileDescriptor polite = connect();
+  send_bytes(rude.get(), {0, 1, 0});
+  EXPECT_EQ(ask(polite, 1, 0), 1);
+  const Bytes request = read_request(1, 1, 0, 1);
+  for (std::size_t i = 3; i < request.size(); ++i) {
+    send_bytes(rude.get(), {request[i]});
+    EXPECT_EQ(ask(polite, 1, 0), 1);
+  }
+  Bytes answer;
+  EXPECT_TRUE(turn_until(loop_, [&] {
+    receive_available(rude.get(), answer);
+    return answer.size() == 11;
+  }));
+}
+
+TEST_F(Server, WhatIsNoModbusIsHungUpOn) {
+  const FileDescriptor rude = connect();
+  send_bytes(rude.get(), Bytes(20, 'x'));
+  EXPECT_TRUE(turn_until(loop_, [&] { return is_closed(rude.get()); }));
+  EXPECT_EQ(ask(connect(), 1, 0), 1);
+}
+
+TEST_F(Server, AClientThatNeverReadsHoldsUpNobodyAndGetsAllItsAnswersInTheEnd) {
+  const FileDescriptor greedy = connect();
+  const FileDescriptor polite = connect();
+  const Bytes request = read_request(1, 1, 0, 125);
+  std::size_t requests = 0;
+  // Until its requests pile up at both ends: then no more are taken.
+  for (int refused = 0; refused < 20;) {
+    const ssize_t sent =
+        ::send(greedy.get(), request.data(), request.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent == static_cast<ssize_t>(request.size())) {
+      ++requests;
+    } else {
+      ASSERT_LT(sent, 0) << "a request was cut; choose another size";
+      ++refused;
+    }
+    loop_.wait(Duration{});
+    ASSERT_LT(requests, 5'000'000u) << "the server takes requests without end";
+  }
+  EXPECT_EQ(ask(polite, 1, 0), 1);
+  std::size_t received = 0;
+  EXPECT_TRUE(turn_until(loop_,
+                         [&] {
+                           Bytes answer;
+                           receive_available(greedy.get(), answer);
+                           received += answer.size();
+                           return received == requests * 259;
+                         }))
+      << received << " of " << requests * 259;
+}
+
+TEST_F(Server, OneClientTooManyIsTurnedAway) {
+  const FileDescriptor a = connect();
+  const FileDescriptor b = connect();
+  FileDescriptor c = connect();
+  const FileDescriptor d = connect_tcp(server_.address());
+  EXPECT_TRUE(turn_until(loop_, [&] { return is_closed(d.get()); }));
+  EXPECT_EQ(ask(a, 1, 0), 1);
+  c.close();
+  for (int turn = 0; turn < 5; ++turn) loop_.wait(std::chrono::milliseconds(2));
+  const FileDescriptor e = connect();
+  EXPECT_EQ(ask(e, 1, 0), 1);
+}
+
+TEST_F(Server, LibmodbusReadsIt) {
+  std::atomic<bool> done = false;
+  std::thread client([&] {
+    modbus_t* master = modbus_new_tcp("127.0.0.1", server_.address().port);
+    EXPECT_EQ(modbus_connect(master), 0) << modbus_strerror(errno);
+    modbus_set_slave(master, 2);
+    std::uint16_t registers[125] = {};
+    EXPECT_EQ(modbus_read_input_registers(master, 100, 125, registers), 125);
+    EXPECT_EQ(registers[124], 1);
+    EXPECT_EQ(modbus_read_registers(master, 0, 1, registers), 1);
+    EXPECT_EQ(modbus_write_register(master, 0, 1), -1);
+    EXPECT_EQ(errno, EMBXILFUN);
+    modbus_close(master);
+    modbus_free(master);
+    done = true;
+  });
+  EXPECT_TRUE(turn_until(loop_, [&] { return done.load(); }));
+  client.join();
+}
+
+}  // namespace
+}  // namespace etcm::port

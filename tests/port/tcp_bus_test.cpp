@@ -1,0 +1,196 @@
+// The bus against units that answer late, wrongly, or not at all. Time is the test's; the socket is
+// real.
+#include "modbus/tcp_bus.h"
+
+#include <gtest/gtest.h>
+
+#include "peer.h"
+
+namespace etcm::port {
+namespace {
+
+using namespace std::chrono_literals;
+
+class Bus : public testing::Test {
+ protected:
+  Bus() : listener_(listen_tcp({.host = 0x7f000001, .port = 0})) {}
+
+  void connect(std::uint32_t outstanding_max = 2) {
+    if (!bus_) {
+      bus_ = std::make_unique<TcpBus>(loop_, log_,
+                                      TcpBusOptions{.name = "test",
+                                                    .address = bound_address(listener_.get()),
+                                                    .outstanding_max = outstanding_max,
+                                                    .reconnect_interval = 100ms});
+    }
+    bus_->advance(now_);
+    ASSERT_TRUE(turn_until(loop_, [&] {
+      if (!peer_.is_open()) peer_ = accept_tcp(listener_.get());
+      return bus_->ready() && peer_.is_open();
+    }));
+  }
+
+  // The transaction number of the request that arrives next.
+  std::uint16_t request(std::uint8_t unit) {
+    bus_->start_read({.unit = unit, .first = 0, .count = 2, .timeout = 50ms}, now_);
+    Bytes bytes;
+    EXPECT_TRUE(turn_until(loop_, [&] {
+      receive_available(peer_.get(), bytes);
+      return bytes.size() >= 12;
+    }));
+    EXPECT_EQ(Bytes(bytes.begin() + 2, bytes.end()), (Bytes{0, 0, 0, 6, unit, 4, 0, 0, 0, 2}));
+    return static_cast<std::uint16_t>(bytes[0] << 8 | bytes[1]);
+  }
+
+  BusAnswer answer() {
+    BusAnswer found;
+    EXPECT_TRUE(turn_until(loop_, [&] { return bus_->take_answer(found); }));
+    return found;
+  }
+
+  // Lets the loop take in what was sent; there must be no answer in it.
+  void expect_no_answer() {
+    BusAnswer found;
+    for (int turn = 0; turn < 5; ++turn) loop_.wait(2ms);
+    EXPECT_FALSE(bus_->take_answer(found));
+  }
+
+  void reply(std::uint16_t transaction, std::uint8_t unit, std::uint8_t value) {
+    send_bytes(peer_.get(), frame_of(transaction, unit, {4, 4, 0, value, 0, value}));
+  }
+
+  EventLoop loop_;
+  KeptLog log_;
+  FileDescriptor listener_;
+  FileDescriptor peer_;
+  Instant now_{1h};
+  std::unique_ptr<TcpBus> bus_;
+};
+
+TEST_F(Bus, ReadsRegisters) {
+  connect();
+  reply(request(7), 7, 42);
+  const BusAnswer found = answer();
+  EXPECT_EQ(found.unit, 7);
+  EXPECT_EQ(found.result, BusResult::ok);
+  ASSERT_EQ(found.registers.size(), 2u);
+  EXPECT_EQ(found.registers[1], 42);
+}
+
+TEST_F(Bus, ALateAnswerNeverBecomesTheNextRequestsData) {
+  connect();
+  const std::uint16_t late = request(7);
+  now_ += 50ms;
+  bus_->advance(now_);
+  EXPECT_EQ(answer().result, BusResult::timeout);
+  const std::uint16_t next = request(7);
+  reply(late, 7, 1);
+  expect_no_answer();
+  reply(next, 7, 2);
+  EXPECT_EQ(answer().registers[0], 2);
+}
+
+TEST_F(Bus, ALateAnswerIsNotTakenForAnotherUnits) {
+  connect();
+  const std::uint16_t late = request(7);
+  now_ += 50ms;
+  bus_->advance(now_);
+  EXPECT_EQ(answer().result, BusResult::timeout);
+  const std::uint16_t next = request(8);
+  reply(late, 7, 1);
+  reply(next, 8, 2);
+  const BusAnswer found = answer();
+  EXPECT_EQ(found.unit, 8);
+  EXPECT_EQ(found.registers[0], 2);
+}
+
+TEST_F(Bus, HalfAnAnswerThatCameTooLateDoesNotSpoilTheNext) {
+  connect();
+  const std::uint16_t late = request(7);
+  Bytes half = frame_of(late, 7, {4, 4, 0, 1, 0, 1});
+  half.resize(9);
+  send_bytes(peer_.get(), half);
+  expect_no_answer();
+  now_ += 50ms;
+  bus_->advance(now_);
+  EXPECT_EQ(answer().result, BusResult::timeout);
+  reply(request(7), 7, 2);
+  EXPECT_EQ(answer().registers[0], 2);
+}
+
+TEST_F(Bus, AnswersMayComeInAnyOrder) {
+  connect();
+  const std::uint16_t first = request(7);
+  const std::uint16_t second = request(8);
+  EXPECT_FALSE(bus_->ready()) << "as many as it may have under way";
+  reply(second, 8, 2);
+  EXPECT_EQ(answer().unit, 8);
+  EXPECT_TRUE(bus_->ready());
+  reply(first, 7, 1);
+  EXPECT_EQ(answer().unit, 7);
+}
+
+TEST_F(Bus, TheWrongUnitIsABadAnswer) {
+  connect();
+  reply(request(7), 8, 1);
+  const BusAnswer found = answer();
+  EXPECT_EQ(found.unit, 7);
+  EXPECT_EQ(found.result, BusResult::bad_answer);
+}
+
+TEST_F(Bus, TheWrongLengthOrFunctionIsABadAnswer) {
+  connect();
+  for (const Bytes& pdu : {Bytes{4, 2, 0, 1}, Bytes{3, 4, 0, 1, 0, 1}, Bytes{4, 6, 0, 1, 0, 1}}) {
+    send_bytes(peer_.get(), frame_of(request(7), 7, pdu));
+    EXPECT_EQ(answer().result, BusResult::bad_answer);
+  }
+}
+
+TEST_F(Bus, AnExceptionComesWithItsCode) {
+  connect();
+  send_bytes(peer_.get(), frame_of(request(7), 7, {0x84, 11}));
+  const BusAnswer found = answer();
+  EXPECT_EQ(found.result, BusResult::exception);
+  EXPECT_EQ(found.exception, 11);
+}
+
+TEST_F(Bus, ALostLinkFailsWhatIsUnderWayAndComesBack) {
+  connect();
+  request(7);
+  peer_.close();
+  EXPECT_EQ(answer().result, BusResult::link_lost);
+  EXPECT_FALSE(bus_->ready());
+  now_ += 100ms;
+  connect();
+  reply(request(7), 7, 3);
+  EXPECT_EQ(answer().registers[0], 3);
+}
+
+TEST_F(Bus, WhatIsNoModbusCostsTheConnection) {
+  connect();
+  request(7);
+  send_bytes(peer_.get(), Bytes(64, 'x'));
+  EXPECT_EQ(answer().result, BusResult::link_lost);
+  EXPECT_EQ(log_.lines.back().find("no Modbus TCP") == std::string::npos, false);
+}
+
+TEST_F(Bus, ARefusedConnectionIsTriedAgainAndSaidOnce) {
+  const SocketAddress address = bound_address(listener_.get());
+  listener_.close();
+  bus_ = std::make_unique<TcpBus>(
+      loop_, log_,
+      TcpBusOptions{
+          .name = "test", .address = address, .outstanding_max = 1, .reconnect_interval = 100ms});
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    bus_->advance(now_);
+    loop_.wait(5ms);
+    EXPECT_FALSE(bus_->ready());
+    now_ += 100ms;
+  }
+  EXPECT_EQ(log_.lines.size(), 1u);
+  listener_ = listen_tcp(address);
+  connect();
+}
+
+}  // namespace
+}  // namespace etcm::port

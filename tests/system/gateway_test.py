@@ -1,0 +1,267 @@
+"""The gateway run for real: against etcm-nodes, against pymodbus, and read by mbpoll.
+
+The programs' folder is in ETCM_BIN. Nothing here depends on how fast the machine is: every wait is
+for a condition.
+"""
+import os
+import pathlib
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+PROGRAMS = pathlib.Path(os.environ["ETCM_BIN"])
+HERE = pathlib.Path(__file__).parent
+PATIENCE_S = 40
+
+
+def wait_for(what, condition):
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        found = condition()
+        if found:
+            return found
+        time.sleep(0.05)
+    raise AssertionError(f"waited {PATIENCE_S} s for {what}")
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Program:
+    """A running program with its output in a file."""
+
+    def __init__(self, folder, name, command):
+        self.log_path = folder / f"{name}.log"
+        self.log_file = open(self.log_path, "w")
+        self.process = subprocess.Popen(command, stdout=self.log_file, stderr=subprocess.STDOUT,
+                                        cwd=folder)
+
+    def log(self):
+        return self.log_path.read_text()
+
+    def wait_for_line(self, pattern):
+        return wait_for(f"'{pattern}' in {self.log_path}:\n", lambda: re.search(pattern, self.log()))
+
+    def stop(self, number=signal.SIGTERM):
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+        status = self.process.wait(PATIENCE_S)
+        self.log_file.close()
+        return status
+
+
+class GatewayCase(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="etcm_system_"))
+        self.programs = []
+
+    def tearDown(self):
+        for program in self.programs:
+            if program.process.poll() is None:
+                program.process.kill()
+            program.process.wait()
+            program.log_file.close()
+        shutil.rmtree(self.folder)
+
+    def start(self, name, command):
+        program = Program(self.folder, name, [str(part) for part in command])
+        self.programs.append(program)
+        return program
+
+    def start_nodes(self, rows):
+        (self.folder / "nodes.csv").write_text("time_ms,serial,event,x,y\n" + "\n".join(rows) + "\n")
+        nodes = self.start("nodes", [PROGRAMS / "etcm-nodes", "--listen", "127.0.0.1:0",
+                                     "--nodes", "nodes.csv"])
+        nodes.wait_for_line(r"ready:")
+        return re.findall(r"listens on (\S+) for units (\S+)", nodes.log())
+
+    def start_gateway(self, buses, more="", head=""):
+        config = head + """
+[mesh]
+vertices_max = 1000
+features_max = 50
+[poll]
+interval = "100ms"
+timeout = "500ms"
+absent_interval = "200ms"
+stale_after = "1s"
+leave_after = "2s"
+[server]
+listen = "127.0.0.1:0"
+[files]
+folder = "out"
+interval = "100ms"
+"""
+        for address, units in buses:
+            config += f'[[bus]]\ntcp = "{address}"\nunits = "{units}"\n'
+        (self.folder / "site.toml").write_text(config + more)
+        gateway = self.start("gateway", [PROGRAMS / "etcm-gateway", "--config", "site.toml"])
+        match = gateway.wait_for_line(r"serves the mesh on \S+:(\d+)")
+        self.port = int(match.group(1))
+        return gateway
+
+    def read(self, unit, first, count):
+        """Input registers, read by mbpoll."""
+        done = subprocess.run(
+            ["mbpoll", "-m", "tcp", "-p", str(self.port), "-a", str(unit), "-t", "3", "-0", "-r",
+             str(first), "-c", str(count), "-1", "127.0.0.1"],
+            capture_output=True, text=True, timeout=PATIENCE_S)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return [int(value) for value in re.findall(r"^\[\d+\]:\s+(\d+)", done.stdout, re.M)]
+
+    def header(self):
+        registers = self.read(1, 0, 44)
+        long = lambda at: registers[at] << 16 | registers[at + 1]
+        return {"generation": long(0), "magic": registers[2], "state": registers[4],
+                "nodes": long(10), "steiner": long(12), "triangles": long(16),
+                "features": long(18), "quarantined": long(22), "vertex_rows": long(28),
+                "vertex_block": long(30), "neighbour_block": long(36)}
+
+    def wait_for_header(self, **wanted):
+        def matches():
+            header = self.header()
+            return header if all(header[key] == value for key, value in wanted.items()) else None
+        return wait_for(f"a header with {wanted}", matches)
+
+    def vertices(self):
+        """{serial: (x, y)} of the nodes, from the vertex blocks."""
+        header = self.header()
+        found = {}
+        for row in range(header["vertex_rows"]):
+            block = header["vertex_block"] + row // 7
+            at = block * 120 + 2 + row % 7 * 16
+            vertex = self.read(1, at, 16)
+            signed = lambda high: (vertex[high] << 16 | vertex[high + 1]) - (
+                vertex[high] >> 15 << 32)
+            if vertex[0] & 0xFF == 1:
+                found[vertex[2] << 16 | vertex[3]] = (signed(6), signed(10))
+        return found
+
+
+class AgainstNodes(GatewayCase):
+    def test_nodes_join_move_fall_silent_and_leave(self):
+        buses = self.start_nodes(["0,1,join,0,0", "0,2,join,1000,-5", "0,3,join,400,700",
+                                  "3000,4,join,500,300", "5000,3,move,450,750",
+                                  "7000,1,silent,,", "7000,4,leave,,"])
+        gateway = self.start_gateway(buses, "[[feature]]\nfrom = 1\nto = 2\n")
+        self.wait_for_header(nodes=3, triangles=1, features=1, state=0)
+        self.assertEqual(self.header()["magic"], 0x4D45)
+        gateway.wait_for_line(r"node 4 joined at \(500, 300\): generation \d+, 3 neighbours")
+        gateway.wait_for_line(r"node 3 moved from \(400, 700\) to \(450, 750\)")
+        gateway.wait_for_line(r"node 4 left \(on its own request\)")
+        gateway.wait_for_line(r"node 1 left \(silent\)")
+        self.wait_for_header(nodes=2, features=0, state=1)
+        self.assertEqual(self.vertices(), {2: (1000, -5), 3: (450, 750)})
+
+    def test_sigterm_ends_it_with_complete_files(self):
+        buses = self.start_nodes([f"0,{n},join,{n * n % 97},{n * 7 % 101}" for n in range(1, 31)])
+        gateway = self.start_gateway(buses)
+        self.wait_for_header(nodes=30)
+        self.assertEqual(gateway.stop(signal.SIGTERM), 0, gateway.log())
+        self.assertIn("30 nodes", gateway.log())
+        self.assertIn("audit passed: conforming", gateway.log())
+        out = self.folder / "out"
+        self.assertEqual(sorted(path.name for path in out.iterdir()),
+                         ["mesh.ele", "mesh.node", "mesh.svg"])
+        records = [line.split() for line in (out / "mesh.node").read_text().splitlines()
+                   if line.strip() and not line.startswith("#")]
+        self.assertEqual(int(records[0][0]), 30)
+        self.assertEqual({int(record[3]) for record in records[1:31]}, set(range(1, 31)))
+
+    def test_sigint_ends_it_too(self):
+        gateway = self.start_gateway(self.start_nodes(["0,1,join,0,0"]))
+        self.wait_for_header(nodes=1)
+        self.assertEqual(gateway.stop(signal.SIGINT), 0, gateway.log())
+
+    def test_hundreds_of_nodes_on_several_ports(self):
+        count = 600
+        buses = self.start_nodes([f"0,{n},join,{n * 37 % 1009},{n * n % 997}"
+                                  for n in range(1, count + 1)])
+        self.assertEqual([units for _, units in buses], ["1-247", "1-247", "1-106"])
+        self.start_gateway(buses)
+        self.wait_for_header(nodes=count, state=0)
+
+    def test_unreadable_blocks_are_exceptions_and_harm_nobody(self):
+        self.start_gateway(self.start_nodes(["0,1,join,0,0"]))
+        self.wait_for_header(nodes=1)
+        for unit, first in ((1, 65500), (9, 0)):
+            done = subprocess.run(
+                ["mbpoll", "-m", "tcp", "-p", str(self.port), "-a", str(unit), "-t", "3", "-0",
+                 "-r", str(first), "-c", "30", "-1", "127.0.0.1"], capture_output=True, text=True)
+            self.assertIn("Illegal data address", done.stdout + done.stderr)
+        write = subprocess.run(["mbpoll", "-m", "tcp", "-p", str(self.port), "-a", "1", "-t", "4",
+                                "-0", "-r", "0", "127.0.0.1", "7"], capture_output=True, text=True)
+        self.assertIn("Illegal function", write.stdout + write.stderr)
+        self.wait_for_header(nodes=1)
+
+
+class AgainstPymodbus(GatewayCase):
+    def start_peer(self, port, *nodes):
+        return self.start("peer", [sys.executable, HERE / "pymodbus_nodes.py", port, *nodes])
+
+    def test_an_independent_server_is_read_and_absent_units_do_no_harm(self):
+        port = free_port()
+        self.start_peer(port, "70001,-3,4", "70002,100,0", "70003,0,100")
+        self.start_gateway([(f"127.0.0.1:{port}", "1-6")])
+        self.wait_for_header(nodes=3, triangles=1)
+        self.assertEqual(self.vertices(), {70001: (-3, 4), 70002: (100, 0), 70003: (0, 100)})
+
+    def test_it_comes_back_after_the_peer_was_gone(self):
+        port = free_port()
+        peer = self.start_peer(port, "1,0,0", "2,100,0")
+        gateway = self.start_gateway([(f"127.0.0.1:{port}", "1-2")])
+        self.wait_for_header(nodes=2)
+        peer.stop(signal.SIGKILL)
+        self.wait_for_header(nodes=0)
+        self.start_peer(port, "1,0,0", "2,100,50")
+        self.wait_for_header(nodes=2, state=0)
+        gateway.wait_for_line(r"node 2 joined at \(100, 50\)")
+
+
+class CommandLine(GatewayCase):
+    def run_gateway(self, *arguments):
+        return subprocess.run([PROGRAMS / "etcm-gateway", *arguments], capture_output=True,
+                              text=True, timeout=PATIENCE_S, cwd=self.folder)
+
+    def test_check_config_says_good_or_names_each_mistake(self):
+        good = '[mesh]\nvertices_max = 9\n[[bus]]\ntcp = "127.0.0.1:1"\nunits = "1"\n'
+        (self.folder / "site.toml").write_text(good)
+        done = self.run_gateway("--config", "site.toml", "--check-config")
+        self.assertEqual((done.returncode, done.stdout), (0, "site.toml: good\n"), done.stderr)
+        (self.folder / "site.toml").write_text('site = "no.poly"\n' + good + "unit = 3\n")
+        done = self.run_gateway("--config", "site.toml", "--check-config")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("site.toml:7: 'unit' is unknown in [[bus]]; known here:", done.stderr)
+        self.assertIn("no.poly", done.stderr)
+
+    def test_a_taken_port_is_said_and_is_status_1(self):
+        with socket.socket() as taken:
+            taken.bind(("127.0.0.1", 0))
+            taken.listen()
+            port = taken.getsockname()[1]
+            (self.folder / "site.toml").write_text(
+                '[mesh]\nvertices_max = 9\n[[bus]]\ntcp = "127.0.0.1:1"\nunits = "1"\n'
+                f'[server]\nlisten = "127.0.0.1:{port}"\n')
+            done = self.run_gateway("--config", "site.toml")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(f"cannot listen on 127.0.0.1:{port}", done.stderr)
+
+    def test_a_site_file_brings_its_features(self):
+        (self.folder / "site.poly").write_text(
+            "3 2 0 0\n1 0 0\n2 9 0\n3 0 9\n2 0\n1 1 2\n2 2 3\n0\n")
+        buses = self.start_nodes(["0,1,join,0,0", "0,2,join,90,0", "0,3,join,0,90"])
+        self.start_gateway(buses, head='site = "site.poly"\n')
+        self.wait_for_header(nodes=3, features=2, state=0)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
