@@ -24,7 +24,8 @@ def main():
         block = ModbusSequentialDataBlock(0, registers(serial, x, y))
         units[number] = ModbusSlaveContext(ir=block, hr=block, zero_mode=True)
     StartTcpServer(context=ModbusServerContext(slaves=units, single=False),
-                   address=("127.0.0.1", int(sys.argv[1])), ignore_missing_slaves=True)
+                   address=("127.0.0.1", int(sys.argv[1])), ignore_missing_slaves=True,
+                   allow_reuse_address=True)
 
 
 main()
