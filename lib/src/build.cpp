@@ -85,6 +85,7 @@ Status Mesh::build(std::span<const Position> nodes,
   if (status != Status::ok) return reject(*this, status);
   m.feature_count = static_cast<std::uint32_t>(features.size());
   SectionId pending{};
+  m.is_batch = true;
   status = conform_features(m, list, pending);
   if (is_bad_input(status)) return reject(*this, status);
   if (status != Status::ok) {
@@ -119,6 +120,7 @@ Status Mesh::rebuild() noexcept {
     list = s;
   }
   SectionId pending{};
+  m.is_batch = true;
   const Status status = conform_features(m, list, pending);
   if (status == Status::ok) {
     commit(m);

@@ -45,14 +45,15 @@ SplitSite site_of(const MeshState& m, SectionId s, const Stretch& piece) noexcep
   return site;
 }
 
-Status split(MeshState& m, SectionId s, const Stretch& piece) noexcept {
-  const SplitSite site = site_of(m, s, piece);
+// Puts a Steiner vertex on the piece.
+Status split(MeshState& m, SectionId s, const Stretch& piece, const SplitSite& site, Parameter& t,
+             VertexId& v) noexcept {
   if (site.tail - site.head < 2) return fail(m, Status::grid_exhausted, s, piece);
   const std::uint32_t budget = m.config.steiner_max;
   if (budget != 0 && m.steiner_count >= budget) return fail(m, Status::steiner_budget, s, piece);
-  const VertexId v = allocate_vertex(m);
+  v = allocate_vertex(m);
   if (v.is_none()) return fail(m, Status::out_of_vertices, s, piece);
-  Parameter t = m.config.policy(site);
+  t = m.config.policy(site);
   if (t <= site.head) t = static_cast<Parameter>(site.head + 1);
   if (t >= site.tail) t = static_cast<Parameter>(site.tail - 1);
   m.points[v.value] = site.at(t);
@@ -61,6 +62,32 @@ Status split(MeshState& m, SectionId s, const Stretch& piece) noexcept {
   const bool from_head = t - site.head <= site.tail - t;
   insert_vertex(m, v, find(m, m.at(v), from_head ? piece.head_edge : piece.tail_edge));
   return Status::ok;
+}
+
+// Splits a missing piece until it is a run of edges, from both ends inwards. What is left always
+// lies between two vertices that are known, so nothing is walked again. Where a policy splits
+// outside both feasible sets it stops: the caller looks what is there.
+Status conform_piece(MeshState& m, SectionId s, Stretch piece) noexcept {
+  for (;;) {
+    if (m.config.steps_max != 0 && m.steps >= m.config.steps_max) {
+      return fail(m, Status::step_limit, s, piece);
+    }
+    ++m.steps;
+    if (can_be_edge(m, piece)) {
+      settle_piece(m, piece);
+      return Status::ok;
+    }
+    const SplitSite site = site_of(m, s, piece);
+    Parameter t = 0;
+    VertexId v{};
+    const Status status = split(m, s, piece, site, t, v);
+    if (status != Status::ok) return status;
+    const bool finishes_head = t <= site.reach_head, finishes_tail = t >= site.reach_tail;
+    if (finishes_head) settle_piece(m, between(m, piece.head, v));
+    if (finishes_tail) settle_piece(m, between(m, v, piece.tail));
+    if (finishes_head == finishes_tail) return Status::ok;
+    piece = finishes_head ? between(m, v, piece.tail) : between(m, piece.head, v);
+  }
 }
 
 // Where a node that two features ran through has left, they cross: in a subsegment of the other, or
@@ -75,9 +102,13 @@ SectionId crossed_section(const MeshState& m, SectionId s, const Stretch& piece)
 }
 
 Status conform_section(MeshState& m, SectionId s) noexcept {
-  const VertexId end = m.section(s).to;
-  VertexId v = m.section(s).from;
-  while (v != end) {
+  SectionRecord& r = m.section(s);
+  const VertexId end = r.to;
+  VertexId v = r.first.is_none() ? r.from : r.first;
+  const VertexId last = r.first.is_none() ? r.to : r.last;
+  // In a batch the section will be broken again elsewhere: only that is looked at then.
+  if (m.is_batch) r.first = infinite_vertex;
+  while (v != last) {
     const Stretch piece = march(m, v, end);
     const SectionId crossed = crossed_section(m, s, piece);
     if (!crossed.is_none()) {
@@ -85,15 +116,9 @@ Status conform_section(MeshState& m, SectionId s) noexcept {
       return fail(m, Status::crossing_features, s, piece);
     }
     if (!piece.is_edge) {
-      if (m.config.steps_max != 0 && m.steps >= m.config.steps_max) {
-        return fail(m, Status::step_limit, s, piece);
-      }
-      ++m.steps;
-      if (!can_be_edge(m, piece)) {
-        const Status status = split(m, s, piece);
-        if (status != Status::ok) return status;
-        continue;
-      }
+      const Status status = conform_piece(m, s, piece);
+      if (status != Status::ok) return status;
+      continue;
     }
     settle_piece(m, piece);
     v = piece.tail;
@@ -125,6 +150,7 @@ Status conform(MeshState& m) noexcept {
   for (SectionId s = pop_dirty(m); !s.is_none(); s = pop_dirty(m)) {
     const Status status = conform_section(m, s);
     if (status != Status::ok) {
+      touch(m, s);
       make_dirty(m, s);
       return status;
     }

@@ -47,6 +47,7 @@ Status put_in(MeshState& m, VertexId v, SectionId& cut, SectionId& rest) noexcep
   insert_vertex(m, v, found);
   if (!cut.is_none()) {
     cut_section(m, cut, v, rest);
+    touch(m, cut);
     make_dirty(m, cut);
     make_dirty(m, rest);
   }
@@ -91,6 +92,7 @@ SectionId bypass(MeshState& m, VertexId v) noexcept {
     strip_section(m, s);
     strip_section(m, rest);
     rejoin_section(m, s, rest);
+    touch(m, s);
     make_dirty(m, s);
     m.section(rest).from = VertexId::none();
     m.section(rest).next = parts;

@@ -18,8 +18,9 @@ bool conflicts_with_ghost(const MeshState& m, VertexId u, VertexId v, const Poin
 }
 
 void give_way(MeshState& m, Edge e) noexcept {
-  const SectionId s = section_of_edge(m, m.topology.origin(e), m.topology.target(e));
-  touch(m, s);
+  const VertexId u = m.topology.origin(e), v = m.topology.target(e);
+  const SectionId s = section_of_edge(m, u, v);
+  touch(m, s, u, v);
   make_dirty(m, s);
 }
 

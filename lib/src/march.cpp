@@ -69,4 +69,19 @@ Stretch march(const MeshState& m, VertexId head, VertexId toward) noexcept {
   }
 }
 
+Stretch between(const MeshState& m, VertexId head, VertexId tail) noexcept {
+  Stretch stretch;
+  stretch.head = head;
+  stretch.tail = tail;
+  const Start start = leave(m, head, m.at(tail));
+  stretch.is_edge = start.is_edge;
+  if (start.is_edge) {
+    stretch.edge = start.edge;
+  } else {
+    stretch.head_edge = start.edge;
+    stretch.tail_edge = leave(m, tail, m.at(head)).edge;
+  }
+  return stretch;
+}
+
 }  // namespace etcm::internal

@@ -42,6 +42,7 @@ struct MeshState {
   VertexId detached{};      // vertices it has taken out
   SectionId spare{};        // sections that features have left over while it runs
   std::uint32_t steps = 0;  // it has spent
+  bool is_batch = false;    // it conforms all features, and prunes them whole at the end
   Edge near{};              // where it is at work: the next walk starts here
   Trouble trouble;
   const Mesh* mesh = nullptr;  // for policies
@@ -86,6 +87,8 @@ struct Stretch {
   Edge constrained{};  // an edge of a feature that it crosses, if any
 };
 Stretch march(const MeshState& m, VertexId head, VertexId toward) noexcept;
+// The same where the next vertex is known: looks at both ends only, and at nothing it crosses.
+Stretch between(const MeshState& m, VertexId head, VertexId tail) noexcept;
 
 // --- insert.cpp, remove.cpp, ties.cpp: the canonical triangulation of a changing set
 // --------------
@@ -124,7 +127,10 @@ SectionId section_of_edge(const MeshState& m, VertexId u, VertexId v) noexcept;
 FeatureId feature_of(const MeshState& m, SectionId s) noexcept;
 // Canonical order: by the lexicographically smaller end, then by the greater.
 bool precedes(const MeshState& m, SectionId a, SectionId b) noexcept;
+// The running change may have to put the section back: all of it, or from u to v.
 void touch(MeshState& m, SectionId s) noexcept;
+void touch(MeshState& m, SectionId s, VertexId u, VertexId v) noexcept;
+// Into the list of work, for the part that is touched; and the first of that list.
 void make_dirty(MeshState& m, SectionId s) noexcept;
 SectionId pop_dirty(MeshState& m) noexcept;
 // Node v, on section s, cuts it in two: s ends there and `rest` takes over. And back.

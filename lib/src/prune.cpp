@@ -28,13 +28,16 @@ bool is_needless(const MeshState& m, Edge to_a, Edge to_b) noexcept {
   return true;
 }
 
+// Other sections' Steiner vertices beside v, which goes. Its own section's neighbours are looked at
+// again anyway.
 void make_dirty_around(MeshState& m, VertexId v) noexcept {
+  const SectionId own = m.owner(v).section();
   const Edge first = m.topology.edge_at(v);
   Edge e = first;
   do {
     const VertexId w = m.topology.target(e);
-    if (w != infinite_vertex && m.owner(w).role() != Role::node) {
-      touch(m, m.owner(w).section());
+    if (w != infinite_vertex && m.owner(w).role() != Role::node && m.owner(w).section() != own) {
+      touch(m, m.owner(w).section(), w, w);
       make_dirty(m, m.owner(w).section());
     }
     e = m.topology.rotate_ccw(e);
@@ -42,26 +45,30 @@ void make_dirty_around(MeshState& m, VertexId v) noexcept {
 }
 
 void prune_section(MeshState& m, SectionId s) noexcept {
-  const VertexId end = m.section(s).to;
-  VertexId v = m.section(s).from;
-  Stretch piece = march(m, v, end);
-  while (piece.tail != end) {
-    const VertexId steiner = piece.tail;
-    const Stretch onward = march(m, steiner, end);
-    if (!is_needless(m, m.topology.twin(piece.edge), onward.edge)) {
-      m.owner(steiner) = Owner(Role::steiner, s);
-      v = steiner;
-      piece = onward;
+  SectionRecord& r = m.section(s);
+  const VertexId from = r.from, to = r.to;
+  VertexId v = r.first.is_none() ? from : r.first;
+  Point last = m.at(r.first.is_none() ? to : r.last);
+  // The next change of this section, by a removal nearby, starts a range of its own.
+  r.first = infinite_vertex;
+  if (v == from) v = march(m, v, to).tail;
+  while (v != to && m.at(v) <= last) {
+    const Stretch back = march(m, v, from);
+    const Stretch onward = march(m, v, to);
+    const VertexId before = back.tail, after = onward.tail;
+    if (!is_needless(m, back.edge, onward.edge)) {
+      m.owner(v) = Owner(Role::steiner, s);
+      v = after;
       continue;
     }
-    make_dirty_around(m, steiner);
-    remove_steiner(m, steiner);
-    free_vertex(m, steiner);
+    make_dirty_around(m, v);
+    remove_steiner(m, v);
+    free_vertex(m, v);
     --m.steiner_count;
-    piece = march(m, v, end);
-    settle_piece(m, piece);
-    // The edge is there now, perhaps after turning ties.
-    if (!piece.is_edge) piece = march(m, v, end);
+    settle_piece(m, between(m, before, after));
+    // Both neighbours have lost an edge: what was needed may be no longer.
+    if (last < m.at(after)) last = m.at(after);
+    v = before == from ? after : before;
   }
 }
 

@@ -113,10 +113,33 @@ bool precedes(const MeshState& m, SectionId a, SectionId b) noexcept {
   return m.at(r.to) < m.at(s.to);
 }
 
-void touch(MeshState& m, SectionId s) noexcept {
-  if (m.section(s).next_touched != not_listed) return;
-  m.section(s).next_touched = m.touched;
+namespace {
+
+bool list_touched(MeshState& m, SectionId s) noexcept {
+  SectionRecord& r = m.section(s);
+  if (r.next_touched != not_listed) return false;
+  r.next_touched = m.touched;
   m.touched = s;
+  return true;
+}
+
+}  // namespace
+
+void touch(MeshState& m, SectionId s) noexcept {
+  list_touched(m, s);
+  m.section(s).first = m.section(s).last = VertexId::none();
+}
+
+void touch(MeshState& m, SectionId s, VertexId u, VertexId v) noexcept {
+  if (m.at(v) < m.at(u)) return touch(m, s, v, u);
+  SectionRecord& r = m.section(s);
+  if (list_touched(m, s) || r.first == infinite_vertex) {
+    r.first = u;
+    r.last = v;
+  } else if (!r.first.is_none()) {
+    if (m.at(u) < m.at(r.first)) r.first = u;
+    if (m.at(r.last) < m.at(v)) r.last = v;
+  }
 }
 
 void make_dirty(MeshState& m, SectionId s) noexcept {

@@ -20,6 +20,9 @@ struct SectionRecord {
   IdValue root;            // the feature's first section, with reversed_bit
   SectionId next_dirty;    // the list of sections with missing pieces, or not_listed
   SectionId next_touched;  // the list of sections the running change has touched, or not_listed
+  // The vertices between which the running change has touched it; none: everywhere.
+  VertexId first;
+  VertexId last;
 };
 
 // In `root`: the user gave the feature from its lexicographically greater end.

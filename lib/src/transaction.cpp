@@ -22,6 +22,7 @@ void end_change(MeshState& m) noexcept {
 void begin(MeshState& m) noexcept {
   m.trouble = Trouble{};
   m.steps = 0;
+  m.is_batch = false;
 }
 
 void touch_around(MeshState& m, VertexId v) noexcept {
@@ -30,7 +31,9 @@ void touch_around(MeshState& m, VertexId v) noexcept {
   Edge e = first;
   do {
     const VertexId w = m.topology.target(e);
-    if (w != infinite_vertex && m.owner(w).role() != Role::node) touch(m, m.owner(w).section());
+    if (w != infinite_vertex && m.owner(w).role() != Role::node) {
+      touch(m, m.owner(w).section(), w, w);
+    }
     e = m.topology.rotate_ccw(e);
   } while (e != first);
 }
@@ -118,6 +121,7 @@ void commit(MeshState& m) noexcept {
   SectionId list{};
   for (SectionId s = m.touched; !s.is_none(); s = m.section(s).next_touched) {
     if (!is_laid(m, s)) continue;
+    if (m.is_batch) m.section(s).first = VertexId::none();
     m.section(s).next_dirty = list;
     list = s;
   }

@@ -35,7 +35,7 @@ Status validate(const MeshConfig& config) noexcept;
 // Bytes of one vertex (with its two triangles), of one feature stretch, and of the fixed head.
 // Checked against the real layout when the library is compiled.
 inline constexpr std::size_t bytes_per_vertex_capacity = 16 + 14 * sizeof(IdValue);
-inline constexpr std::size_t bytes_per_feature_capacity = 8 * sizeof(IdValue);
+inline constexpr std::size_t bytes_per_feature_capacity = 10 * sizeof(IdValue);
 inline constexpr std::size_t bytes_fixed = 512;
 
 // The memory Mesh::open needs for this configuration, all in.
