@@ -26,24 +26,15 @@ using namespace etcm;
 
 constexpr int exit_bad_settings = 2;
 
-// The only memory the mesh ever has.
-class MeshMemory {
- public:
-  explicit MeshMemory(const MeshConfig& config) : bytes_(storage_bytes(config)) {}
-  std::span<std::byte> bytes() { return bytes_; }
-
- private:
-  std::vector<std::byte> bytes_;  // operator new aligns to 16, the mesh asks for 8
-};
-
 void run(const firmware::Settings& settings, port::Log& log) {
   port::EventLoop loop;
   port::StopSignal stop(loop);
   const port::SteadyClock clock;
 
-  MeshMemory memory(settings.mesh);
+  // All the memory the mesh ever has. operator new aligns it to 16; the mesh asks for 8.
+  std::vector<std::byte> memory(storage_bytes(settings.mesh));
   Mesh mesh;
-  if (const Status status = mesh.open(memory.bytes(), settings.mesh); status != Status::ok) {
+  if (const Status status = mesh.open(memory, settings.mesh); status != Status::ok) {
     throw std::runtime_error(std::string("the mesh refuses its settings: ") + explain(status));
   }
 
