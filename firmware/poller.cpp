@@ -20,7 +20,11 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
                ReadingListener& listener, port::Log& log)
     : settings_(settings), listener_(listener), log_(log) {
   for (const PolledBus& bus : buses) {
-    Line line{.polled = bus, .unit_at = std::vector<std::uint32_t>(256), .turns = {}};
+    Line line{.polled = bus,
+              .unit_at = std::vector<std::uint32_t>(256),
+              .turns = {},
+              .probes = {},
+              .probes_max = std::max(1u, bus.settings->outstanding_max / 2)};
     for (const UnitRange range : bus.settings->units) {
       for (unsigned address = range.first; address <= range.last; ++address) {
         const std::uint32_t unit = unit_count();
@@ -30,6 +34,7 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
                           .address = static_cast<std::uint8_t>(address)});
       }
     }
+    line.probes.reserve(line.turns.size());
     lines_.push_back(std::move(line));
   }
 }
@@ -40,10 +45,14 @@ void Poller::step(port::Instant now) {
     bus.advance(now);
     port::BusAnswer answer;
     while (bus.take_answer(answer)) take(answer, line.unit_at[answer.unit], now);
-    while (bus.ready() && !line.turns.empty() && line.turns.front().due <= now) {
-      std::pop_heap(line.turns.begin(), line.turns.end(), later);
-      Unit& unit = units_[line.turns.back().unit];
-      line.turns.pop_back();
+    while (bus.ready()) {
+      std::vector<Turn>* const turns = next_turns(line, now);
+      if (turns == nullptr) break;
+      std::pop_heap(turns->begin(), turns->end(), later);
+      Unit& unit = units_[turns->back().unit];
+      turns->pop_back();
+      unit.is_probed = turns == &line.probes;
+      if (unit.is_probed) ++line.probes_under_way;
       unit.asked_at = now;
       bus.start_read({.unit = unit.address,
                       .first = node_register_first,
@@ -54,12 +63,25 @@ void Poller::step(port::Instant now) {
   }
 }
 
+// Where the next question comes from: whoever has waited longest and may be asked. Null for nobody.
+std::vector<Poller::Turn>* Poller::next_turns(Line& line, port::Instant now) {
+  const auto due = [](const std::vector<Turn>& turns) {
+    return turns.empty() ? port::never : turns.front().due;
+  };
+  const port::Instant probe_due =
+      line.probes_under_way < line.probes_max ? due(line.probes) : port::never;
+  if (std::min(due(line.turns), probe_due) > now) return nullptr;
+  return due(line.turns) <= probe_due ? &line.turns : &line.probes;
+}
+
 port::Instant Poller::next_deadline() const {
   port::Instant deadline = port::never;
   for (const Line& line : lines_) {
     deadline = std::min(deadline, line.polled.bus->next_deadline());
-    if (line.polled.bus->ready() && !line.turns.empty()) {
-      deadline = std::min(deadline, line.turns.front().due);
+    if (!line.polled.bus->ready()) continue;
+    if (!line.turns.empty()) deadline = std::min(deadline, line.turns.front().due);
+    if (!line.probes.empty() && line.probes_under_way < line.probes_max) {
+      deadline = std::min(deadline, line.probes.front().due);
     }
   }
   return deadline;
@@ -72,6 +94,7 @@ std::string Poller::name(std::uint32_t unit) const {
 
 void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Instant now) {
   Unit& unit = units_[index];
+  if (unit.is_probed) --lines_[unit.bus].probes_under_way;
   switch (answer.result) {
     case port::BusResult::ok:
       break;
@@ -116,9 +139,11 @@ void Poller::fail(std::uint32_t index, const std::string& why, bool is_silence, 
   ask_again(index, std::max(now, unit.asked_at + pause));
 }
 
-void Poller::ask_again(std::uint32_t unit, port::Instant due) {
-  std::vector<Turn>& turns = lines_[units_[unit].bus].turns;
-  turns.push_back({.due = due, .unit = unit});
+void Poller::ask_again(std::uint32_t index, port::Instant due) {
+  const Unit& unit = units_[index];
+  Line& line = lines_[unit.bus];
+  std::vector<Turn>& turns = unit.failures > 0 ? line.probes : line.turns;
+  turns.push_back({.due = due, .unit = index});
   std::push_heap(turns.begin(), turns.end(), later);
 }
 

@@ -29,7 +29,8 @@ class ReadingListener {
 };
 
 // A unit that does not answer, or not soundly, is asked ever less often, down to absent_interval,
-// so that it costs the others next to nothing. A torn read is repeated at once. While a bus has
+// so that it costs the others next to nothing; and where a bus takes several requests at a time,
+// such units never have more than half of them. A torn read is repeated at once. While a bus has
 // lost its link, its units are not asked and do not count as failing.
 class Poller {
  public:
@@ -50,6 +51,7 @@ class Poller {
     std::uint32_t bus = 0;
     std::uint8_t address = 0;
     bool has_answered = false;
+    bool is_probed = false;  // the question under way was asked while it failed
     std::uint8_t torn_repeats = 0;
     std::uint32_t failures = 0;  // in a row
     port::Instant asked_at{};
@@ -61,9 +63,13 @@ class Poller {
   struct Line {
     PolledBus polled;
     std::vector<std::uint32_t> unit_at;  // by address; unit_count() where there is none
-    std::vector<Turn> turns;             // a heap, the earliest on top
+    std::vector<Turn> turns;             // of sound units; a heap, the earliest on top
+    std::vector<Turn> probes;            // of failing ones, likewise
+    std::uint32_t probes_under_way = 0;
+    std::uint32_t probes_max = 0;
   };
 
+  static std::vector<Turn>* next_turns(Line& line, port::Instant now);
   void take(const port::BusAnswer& answer, std::uint32_t unit, port::Instant now);
   void fail(std::uint32_t unit, const std::string& why, bool is_silence, port::Instant now);
   void ask_again(std::uint32_t unit, port::Instant due);

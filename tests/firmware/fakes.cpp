@@ -89,6 +89,7 @@ Rig::Rig(std::vector<FeatureSettings> features, std::uint32_t vertices_max) {
   yard.name = "yard";
   yard.units = {{.first = 1, .last = 20}};
   yard.timeout = 50ms;
+  yard.outstanding_max = 100;
   settings.buses.push_back(yard);
   settings.files = FileSettings{.folder = "", .name = "", .interval = 500ms};
   settings.features = std::move(features);

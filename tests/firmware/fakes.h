@@ -35,7 +35,7 @@ class RecordingLog final : public port::Log {
 // Units that answer at once, or time out when the gateway's clock has passed the timeout.
 class ScriptedBus final : public port::NodeBus {
  public:
-  bool ready() const override { return link_up; }
+  bool ready() const override { return link_up && waiting_.size() < outstanding_max; }
   void start_read(const port::RegisterRead& read, port::Instant now) override;
   void advance(port::Instant now) override;
   bool take_answer(port::BusAnswer& answer) override;
@@ -47,6 +47,7 @@ class ScriptedBus final : public port::NodeBus {
   void silence(std::uint8_t unit) { units_.erase(unit); }
 
   bool link_up = true;
+  std::size_t outstanding_max = 100;
   std::map<std::uint8_t, std::uint32_t> reads;  // by unit
 
  private:

@@ -152,7 +152,8 @@ TEST(Gateway, ACrossingFeatureWaitsInQuarantineUntilTheOtherIsGone) {
   EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
   EXPECT_EQ(rig.server.header("state"), snapshot_state::partial);
   EXPECT_EQ(rig.log.count("feature 2 (1003-1004, site.toml:1) refused"), 1u);
-  EXPECT_EQ(rig.log.count("feature 1 (1001-1002"), 1u) << "the reason names the other feature";
+  EXPECT_EQ(rig.log.count("feature 1 (1001-1002"), 1u)
+      << "the reason names the other feature: " << testing::PrintToString(rig.log.lines);
   rig.put(1, 0, 0, node_status::leaving);
   rig.run(500ms);
   EXPECT_EQ(rig.mesh.feature_count(), 1u);
@@ -306,6 +307,19 @@ TEST(Gateway, AbsentUnitsAreAskedEverLessOften) {
   EXPECT_GE(rig.bus.reads[1], 80u);
   EXPECT_LE(rig.bus.reads[2], 30u);
   EXPECT_GE(rig.bus.reads[2], 20u) << "absent_interval is the longest pause";
+}
+
+TEST(Gateway, AbsentUnitsNeverTakeTheWholeBus) {
+  Rig rig;
+  rig.settings.buses.front().outstanding_max = 4;
+  rig.settings.buses.front().timeout = 5s;
+  rig.bus.outstanding_max = 4;
+  rig.settings.poll.absent_interval = 100ms;
+  rig.put(1, 0, 0);
+  rig.run(30s);  // each absent unit has failed by now
+  const std::uint32_t before = rig.bus.reads[1];
+  rig.run(10s);
+  EXPECT_GE(rig.bus.reads[1], before + 90);
 }
 
 TEST(Gateway, AfterALostLinkAllAreAskedWithinAPoll) {
