@@ -24,6 +24,53 @@ void give_way(MeshState& m, Edge e) noexcept {
   make_dirty(m, s);
 }
 
+// A vertex of the link, as p sees it. What the infinite one has there is never used.
+struct Seen {
+  VertexId id;
+  Offset at;
+  double height;
+};
+
+Seen see(const MeshState& m, VertexId v, const Point& p) noexcept {
+  if (v == infinite_vertex) return {v, {0, 0}, 0};
+  const Offset at = offset(m.at(v), p);
+  return {v, at, lift(at)};
+}
+
+// Goes round the link of the new vertex, of which e is an edge, and turns what must be. Says what
+// must_flip() says; but each vertex of the link is looked at once, and each pair of neighbours.
+void turn_link(MeshState& m, Edge e, const Point& p) noexcept {
+  Topology& topo = m.topology;
+  const VertexId first = topo.origin(e);
+  Seen u = see(m, first, p);
+  Seen v = see(m, topo.target(e), p);
+  Cross uv = cross(u.at, v.at);
+  for (;;) {
+    const Seen w = see(m, topo.apex(topo.twin(e)), p);
+    const Cross uw = cross(u.at, w.at), wv = cross(w.at, v.at);
+    int side = 0;
+    if (u.id != infinite_vertex && v.id != infinite_vertex && w.id != infinite_vertex) {
+      // Counter-clockwise: u, w, v.
+      side = incircle_filter(u.height, wv, w.height, -uv, v.height, uw);
+    }
+    if (side > 0 || (side == 0 && must_flip(m, e, p))) {
+      if (topo.is_constrained(e)) give_way(m, e);
+      topo.flip(e);
+      v = w;
+      uv = uw;
+      continue;
+    }
+    if (v.id == first) {
+      m.near = e;
+      return;
+    }
+    e = topo.next_link_edge(e);
+    u = v;
+    v = see(m, topo.target(e), p);
+    uv = cross(u.at, v.at);
+  }
+}
+
 }  // namespace
 
 bool must_flip(const MeshState& m, Edge e, const Point& p) noexcept {
@@ -64,15 +111,7 @@ void insert_vertex(MeshState& m, VertexId v, const Found& found) noexcept {
   for (unsigned side = Topology::side_of(found.edge); side != 0; --side) {
     e = topo.next_link_edge(e);
   }
-  const VertexId first = topo.origin(e);
-  do {
-    while (must_flip(m, e, p)) {
-      if (topo.is_constrained(e)) give_way(m, e);
-      topo.flip(e);
-    }
-    e = topo.next_link_edge(e);
-  } while (topo.origin(e) != first);
-  m.near = e;
+  turn_link(m, e, p);
 }
 
 }  // namespace etcm::internal

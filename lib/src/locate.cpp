@@ -4,6 +4,8 @@
 // cocircular patch the dual is a tree), so it visits each at most once.
 #include "etcm/locate.h"
 
+#include <utility>
+
 #include "mesh_internal.h"
 #include "predicates_inline.h"
 
@@ -73,25 +75,38 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept {
   }
   // The first triangle is entered nowhere: ask for its side 0 too.
   Edge e = Topology::edge(t, 0);
-  int s0 = orient2d_fast(m.at(topo.origin(e)), m.at(topo.target(e)), p);
+  VertexId u = topo.origin(e), v = topo.target(e);
+  Offset from_u = offset(m.at(u), p), from_v = offset(m.at(v), p);
+  const auto side_of = [&](const Offset& a, const Offset& b, VertexId from, VertexId to) {
+    const int side = orient2d_filter(cross(a, b));
+    return side != 0 ? side : orient2d_settle(m.at(from), m.at(to), p);
+  };
+  int s0 = side_of(from_u, from_v, u, v);
   if (s0 < 0) {
     e = topo.twin(e);
+    std::swap(u, v);
+    std::swap(from_u, from_v);
     s0 = 1;
   }
   for (;;) {
-    // p is on the inner side of e (s0 > 0) or, in the first triangle only, on its line.
+    // p is on the inner side of e = u -> v (s0 > 0) or, in the first triangle only, on its line.
     const VertexId apex = topo.apex(e);
     if (apex == infinite_vertex) return {Place::outside, e, {}};
     const Edge e1 = Topology::next(e), e2 = Topology::prev(e);
-    const int s1 = orient2d_fast(m.at(topo.origin(e1)), m.at(apex), p);
+    const Offset from_apex = offset(m.at(apex), p);
+    const int s1 = side_of(from_v, from_apex, v, apex);
     if (s1 < 0) {
       e = topo.twin(e1);
+      u = apex;
+      from_u = from_apex;
       s0 = 1;
       continue;
     }
-    const int s2 = orient2d_fast(m.at(apex), m.at(topo.target(e2)), p);
+    const int s2 = side_of(from_apex, from_u, apex, u);
     if (s2 < 0) {
       e = topo.twin(e2);
+      v = apex;
+      from_v = from_apex;
       s0 = 1;
       continue;
     }
@@ -99,7 +114,7 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept {
     if (zeros == 0) return {Place::inside_triangle, e, {}};
     if (zeros == 1) return {Place::on_edge, s0 == 0 ? e : s1 == 0 ? e1 : e2, {}};
     // On two sides: their common corner.
-    return {Place::on_vertex, e, s0 != 0 ? apex : s1 != 0 ? topo.origin(e) : topo.target(e)};
+    return {Place::on_vertex, e, s0 != 0 ? apex : s1 != 0 ? u : v};
   }
 }
 

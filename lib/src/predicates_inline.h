@@ -37,38 +37,54 @@ inline constexpr double orient2d_error = filter_unit * (1.0 + 8.0 * filter_unit)
 // 6u (1 + 15u) to first order, below u (6 + 128u), which is a double.
 inline constexpr double incircle_error = filter_unit * (6.0 + 128.0 * filter_unit);
 
-// Sign of the determinant, or 0 where the double does not decide it.
-inline int orient2d_filter(const Point& a, const Point& b, const Point& c) noexcept {
-  const double left = static_cast<double>(a.x - c.x) * static_cast<double>(b.y - c.y);
-  const double right = static_cast<double>(a.y - c.y) * static_cast<double>(b.x - c.x);
-  const double determinant = left - right;
-  const double bound = orient2d_error * (std::fabs(left) + std::fabs(right));
+// A point as seen from another: exact.
+struct Offset {
+  double x;
+  double y;
+};
+
+inline Offset offset(const Point& p, const Point& origin) noexcept {
+  return {static_cast<double>(p.x - origin.x), static_cast<double>(p.y - origin.y)};
+}
+
+inline double lift(const Offset& a) noexcept { return a.x * a.x + a.y * a.y; }
+
+// A cross product and the sum of magnitudes that bounds its error.
+struct Cross {
+  double value;
+  double magnitude;
+  friend Cross operator-(const Cross& c) noexcept { return {-c.value, c.magnitude}; }
+};
+
+inline Cross cross(const Offset& a, const Offset& b) noexcept {
+  const double left = a.x * b.y;
+  const double right = a.y * b.x;
+  return {left - right, std::fabs(left) + std::fabs(right)};
+}
+
+// The sign of orient2d(a, b, origin) with ab = cross(a, b), or 0 where the double does not decide.
+inline int orient2d_filter(const Cross& ab) noexcept {
+  const double bound = orient2d_error * ab.magnitude;
+  return (ab.value > bound) - (ab.value < -bound);
+}
+
+// The sign of incircle(a, b, c, origin), or 0 where the double does not decide.
+inline int incircle_filter(double a_lift, const Cross& bc, double b_lift, const Cross& ca,
+                           double c_lift, const Cross& ab) noexcept {
+  const double determinant = a_lift * bc.value + b_lift * ca.value + c_lift * ab.value;
+  const double permanent = a_lift * bc.magnitude + b_lift * ca.magnitude + c_lift * ab.magnitude;
+  const double bound = incircle_error * permanent;
   return (determinant > bound) - (determinant < -bound);
+}
+
+inline int orient2d_filter(const Point& a, const Point& b, const Point& c) noexcept {
+  return orient2d_filter(cross(offset(a, c), offset(b, c)));
 }
 
 inline int incircle_filter(const Point& a, const Point& b, const Point& c,
                            const Point& d) noexcept {
-  const auto adx = static_cast<double>(a.x - d.x);
-  const auto ady = static_cast<double>(a.y - d.y);
-  const auto bdx = static_cast<double>(b.x - d.x);
-  const auto bdy = static_cast<double>(b.y - d.y);
-  const auto cdx = static_cast<double>(c.x - d.x);
-  const auto cdy = static_cast<double>(c.y - d.y);
-
-  const double bdx_cdy = bdx * cdy, cdx_bdy = cdx * bdy;
-  const double cdx_ady = cdx * ady, adx_cdy = adx * cdy;
-  const double adx_bdy = adx * bdy, bdx_ady = bdx * ady;
-  const double a_lift = adx * adx + ady * ady;
-  const double b_lift = bdx * bdx + bdy * bdy;
-  const double c_lift = cdx * cdx + cdy * cdy;
-
-  const double determinant =
-      a_lift * (bdx_cdy - cdx_bdy) + b_lift * (cdx_ady - adx_cdy) + c_lift * (adx_bdy - bdx_ady);
-  const double permanent = a_lift * (std::fabs(bdx_cdy) + std::fabs(cdx_bdy)) +
-                           b_lift * (std::fabs(cdx_ady) + std::fabs(adx_cdy)) +
-                           c_lift * (std::fabs(adx_bdy) + std::fabs(bdx_ady));
-  const double bound = incircle_error * permanent;
-  return (determinant > bound) - (determinant < -bound);
+  const Offset ad = offset(a, d), bd = offset(b, d), cd = offset(c, d);
+  return incircle_filter(lift(ad), cross(bd, cd), lift(bd), cross(cd, ad), lift(cd), cross(ad, bd));
 }
 
 inline int orient2d_fast(const Point& a, const Point& b, const Point& c) noexcept {
