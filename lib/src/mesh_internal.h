@@ -58,7 +58,7 @@ struct MeshState {
   }
 };
 
-// --- locate.cpp -------------------------------------------------------------------------------
+// --- locate.cpp
 
 struct Found {
   Place place = Place::outside;
@@ -74,7 +74,7 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept;
 // True where all vertices are collinear (and there are at least two). O(1).
 bool is_flat(const MeshState& m) noexcept;
 
-// --- march.cpp: along a straight line through the mesh ------------------------------------------
+// --- march.cpp: along a straight line through the mesh
 
 // The stretch from a vertex to the next vertex on the way to another, in whose direction it looks.
 struct Stretch {
@@ -91,7 +91,6 @@ Stretch march(const MeshState& m, VertexId head, VertexId toward) noexcept;
 Stretch between(const MeshState& m, VertexId head, VertexId tail) noexcept;
 
 // --- insert.cpp, remove.cpp, ties.cpp: the canonical triangulation of a changing set
-// --------------
 
 // Puts the vertex (its point is set) where `found` says. Subsegments that are no longer Delaunay
 // give way, and their sections become dirty. Cannot fail.
@@ -110,7 +109,7 @@ void constrain(MeshState& m, Edge e) noexcept;
 // The reverse.
 void release_constraint(MeshState& m, Edge e) noexcept;
 
-// --- sections.cpp: the records ------------------------------------------------------------------
+// --- sections.cpp: the records
 
 VertexId allocate_vertex(MeshState& m) noexcept;  // none: no room
 void free_vertex(MeshState& m, VertexId v) noexcept;
@@ -142,7 +141,6 @@ Point point_at(const MeshState& m, SectionId s, Parameter t) noexcept;
 Parameter parameter_of(const MeshState& m, SectionId s, VertexId v) noexcept;
 
 // --- conform.cpp
-// ----------------------------------------------------------------------------------
 
 // Works off the dirty sections, splitting as config.policy says, until every touched section is a
 // union of edges. Errors: the room-and-bounds codes, crossing_features; trouble is set.
@@ -156,7 +154,6 @@ void settle_piece(MeshState& m, const Stretch& piece) noexcept;
 std::uint32_t settle_rest(MeshState& m) noexcept;
 
 // --- features.cpp: a feature as a run of sections
-// -------------------------------------------------
 
 // Follows the line of a feature that is not laid (its root section holds its two ends), and says
 // whether it may lie there. Errors: crossing_features, overlapping_features, repeated_feature,
@@ -182,7 +179,6 @@ using SectionOrder = bool (*)(const MeshState& m, SectionId a, SectionId b) noex
 SectionId sort_sections(MeshState& m, SectionId list, SectionOrder order) noexcept;
 
 // --- transaction.cpp
-// --------------------------------------------------------------------------------
 
 void begin(MeshState& m) noexcept;
 // Takes a Steiner vertex out of the mesh, to be put back by restore_detached().
@@ -202,7 +198,6 @@ void restore_detached(MeshState& m) noexcept;
 void commit(MeshState& m) noexcept;
 
 // --- prune.cpp
-// -----------------------------------------------------------------------------------------
 
 // Takes out the Steiner vertices of the dirty sections without which their feature still is a union
 // of Delaunay edges, and those of other sections that become needless by that. Never breaks a
@@ -210,7 +205,6 @@ void commit(MeshState& m) noexcept;
 void prune(MeshState& m) noexcept;
 
 // --- order.cpp
-// ------------------------------------------------------------------------------------------
 
 // The order in which build() inserts nodes: along a Hilbert curve. Lives in the part of the
 // triangle memory that the growing mesh reaches last, each entry just read before it is

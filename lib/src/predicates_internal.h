@@ -20,19 +20,19 @@ int orient2d_exact(const Point& a, const Point& b, const Point& c) noexcept {
 template <class Arithmetic>
 int incircle_exact(const Point& a, const Point& b, const Point& c, const Point& d) noexcept {
   using Int128 = typename Arithmetic::Int128;
-  struct Offset {
+  struct Difference {
     std::int64_t x;
     std::int64_t y;
   };
-  const auto lift = [](const Offset& p) -> Int128 {
+  const auto lift = [](const Difference& p) -> Int128 {
     return Arithmetic::product(p.x, p.x) + Arithmetic::product(p.y, p.y);
   };
-  const auto cross = [](const Offset& p, const Offset& q) -> Int128 {
+  const auto cross = [](const Difference& p, const Difference& q) -> Int128 {
     return Arithmetic::product(p.x, q.y) - Arithmetic::product(p.y, q.x);
   };
-  const Offset ad{a.x - d.x, a.y - d.y};
-  const Offset bd{b.x - d.x, b.y - d.y};
-  const Offset cd{c.x - d.x, c.y - d.y};
+  const Difference ad{a.x - d.x, a.y - d.y};
+  const Difference bd{b.x - d.x, b.y - d.y};
+  const Difference cd{c.x - d.x, c.y - d.y};
   return Arithmetic::sign(Arithmetic::product(lift(ad), cross(bd, cd)) +
                           Arithmetic::product(lift(bd), cross(cd, ad)) +
                           Arithmetic::product(lift(cd), cross(ad, bd)));
