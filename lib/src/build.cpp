@@ -40,6 +40,7 @@ Status insert_nodes(MeshState& m, std::span<const Position> nodes) noexcept {
     insert_vertex(m, v, found);
     ++m.node_count;
   }
+  spread_hints(m, nullptr);
   return Status::ok;
 }
 

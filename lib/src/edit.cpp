@@ -28,7 +28,7 @@ Status report(MeshState& m, Status status, VertexId vertex) noexcept {
 // Puts node v, whose point is set, into the mesh, on its section if it stands on one. `cut` is that
 // section and `rest` its new other part, for take_out().
 Status put_in(MeshState& m, VertexId v, SectionId& cut, SectionId& rest) noexcept {
-  Found found = find(m, m.at(v), m.near);
+  Found found = find(m, m.at(v), edge_near(m, m.at(v)));
   if (found.place == Place::on_vertex && m.owner(found.vertex).role() == Role::node) {
     return report(m, Status::duplicate_vertex, found.vertex);
   }
@@ -177,6 +177,7 @@ Status Mesh::join(Position position, VertexId& id) noexcept {
   status = conform(m);
   if (status == Status::ok) {
     commit(m);
+    remember(m, v);
     id = v;
     return status;
   }
@@ -199,6 +200,7 @@ Status Mesh::leave(VertexId node) noexcept {
   if (is_endpoint(m, node)) return report(m, Status::endpoint_in_use, node);
   const SectionId parts = bypass(m, node);
   touch_around(m, node);
+  forget(m, node);
   remove_vertex(m, node);
   const Status status = conform(m);
   if (status == Status::ok) {
@@ -211,6 +213,7 @@ Status Mesh::leave(VertexId node) noexcept {
   drop_fresh(m);
   run_through_again(m, node, parts);
   restore_detached(m);
+  remember(m, node);
   return status;
 }
 
@@ -229,6 +232,7 @@ Status Mesh::move(VertexId node, Position position) noexcept {
   const SectionId parts = bypass(m, node);
   SectionId features = take_up_features_of(m, node);
   touch_around(m, node);
+  forget(m, node);
   remove_vertex(m, node);
   m.points[node.value] = after;
   SectionId cut{}, rest{};
@@ -246,6 +250,7 @@ Status Mesh::move(VertexId node, Position position) noexcept {
   }
   if (status == Status::ok) {
     commit(m);
+    remember(m, node);
     return status;
   }
 
@@ -270,6 +275,7 @@ Status Mesh::move(VertexId node, Position position) noexcept {
     lay(m, root);
   }
   restore_detached(m);
+  remember(m, node);
   return status;
 }
 

@@ -122,8 +122,9 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept {
 
 Location locate(const Mesh& mesh, Point point, TriangleId near) noexcept {
   const internal::MeshState& m = state_of(mesh);
-  const internal::Edge start =
-      near.value < m.topology.triangle_count() ? internal::Topology::edge(near.value, 0) : m.near;
+  const internal::Edge start = near.value < m.topology.triangle_count()
+                                   ? internal::Topology::edge(near.value, 0)
+                                   : internal::edge_near(m, point);
   const internal::Found found = internal::find(m, point, start);
   Location location{.place = found.place, .vertex = found.vertex};
   if (m.topology.triangle_count() == 0) return location;

@@ -73,6 +73,8 @@ void Mesh::clear() noexcept {
   m.vertex_edges = reinterpret_cast<Edge*>(take(vertices * sizeof(Edge)));
   m.owners = reinterpret_cast<Owner*>(take(vertices * sizeof(Owner)));
   m.sections = reinterpret_cast<SectionRecord*>(take(config.features_max * sizeof(SectionRecord)));
+  m.hints.side_bits = hint_side_bits(config.vertices_max);
+  m.hints.nodes = reinterpret_cast<VertexId*>(take(sizeof(VertexId) << (2 * m.hints.side_bits)));
   m.topology = Topology(reinterpret_cast<TriangleRecord*>(m.triangle_memory), m.vertex_edges);
 }
 

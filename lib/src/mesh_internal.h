@@ -13,6 +13,14 @@
 
 namespace etcm::internal {
 
+// See hints.cpp.
+struct Hints {
+  VertexId* nodes = nullptr;  // by cell
+  Point low;
+  int cell_bits = 0;  // a cell is 2^cell_bits sub-units wide
+  int side_bits = 0;  // there are 2^side_bits by 2^side_bits of them
+};
+
 inline constexpr std::size_t bytes_per_vertex_triangles = 2 * sizeof(TriangleRecord);
 
 // Lives at the head of the caller's storage, the arrays behind it.
@@ -36,6 +44,8 @@ struct MeshState {
   std::uint32_t feature_count = 0;
   std::uint32_t unresolved = 0;
   VertexId lone{};  // the only vertex of a mesh of one, which has no triangle
+
+  Hints hints;
 
   SectionId dirty{};        // sections with missing pieces, in canonical order
   SectionId touched{};      // sections the running change has touched
@@ -73,6 +83,16 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept;
 
 // True where all vertices are collinear (and there are at least two). O(1).
 bool is_flat(const MeshState& m) noexcept;
+
+// --- hints.cpp
+
+// Takes in a node that has joined or come back; forget() before it leaves the triangulation.
+void remember(MeshState& m, VertexId node) noexcept;
+void forget(MeshState& m, VertexId node) noexcept;
+// For all nodes at once, and the place of one that has yet to come. O(n).
+void spread_hints(MeshState& m, const Point* also) noexcept;
+// An edge near p.
+Edge edge_near(const MeshState& m, const Point& p) noexcept;
 
 // --- march.cpp: along a straight line through the mesh
 

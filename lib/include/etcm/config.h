@@ -38,11 +38,19 @@ inline constexpr std::size_t bytes_per_vertex_capacity = 16 + 14 * sizeof(IdValu
 inline constexpr std::size_t bytes_per_feature_capacity = 10 * sizeof(IdValue);
 inline constexpr std::size_t bytes_fixed = 512;
 
+// The grid of hints for locate: 4^n cells, at most one for four vertices.
+constexpr int hint_side_bits(std::uint32_t vertices_max) noexcept {
+  int bits = 0;
+  while ((std::uint32_t{16} << (2 * bits)) <= vertices_max) ++bits;
+  return bits;
+}
+
 // The memory Mesh::open needs for this configuration, all in.
 constexpr std::size_t storage_bytes(std::uint32_t vertices_max,
                                     std::uint32_t features_max) noexcept {
   return bytes_fixed + bytes_per_vertex_capacity * vertices_max +
-         bytes_per_feature_capacity * features_max;
+         bytes_per_feature_capacity * features_max +
+         (sizeof(IdValue) << (2 * hint_side_bits(vertices_max)));
 }
 constexpr std::size_t storage_bytes(const MeshConfig& config) noexcept {
   return storage_bytes(config.vertices_max, config.features_max);
