@@ -17,7 +17,7 @@ MeshFolder::MeshFolder(const std::string& folder, const std::string& name)
 
 bool MeshFolder::write(const Mesh& mesh, std::span<const std::uint32_t> serials, std::string& why) {
   try {
-    files::MeshImage image = files::image_of(mesh, Exterior::hull, {});
+    files::MeshImage image = files::image_of(mesh, Exterior::automatic, {});
     // The image has the nodes in the order of their ids, and then the Steiner vertices.
     image.attribute_count = 1;
     for (std::uint32_t id = 1; id < mesh.vertex_id_end(); ++id) {
