@@ -1,0 +1,11 @@
+// Sapidis and Perucchio: the middle of a missing piece, and again on what is still missing.
+#include "compare/rival.h"
+#include "compare/system.h"
+
+namespace etcm::compare {
+
+Attempt run_sapidis_perucchio(const inputs::Graph& graph, Depth depth) {
+  return run_rival(graph, {.policy = split_middle}, depth);
+}
+
+}  // namespace etcm::compare
