@@ -8,19 +8,19 @@ namespace {
 // The place along a Hilbert curve through 2^15 x 2^15 cells.
 std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y) noexcept {
   std::uint32_t key = 0;
-  for (std::uint32_t side = 1u << 14; side != 0; side >>= 1) {
-    const bool right = (x & side) != 0, upper = (y & side) != 0;
-    key = (key << 2) | (right ? (upper ? 2u : 3u) : (upper ? 1u : 0u));
-    // The lower quadrants hold the curve mirrored at a diagonal.
-    if (!upper) {
-      if (right) {
-        x = ~x;
-        y = ~y;
-      }
-      const std::uint32_t z = x;
-      x = y;
-      y = z;
-    }
+  // The lower quadrants hold the curve mirrored at a diagonal: the left one with the axes swapped,
+  // the right one with both complemented as well. Without branches: half of them would be guessed
+  // wrong, which takes longer than all the rest.
+  std::uint32_t swapped = 0, complemented = 0;
+  for (int level = 14; level >= 0; --level) {
+    const std::uint32_t x_bit = (x >> level) & 1u, y_bit = (y >> level) & 1u;
+    const std::uint32_t exchange = (x_bit ^ y_bit) & swapped;
+    const std::uint32_t right = x_bit ^ exchange ^ complemented;
+    const std::uint32_t upper = y_bit ^ exchange ^ complemented;
+    key = (key << 2) | ((right * 3u) ^ upper);
+    const std::uint32_t lower = upper ^ 1u;
+    complemented ^= lower & right;
+    swapped ^= lower;
   }
   return key;
 }
