@@ -98,7 +98,7 @@ Status Mesh::build(std::span<const Position> nodes,
       m.section(root).next_dirty = not_listed;
       const Course course = survey(m, root);
       if (course.status != Status::ok) return reject(*this, course.status);
-      lay(m, root);
+      lay(m, root, course.nodes_between);
     }
     m.unresolved = settle_rest(m);
     m.trouble = trouble;
@@ -139,7 +139,7 @@ Status Mesh::rebuild() noexcept {
     const SectionId s{i};
     if (m.section(s).from.is_none() || internal::feature_of(m, s).value != i) continue;
     m.section(s).next_dirty = not_listed;
-    lay(m, s);
+    lay(m, s, any_nodes_between);
   }
   restore_detached(m);
   return status;

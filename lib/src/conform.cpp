@@ -64,6 +64,17 @@ Status split(MeshState& m, SectionId s, const Stretch& piece, const SplitSite& s
   return Status::ok;
 }
 
+// Marks the part of a piece between its new vertex and an end that it finishes: nearly always an
+// edge by now, else a tie.
+void settle_finished(MeshState& m, VertexId v, VertexId end) noexcept {
+  Edge e;
+  if (m.topology.find_edge(v, end, e)) {
+    m.topology.mark(e);
+  } else {
+    settle_piece(m, between(m, v, end));
+  }
+}
+
 // Splits a missing piece until it is a run of edges, from both ends inwards. What is left always
 // lies between two vertices that are known, so nothing is walked again. Where a policy splits
 // outside both feasible sets it stops: the caller looks what is there.
@@ -83,8 +94,8 @@ Status conform_piece(MeshState& m, SectionId s, Stretch piece) noexcept {
     const Status status = split(m, s, piece, site, t, v);
     if (status != Status::ok) return status;
     const bool finishes_head = t <= site.reach_head, finishes_tail = t >= site.reach_tail;
-    if (finishes_head) settle_piece(m, between(m, piece.head, v));
-    if (finishes_tail) settle_piece(m, between(m, v, piece.tail));
+    if (finishes_head) settle_finished(m, v, piece.head);
+    if (finishes_tail) settle_finished(m, v, piece.tail);
     if (finishes_head == finishes_tail) return Status::ok;
     piece = finishes_head ? between(m, v, piece.tail) : between(m, piece.head, v);
   }
@@ -139,10 +150,11 @@ bool can_be_edge(const MeshState& m, const Stretch& piece) noexcept {
 }
 
 void settle_piece(MeshState& m, const Stretch& piece) noexcept {
-  if (!piece.is_edge) {
+  if (piece.is_edge) {
+    // It is in the canonical mesh without the mark, so the mark changes nothing.
+    m.topology.mark(piece.edge);
+  } else {
     constrain(m, flip_in(m, piece));
-  } else if (!m.topology.is_constrained(piece.edge)) {
-    constrain(m, piece.edge);
   }
 }
 

@@ -272,7 +272,7 @@ Status Mesh::move(VertexId node, Position position) noexcept {
     const SectionId root = features;
     features = m.section(root).next_dirty;
     m.section(root).next_dirty = not_listed;
-    lay(m, root);
+    lay(m, root, any_nodes_between);
   }
   restore_detached(m);
   remember(m, node);

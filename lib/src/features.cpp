@@ -21,12 +21,6 @@ SectionId last_section(const MeshState& m, SectionId root) noexcept {
   return s;
 }
 
-bool feature_precedes(const MeshState& m, SectionId a, SectionId b) noexcept {
-  const FeatureEnds p = ends_of(m, a), q = ends_of(m, b);
-  if (p.from != q.from) return m.at(p.from) < m.at(q.from);
-  return m.at(p.to) < m.at(q.to);
-}
-
 // The first of the sections that an earlier lay left, or a new one. There is room: the survey saw.
 SectionId next_section_for(MeshState& m, SectionId& left_over) noexcept {
   if (left_over.is_none()) return allocate_section(m);
@@ -72,7 +66,7 @@ void set_ends(MeshState& m, SectionId root, VertexId from, VertexId to) noexcept
 Course survey(MeshState& m, SectionId root) noexcept {
   const SectionRecord& r = m.section(root);
   Course course;
-  std::uint32_t nodes_between = 0;
+  std::uint32_t& nodes_between = course.nodes_between;
   for (VertexId v = r.from; v != r.to;) {
     const Stretch piece = march(m, v, r.to);
     if (piece.is_edge && m.topology.is_constrained(piece.edge)) {
@@ -103,14 +97,14 @@ Course survey(MeshState& m, SectionId root) noexcept {
   return course;
 }
 
-void lay(MeshState& m, SectionId root) noexcept {
+void lay(MeshState& m, SectionId root, std::uint32_t nodes_between) noexcept {
   SectionId left_over = collect_left_over(m, root);
   m.section(root).next = SectionId::none();
   const VertexId end = m.section(root).to;
   link_section(m, root);
   SectionId s = root;
   VertexId v = m.section(root).from;
-  for (;;) {
+  for (; nodes_between != 0; --nodes_between) {
     v = march(m, v, end).tail;
     if (v == end) break;
     const SectionId rest = next_section_for(m, left_over);
@@ -140,7 +134,7 @@ void take_up(MeshState& m, SectionId root) noexcept {
 }
 
 Status conform_features(MeshState& m, SectionId list, SectionId& pending) noexcept {
-  pending = sort_sections(m, list, feature_precedes);
+  pending = sort_sections(m, list);
   // What is an edge already, or can be by turning ties, comes first: then no split ignores it.
   for (SectionId* slot = &pending; !slot->is_none();) {
     const SectionId root = *slot;
@@ -152,7 +146,7 @@ Status conform_features(MeshState& m, SectionId list, SectionId& pending) noexce
     }
     *slot = m.section(root).next_dirty;
     m.section(root).next_dirty = not_listed;
-    lay(m, root);
+    lay(m, root, course.nodes_between);
     const Status status = conform(m);
     if (status != Status::ok) return status;
   }
@@ -162,14 +156,14 @@ Status conform_features(MeshState& m, SectionId list, SectionId& pending) noexce
     if (course.status != Status::ok) return course.status;
     pending = m.section(root).next_dirty;
     m.section(root).next_dirty = not_listed;
-    lay(m, root);
+    lay(m, root, course.nodes_between);
     const Status status = conform(m);
     if (status != Status::ok) return status;
   }
   return Status::ok;
 }
 
-SectionId sort_sections(MeshState& m, SectionId list, SectionOrder order) noexcept {
+SectionId sort_sections(MeshState& m, SectionId list) noexcept {
   // Bottom-up: runs of 1, 2, 4, ... are merged pairwise until one is left. No recursion, no memory.
   const auto next = [&m](SectionId s) -> SectionId& { return m.section(s).next_dirty; };
   for (std::uint32_t run = 1;; run *= 2) {
@@ -187,7 +181,7 @@ SectionId sort_sections(MeshState& m, SectionId list, SectionOrder order) noexce
       }
       std::uint32_t b_left = run;
       while (a_left > 0 || (b_left > 0 && !b.is_none())) {
-        const bool take_b = a_left == 0 || (b_left > 0 && !b.is_none() && order(m, b, a));
+        const bool take_b = a_left == 0 || (b_left > 0 && !b.is_none() && precedes(m, b, a));
         SectionId& taken = take_b ? b : a;
         (take_b ? b_left : a_left) -= 1;
         *end = taken;

@@ -181,10 +181,11 @@ std::uint32_t settle_rest(MeshState& m) noexcept;
 struct Course {
   Status status = Status::ok;
   bool is_present = true;  // every piece is an edge or can be one
+  std::uint32_t nodes_between = 0;
 };
 Course survey(MeshState& m, SectionId root) noexcept;
 // Lays it: one section from node to node, all of them dirty. After a survey that answered ok.
-void lay(MeshState& m, SectionId root) noexcept;
+void lay(MeshState& m, SectionId root, std::uint32_t nodes_between) noexcept;
 // Takes it up again, Steiner vertices and marks included; the spare sections stay with the root, so
 // that laying it again on the same line gives each its old place.
 void take_up(MeshState& m, SectionId root) noexcept;
@@ -194,9 +195,10 @@ FeatureEnds ends_of(const MeshState& m, SectionId root) noexcept;  // in canonic
 // Lays and conforms a list of features (linked by next_dirty), first those that need no Steiner
 // vertex, then the others one by one, each in canonical order. Leaves the rest in `pending`.
 Status conform_features(MeshState& m, SectionId list, SectionId& pending) noexcept;
-// Merge sort of a list linked by next_dirty.
-using SectionOrder = bool (*)(const MeshState& m, SectionId a, SectionId b) noexcept;
-SectionId sort_sections(MeshState& m, SectionId list, SectionOrder order) noexcept;
+// Brings a list linked by next_dirty into canonical order.
+SectionId sort_sections(MeshState& m, SectionId list) noexcept;
+// For lay(), where no survey has counted.
+inline constexpr std::uint32_t any_nodes_between = ~std::uint32_t{0};
 
 // --- transaction.cpp
 

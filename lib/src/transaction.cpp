@@ -125,7 +125,7 @@ void commit(MeshState& m) noexcept {
     m.section(s).next_dirty = list;
     list = s;
   }
-  m.dirty = sort_sections(m, list, precedes);
+  m.dirty = sort_sections(m, list);
   prune(m);
   end_change(m);
 }
