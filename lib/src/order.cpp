@@ -5,14 +5,14 @@
 namespace etcm::internal {
 namespace {
 
-// The place along a Hilbert curve through 2^15 x 2^15 cells.
-std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y) noexcept {
+// The place along a Hilbert curve through 2^levels x 2^levels cells.
+std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y, int levels) noexcept {
   std::uint32_t key = 0;
   // The lower quadrants hold the curve mirrored at a diagonal: the left one with the axes swapped,
   // the right one with both complemented as well. Without branches: half of them would be guessed
   // wrong, which takes longer than all the rest.
   std::uint32_t swapped = 0, complemented = 0;
-  for (int level = 14; level >= 0; --level) {
+  for (int level = levels - 1; level >= 0; --level) {
     const std::uint32_t x_bit = (x >> level) & 1u, y_bit = (y >> level) & 1u;
     const std::uint32_t exchange = (x_bit ^ y_bit) & swapped;
     const std::uint32_t right = x_bit ^ exchange ^ complemented;
@@ -38,9 +38,11 @@ std::uint32_t round_of(std::uint32_t index) noexcept {
   return round;
 }
 
-// Least significant digit first, so four stable passes from one buffer to the other and back.
-void radix_sort(OrderEntry* entries, OrderEntry* buffer, std::size_t count) noexcept {
-  for (unsigned shift = 0; shift < 32; shift += 8) {
+// Least significant digit first, in two or four stable passes from one buffer to the other and
+// back.
+void radix_sort(OrderEntry* entries, OrderEntry* buffer, std::size_t count, int bits) noexcept {
+  const unsigned passes = bits <= 16 ? 2 : 4;
+  for (unsigned shift = 0; shift < 8 * passes; shift += 8) {
     std::uint32_t start[256] = {};
     for (std::size_t i = 0; i < count; ++i) ++start[(entries[i].key >> shift) & 255u];
     std::uint32_t sum = 0;
@@ -74,16 +76,19 @@ OrderEntry* hilbert_order(std::span<const Position> nodes, std::byte* memory,
   }
   const auto width = static_cast<std::uint32_t>(high.x - low.x);
   const auto height = static_cast<std::uint32_t>(high.y - low.y);
-  const std::uint64_t extent = (width > height ? width : height) + std::uint64_t{1};
+  // About one node a cell; finer would only take longer.
+  int levels = 1;
+  while (levels < 15 && (std::size_t{1} << (2 * levels)) < count) ++levels;
+  int cell_bits = 0;
+  while (((width | height) >> (cell_bits + levels)) != 0) ++cell_bits;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto x = static_cast<std::uint64_t>(nodes[i].x - low.x);
-    const auto y = static_cast<std::uint64_t>(nodes[i].y - low.y);
+    const auto x = static_cast<std::uint32_t>(nodes[i].x - low.x);
+    const auto y = static_cast<std::uint32_t>(nodes[i].y - low.y);
     entries[i].vertex = static_cast<std::uint32_t>(i + 1);
-    entries[i].key = (round_of(entries[i].vertex) << 30) |
-                     hilbert_key(static_cast<std::uint32_t>((x << 15) / extent),
-                                 static_cast<std::uint32_t>((y << 15) / extent));
+    entries[i].key = (round_of(entries[i].vertex) << (2 * levels)) |
+                     hilbert_key(x >> cell_bits, y >> cell_bits, levels);
   }
-  radix_sort(entries, buffer, count);
+  radix_sort(entries, buffer, count, 2 * levels + 2);
   return entries;
 }
 
