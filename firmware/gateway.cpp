@@ -21,6 +21,19 @@ std::int64_t squared_distance(Position a, Position b) {
   return dx * dx + dy * dy;
 }
 
+// Whether a feature ends at this serial.
+bool names(const std::vector<FeatureSettings>& features, std::uint32_t serial) {
+  return std::any_of(features.begin(), features.end(), [&](const FeatureSettings& feature) {
+    return feature.from == serial || feature.to == serial;
+  });
+}
+
+std::string swapped_text(const std::string& unit, std::uint32_t serial) {
+  return unit + ": answers with serial " + std::to_string(swap_words(serial)) + ", which is " +
+         std::to_string(serial) +
+         " with its words swapped; set `word_order` of the bus (ABCD <-> CDAB, BADC <-> DCBA)";
+}
+
 }  // namespace
 
 Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports)
@@ -97,8 +110,12 @@ NodeRecord* Gateway::record_of(std::uint32_t unit, std::uint32_t serial) {
   NodeRecord& here = roster_.at(unit);
   const std::string name = poller_.name(unit);
   if (here.is_known() && here.serial != serial) {
-    // Another node took over the unit, or its words are swapped. Until the old one has been silent
-    // long enough to leave, nobody can tell.
+    // Another node took over the unit. Until the old one has been silent long enough to leave,
+    // nobody can tell.
+    if (here.serial == swap_words(serial)) {
+      disbelieve(unit, serial, swapped_text(name, here.serial));
+      return nullptr;
+    }
     disbelieve(unit, serial,
                name + ": answers with serial " + std::to_string(serial) + " instead of " +
                    std::to_string(here.serial) + "; believed once node " +
@@ -106,6 +123,10 @@ NodeRecord* Gateway::record_of(std::uint32_t unit, std::uint32_t serial) {
     return nullptr;
   }
   if (!here.is_known()) {
+    if (!names(settings_.features, serial) && names(settings_.features, swap_words(serial))) {
+      disbelieve(unit, serial, swapped_text(name, swap_words(serial)));
+      return nullptr;
+    }
     NodeRecord* const elsewhere = roster_.find(serial);
     if (elsewhere == nullptr) {
       roster_.bind(unit, serial);

@@ -5,12 +5,14 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "etcm/mesh.h"
 #include "gateway.h"
 #include "mesh_map.h"
 #include "modbus/register_server.h"
+#include "modbus/rtu_bus.h"
 #include "modbus/tcp_bus.h"
 #include "posix/event_loop.h"
 #include "posix/mesh_folder.h"
@@ -26,6 +28,30 @@ using namespace etcm;
 
 constexpr int exit_bad_settings = 2;
 
+using Bus = std::variant<std::unique_ptr<port::TcpBus>, std::unique_ptr<port::RtuBus>>;
+
+Bus make_bus(const firmware::BusSettings& bus, port::Duration retry_interval, port::EventLoop& loop,
+             port::Log& log) {
+  if (const auto* const line = std::get_if<port::SerialLine>(&bus.link)) {
+    return std::make_unique<port::RtuBus>(loop, log,
+                                          port::RtuBusOptions{.name = bus.name,
+                                                              .line = *line,
+                                                              .quiet = bus.quiet,
+                                                              .reopen_interval = retry_interval,
+                                                              .send_enable = {}});
+  }
+  return std::make_unique<port::TcpBus>(
+      loop, log,
+      port::TcpBusOptions{.name = bus.name,
+                          .address = std::get<port::SocketAddress>(bus.link),
+                          .outstanding_max = bus.outstanding_max,
+                          .reconnect_interval = retry_interval});
+}
+
+port::NodeBus* interface_of(const Bus& bus) {
+  return std::visit([](const auto& adapter) -> port::NodeBus* { return adapter.get(); }, bus);
+}
+
 void run(const firmware::Settings& settings, port::Log& log) {
   port::EventLoop loop;
   port::StopSignal stop(loop);
@@ -38,16 +64,11 @@ void run(const firmware::Settings& settings, port::Log& log) {
     throw std::runtime_error(std::string("the mesh refuses its settings: ") + explain(status));
   }
 
-  std::vector<std::unique_ptr<port::TcpBus>> buses;
+  std::vector<Bus> buses;
   std::vector<firmware::PolledBus> polled;
   for (const firmware::BusSettings& bus : settings.buses) {
-    buses.push_back(std::make_unique<port::TcpBus>(
-        loop, log,
-        port::TcpBusOptions{.name = bus.name,
-                            .address = bus.tcp,
-                            .outstanding_max = bus.outstanding_max,
-                            .reconnect_interval = settings.poll.interval}));
-    polled.push_back({.bus = buses.back().get(), .settings = &bus});
+    buses.push_back(make_bus(bus, settings.poll.interval, loop, log));
+    polled.push_back({.bus = interface_of(buses.back()), .settings = &bus});
   }
   port::RegisterServer server(loop, settings.server.listen, settings.server.clients_max,
                               firmware::empty_image(settings));

@@ -1,5 +1,8 @@
 #include "node_map.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "words.h"
 
 namespace etcm::firmware {
@@ -17,14 +20,31 @@ constexpr std::size_t at_status = 9;
 constexpr std::size_t at_boot_count = 10;
 constexpr std::size_t at_sequence_after = 11;
 
-constexpr std::uint16_t magic_swapped = 0x5445;
+constexpr std::uint16_t swap_bytes(std::uint16_t value) {
+  return static_cast<std::uint16_t>(value << 8 | value >> 8);
+}
 constexpr std::uint16_t version_and_length = node_map_version << 8 | node_register_count;
 
 }  // namespace
 
-ReadingFault decode_node(std::span<const std::uint16_t> registers, NodeReading& reading) {
-  if (registers.size() != node_register_count) return ReadingFault::wrong_length;
-  if (registers[at_magic] == magic_swapped) return ReadingFault::swapped_bytes;
+NodeRegisters reorder(const NodeRegisters& registers, WordOrder order) {
+  NodeRegisters ordered = registers;
+  if (order == WordOrder::badc || order == WordOrder::dcba) {
+    std::transform(ordered.begin(), ordered.end(), ordered.begin(), swap_bytes);
+  }
+  if (order == WordOrder::cdab || order == WordOrder::dcba) {
+    for (const std::size_t at : {at_serial, at_x, at_y}) std::swap(ordered[at], ordered[at + 1]);
+  }
+  return ordered;
+}
+
+ReadingFault decode_node(std::span<const std::uint16_t> received, WordOrder order,
+                         NodeReading& reading) {
+  if (received.size() != node_register_count) return ReadingFault::wrong_length;
+  NodeRegisters registers;
+  std::copy(received.begin(), received.end(), registers.begin());
+  registers = reorder(registers, order);
+  if (registers[at_magic] == swap_bytes(node_magic)) return ReadingFault::swapped_bytes;
   if (registers[at_magic] != node_magic) return ReadingFault::wrong_magic;
   if (registers[at_version] != version_and_length) return ReadingFault::wrong_version;
   if (registers[at_sequence_before] != registers[at_sequence_after]) return ReadingFault::torn;
@@ -64,7 +84,8 @@ const char* explain(ReadingFault fault) {
     case ReadingFault::wrong_magic:
       return "register 0 is not 0x4554: no position node, take it out of `units`";
     case ReadingFault::swapped_bytes:
-      return "register 0 has its bytes swapped: correct the node's byte order";
+      return "register 0 has its bytes swapped: set `word_order` of the bus (ABCD <-> BADC, CDAB "
+             "<-> DCBA)";
     case ReadingFault::wrong_version:
       return "register 1 is not 0x010C: the node needs firmware with map version 1";
     case ReadingFault::torn:
@@ -72,7 +93,9 @@ const char* explain(ReadingFault fault) {
     case ReadingFault::bad_serial:
       return "serial 0xFFFFFFFF: give the node a serial";
     case ReadingFault::bad_position:
-      return "position beyond +-16777216 units: correct the node's origin or unit";
+      return "position beyond +-16777216 units: correct `word_order` of the bus, or the node's "
+             "origin or "
+             "unit";
   }
   return "";
 }

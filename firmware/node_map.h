@@ -46,11 +46,23 @@ enum class ReadingFault : std::uint8_t {
   bad_position,  // |x| or |y| above position_max while the fix is valid
 };
 
+// In which order the bytes of a 32-bit value come, A the highest. Where the bytes of a register are
+// swapped (B before A), they are in all registers.
+enum class WordOrder : std::uint8_t { abcd, badc, cdab, dcba };
+
+// A serial as it reads when the words are taken in the wrong order.
+constexpr std::uint32_t swap_words(std::uint32_t value) { return value << 16 | value >> 16; }
+
 using NodeRegisters = std::array<std::uint16_t, node_register_count>;
 
-// Sets `reading` only when there is no fault.
-ReadingFault decode_node(std::span<const std::uint16_t> registers, NodeReading& reading);
+// Sets `reading` only when there is no fault. A wrong byte order shows as swapped_bytes; a wrong
+// word order only against the serial one expects.
+ReadingFault decode_node(std::span<const std::uint16_t> registers, WordOrder order,
+                         NodeReading& reading);
 NodeRegisters encode_node(const NodeReading& reading, std::uint16_t sequence);
+
+// From one order to ABCD and back.
+NodeRegisters reorder(const NodeRegisters& registers, WordOrder order);
 
 // What is wrong, and what to do about it.
 const char* explain(ReadingFault fault);

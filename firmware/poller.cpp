@@ -12,6 +12,26 @@ constexpr std::uint32_t failures_free = 2;
 // A day doubled this often is still a Duration.
 constexpr std::uint32_t doublings_max = 16;
 
+// Units that do not answer get one part in so many of the time of a bus that others want.
+constexpr std::int64_t probe_share = 32;
+// Bytes on a serial line for one question and one answer, with the silence around them.
+constexpr std::int64_t question_characters = 8 + 29 + 7;
+
+// The most a question costs that is not answered.
+port::Duration cost_max(const BusSettings& bus) {
+  const auto* const line = std::get_if<port::SerialLine>(&bus.link);
+  return bus.timeout + (line == nullptr ? port::Duration{}
+                                        : bus.quiet + question_characters * character_time(*line));
+}
+
+// A well-mixed number from two: the same in every run.
+std::uint32_t mix(std::uint32_t a, std::uint32_t b) {
+  std::uint32_t value = a * 0x9e3779b9u ^ b * 0x85ebca6bu;
+  value = (value ^ value >> 16) * 0x7feb352du;
+  value = (value ^ value >> 15) * 0x846ca68bu;
+  return value ^ value >> 16;
+}
+
 constexpr auto later = [](const auto& a, const auto& b) { return a.due > b.due; };
 
 }  // namespace
@@ -24,7 +44,9 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
               .unit_at = std::vector<std::uint32_t>(256),
               .turns = {},
               .probes = {},
-              .probes_max = std::max(1u, bus.settings->outstanding_max / 2)};
+              .probes_max = std::max(1u, bus.settings->outstanding_max / 2),
+              .takes_one = bus.settings->outstanding_max == 1,
+              .probe_cost_max = cost_max(*bus.settings)};
     for (const UnitRange range : bus.settings->units) {
       for (unsigned address = range.first; address <= range.last; ++address) {
         const std::uint32_t unit = unit_count();
@@ -40,6 +62,7 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
 }
 
 void Poller::step(port::Instant now) {
+  stepped_at_ = now;
   for (Line& line : lines_) {
     port::NodeBus& bus = *line.polled.bus;
     bus.advance(now);
@@ -65,13 +88,21 @@ void Poller::step(port::Instant now) {
 
 // Where the next question comes from: whoever has waited longest and may be asked. Null for nobody.
 std::vector<Poller::Turn>* Poller::next_turns(Line& line, port::Instant now) {
-  const auto due = [](const std::vector<Turn>& turns) {
-    return turns.empty() ? port::never : turns.front().due;
-  };
-  const port::Instant probe_due =
-      line.probes_under_way < line.probes_max ? due(line.probes) : port::never;
-  if (std::min(due(line.turns), probe_due) > now) return nullptr;
-  return due(line.turns) <= probe_due ? &line.turns : &line.probes;
+  const port::Instant turn = line.turns.empty() ? port::never : line.turns.front().due;
+  const port::Instant probe = probe_due(line, now);
+  if (std::min(turn, probe) > now) return nullptr;
+  // A probe of a busy line has its share of the time, however long the others have waited.
+  if (line.takes_one && probe <= now) return &line.probes;
+  return turn <= probe ? &line.turns : &line.probes;
+}
+
+// When a failing unit may be asked, as far as that is known now.
+port::Instant Poller::probe_due(const Line& line, port::Instant now) {
+  if (line.probes.empty() || line.probes_under_way >= line.probes_max) return port::never;
+  const port::Instant due = line.probes.front().due;
+  if (!line.takes_one || line.turns.empty()) return due;
+  const bool is_idle = line.turns.front().due > std::max(due, now) + line.probe_cost_max;
+  return is_idle ? due : std::max(due, line.probe_allowed);
 }
 
 port::Instant Poller::next_deadline() const {
@@ -80,9 +111,7 @@ port::Instant Poller::next_deadline() const {
     deadline = std::min(deadline, line.polled.bus->next_deadline());
     if (!line.polled.bus->ready()) continue;
     if (!line.turns.empty()) deadline = std::min(deadline, line.turns.front().due);
-    if (!line.probes.empty() && line.probes_under_way < line.probes_max) {
-      deadline = std::min(deadline, line.probes.front().due);
-    }
+    deadline = std::min(deadline, probe_due(line, stepped_at_));
   }
   return deadline;
 }
@@ -94,7 +123,11 @@ std::string Poller::name(std::uint32_t unit) const {
 
 void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Instant now) {
   Unit& unit = units_[index];
-  if (unit.is_probed) --lines_[unit.bus].probes_under_way;
+  if (unit.is_probed) {
+    Line& line = lines_[unit.bus];
+    --line.probes_under_way;
+    line.probe_allowed = now + (now - unit.asked_at) * (probe_share - 1);
+  }
   switch (answer.result) {
     case port::BusResult::ok:
       break;
@@ -108,7 +141,8 @@ void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Inst
       return fail(index, "exception " + std::to_string(answer.exception), false, now);
   }
   NodeReading reading;
-  const ReadingFault fault = decode_node(answer.registers, reading);
+  const ReadingFault fault =
+      decode_node(answer.registers, lines_[unit.bus].polled.settings->word_order, reading);
   if (fault == ReadingFault::torn && unit.torn_repeats < torn_repeats_max) {
     ++unit.torn_repeats;
     return ask_again(index, now);
@@ -130,13 +164,18 @@ void Poller::fail(std::uint32_t index, const std::string& why, bool is_silence, 
   if (unit.failures == 1 && (unit.has_answered || !is_silence)) {
     log_.write(port::Level::warning, name(index) + ": " + why);
   }
-  port::Duration pause = settings_.interval;
-  if (unit.failures > failures_free) {
-    const std::uint32_t doublings = std::min(unit.failures - failures_free, doublings_max);
-    pause = std::clamp(settings_.interval * (std::int64_t{1} << doublings), settings_.interval,
-                       std::max(settings_.interval, settings_.absent_interval));
-  }
-  ask_again(index, std::max(now, unit.asked_at + pause));
+  ask_again(index, std::max(now, unit.asked_at + pause_of(index)));
+}
+
+port::Duration Poller::pause_of(std::uint32_t index) const {
+  const std::uint32_t failures = units_[index].failures;
+  if (failures <= failures_free) return settings_.interval;
+  const std::uint32_t doublings = std::min(failures - failures_free, doublings_max);
+  const port::Duration pause =
+      std::clamp(settings_.interval * (std::int64_t{1} << doublings), settings_.interval,
+                 std::max(settings_.interval, settings_.absent_interval));
+  // Up to an eighth less.
+  return pause - pause / 8 / 1024 * (mix(index, failures) % 1024);
 }
 
 void Poller::ask_again(std::uint32_t index, port::Instant due) {

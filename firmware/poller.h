@@ -28,9 +28,11 @@ class ReadingListener {
   ~ReadingListener() = default;
 };
 
-// A unit that does not answer, or not soundly, is asked ever less often, down to absent_interval,
-// so that it costs the others next to nothing; and where a bus takes several requests at a time,
-// such units never have more than half of them. A torn read is repeated at once. While a bus has
+// A unit that does not answer, or not soundly, is asked ever less often, down to absent_interval
+// (a little earlier each time, differently for each unit, so that such units do not meet). What it
+// costs the others is bounded too: where a bus takes several requests at a time, such units never
+// have more than half of them; where it takes one, they have the time that nobody else needs, and
+// 1/32 of the rest. A torn read is repeated at once. While a bus has
 // lost its link, its units are not asked and do not count as failing.
 class Poller {
  public:
@@ -67,18 +69,24 @@ class Poller {
     std::vector<Turn> probes;            // of failing ones, likewise
     std::uint32_t probes_under_way = 0;
     std::uint32_t probes_max = 0;
+    bool takes_one = false;           // request at a time
+    port::Duration probe_cost_max{};  // to a unit that does not answer, where it takes one
+    port::Instant probe_allowed{};    // at others' cost, where it takes one
   };
 
   static std::vector<Turn>* next_turns(Line& line, port::Instant now);
+  static port::Instant probe_due(const Line& line, port::Instant now);
   void take(const port::BusAnswer& answer, std::uint32_t unit, port::Instant now);
   void fail(std::uint32_t unit, const std::string& why, bool is_silence, port::Instant now);
   void ask_again(std::uint32_t unit, port::Instant due);
+  port::Duration pause_of(std::uint32_t unit) const;
 
   const PollSettings& settings_;
   ReadingListener& listener_;
   port::Log& log_;
   std::vector<Unit> units_;
   std::vector<Line> lines_;
+  port::Instant stepped_at_{};
 };
 
 }  // namespace etcm::firmware

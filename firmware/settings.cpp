@@ -6,9 +6,11 @@
 #include <charconv>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "etcm/policy.h"
 #include "mesh_map.h"
@@ -100,6 +102,25 @@ class Section {
     }
   }
 
+  // One of a few words.
+  template <class Value>
+  void read(const std::string& key, Value& value,
+            std::initializer_list<std::pair<std::string_view, Value>> words) {
+    const toml::node* node = find(key);
+    if (node == nullptr) return;
+    const auto text = node->value_exact<std::string>();
+    std::string list;
+    for (const auto& [word, meaning] : words) {
+      if (text && *text == word) {
+        value = meaning;
+        return;
+      }
+      list += (list.empty() ? "\"" : ", \"") + std::string(word) + "\"";
+    }
+    mistake(*node, (text ? key + " '" + *text + "' is unknown" : "'" + key + "' must be a text") +
+                       "; write one of " + list);
+  }
+
   // Calls `each` for each table of an array of tables.
   void each(const std::string& key, const std::function<void(Section&)>& each_table) {
     const toml::node* node = find(key);
@@ -162,16 +183,8 @@ void read_mesh(Section& section, MeshConfig& mesh) {
   section.read("features_max", mesh.features_max, 0, features_limit);
   section.read("steiner_max", mesh.steiner_max, 0, vertices_limit);
   section.read("steps_max", mesh.steps_max, 0, std::numeric_limits<std::uint32_t>::max());
-  std::string policy = "default";
-  section.read("policy", policy, "\"default\"");
-  if (policy == "default") {
-    mesh.policy = split_default;
-  } else if (policy == "paper") {
-    mesh.policy = split_paper;
-  } else {
-    section.mistake(*section.find("policy"),
-                    "policy '" + policy + "' is unknown; write \"default\" or \"paper\"");
-  }
+  section.read<SplitPolicy>("policy", mesh.policy,
+                            {{"default", split_default}, {"paper", split_paper}});
 }
 
 void read_poll(Section& section, PollSettings& poll) {
@@ -191,16 +204,67 @@ void read_poll(Section& section, PollSettings& poll) {
   }
 }
 
+port::SerialLine read_line(Section& section) {
+  port::SerialLine line;
+  section.read("rtu", line.path, "rtu = \"/dev/serial/by-path/...\"");
+  section.read("baud", line.baud, 1200, 921600);
+  if (const toml::node* node = section.find("baud"); node != nullptr && !port::is_baud(line.baud)) {
+    section.mistake(*node,
+                    "'baud' is no usual speed; give 1200, 2400, 4800, 9600, 19200, 38400, 57600, "
+                    "115200, 230400, 460800 or 921600");
+  }
+  section.read<port::Parity>(
+      "parity", line.parity,
+      {{"none", port::Parity::none}, {"even", port::Parity::even}, {"odd", port::Parity::odd}});
+  std::uint32_t stop_bits = line.stop_bits;
+  section.read("stop_bits", stop_bits, 1, 2);
+  line.stop_bits = static_cast<std::uint8_t>(stop_bits);
+  section.read<port::Direction>(
+      "rs485", line.direction,
+      {{"adapter", port::Direction::adapter}, {"kernel", port::Direction::kernel}});
+  return line;
+}
+
+// The link, and what only this kind of link has.
+void read_link(Section& section, BusSettings& bus) {
+  const toml::node* const rtu = section.find("rtu");
+  const toml::node* const tcp = section.find("tcp");
+  if (rtu != nullptr) {
+    if (tcp != nullptr) {
+      section.mistake(*tcp, "a bus with both 'tcp' and 'rtu'; take one out, or make it two buses");
+    }
+    const port::SerialLine line = read_line(section);
+    bus.outstanding_max = 1;
+    section.read("quiet", bus.quiet, 0ms);
+    bus.name = line.path;
+    bus.link = line;
+    return;
+  }
+  if (tcp == nullptr) {
+    section.mistake(section.table(),
+                    "[[bus]] has neither 'tcp' nor 'rtu'; add one, such as tcp = "
+                    "\"127.0.0.1:502\" or rtu = \"/dev/serial/by-path/...\"");
+  }
+  port::SocketAddress address;
+  section.read("tcp", address);
+  section.read("outstanding", bus.outstanding_max, 1, 32);
+  bus.name = to_string(address);
+  bus.link = address;
+}
+
 void read_bus(Section& section, const PollSettings& poll, std::vector<BusSettings>& buses) {
   BusSettings bus;
   bus.timeout = poll.timeout;
+  bus.quiet = 50ms;
   bus.outstanding_max = poll.outstanding_max;
-  section.require("tcp", "tcp = \"127.0.0.1:502\"");
-  section.read("tcp", bus.tcp);
-  bus.name = to_string(bus.tcp);
+  read_link(section, bus);
   section.read("name", bus.name, "name = \"yard\"");
   section.read("timeout", bus.timeout, 1ms);
-  section.read("outstanding", bus.outstanding_max, 1, 32);
+  section.read<WordOrder>("word_order", bus.word_order,
+                          {{"ABCD", WordOrder::abcd},
+                           {"BADC", WordOrder::badc},
+                           {"CDAB", WordOrder::cdab},
+                           {"DCBA", WordOrder::dcba}});
   section.require("units", "units = \"1-60\"");
   if (const toml::node* node = section.find("units")) {
     const auto text = node->value_exact<std::string>();
@@ -240,7 +304,7 @@ void read_all(Section& file, const std::filesystem::path& folder, Settings& sett
   file.require("mesh", "[mesh] with vertices_max");
   file.sub("mesh", [&](Section& section) { read_mesh(section, settings.mesh); });
   file.sub("poll", [&](Section& section) { read_poll(section, settings.poll); });
-  file.require("bus", "[[bus]] with tcp and units");
+  file.require("bus", "[[bus]] with tcp or rtu, and units");
   file.each("bus", [&](Section& section) { read_bus(section, settings.poll, settings.buses); });
   file.sub("server", [&](Section& section) {
     section.read("listen", settings.server.listen);

@@ -4,11 +4,14 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "etcm/config.h"
 #include "etcm/port/clock.h"
+#include "etcm/port/serial_line.h"
 #include "etcm/port/socket_address.h"
+#include "node_map.h"
 
 namespace etcm::firmware {
 
@@ -19,9 +22,11 @@ struct UnitRange {
 
 struct BusSettings {
   std::string name;
-  port::SocketAddress tcp;
+  std::variant<port::SocketAddress, port::SerialLine> link;  // Modbus TCP, or RTU
   std::vector<UnitRange> units;
+  WordOrder word_order = WordOrder::abcd;
   port::Duration timeout{};
+  port::Duration quiet{};  // of a serial line, after a wait in vain
   std::uint32_t outstanding_max = 0;
 };
 

@@ -9,6 +9,8 @@
 namespace etcm::port {
 
 static_assert(frame_bytes_max == MODBUS_TCP_MAX_ADU_LENGTH);
+static_assert(read_holding_registers == MODBUS_FC_READ_HOLDING_REGISTERS);
+static_assert(read_input_registers == MODBUS_FC_READ_INPUT_REGISTERS);
 static_assert(read_registers_max == MODBUS_MAX_READ_REGISTERS);
 
 namespace {
@@ -62,8 +64,9 @@ std::size_t write_header(std::span<std::uint8_t> frame, std::uint16_t transactio
   return mbap_header_bytes + pdu_bytes;
 }
 
-std::size_t write_read_request(std::span<std::uint8_t> pdu, RegisterRange range) {
-  pdu[0] = MODBUS_FC_READ_INPUT_REGISTERS;
+std::size_t write_read_request(std::span<std::uint8_t> pdu, std::uint8_t function,
+                               RegisterRange range) {
+  pdu[0] = function;
   store(pdu, 1, range.first);
   store(pdu, 3, range.count);
   return 5;
@@ -71,7 +74,7 @@ std::size_t write_read_request(std::span<std::uint8_t> pdu, RegisterRange range)
 
 std::optional<RegisterRange> parse_read_request(std::span<const std::uint8_t> pdu,
                                                 std::uint8_t& exception) {
-  if (pdu[0] != MODBUS_FC_READ_INPUT_REGISTERS && pdu[0] != MODBUS_FC_READ_HOLDING_REGISTERS) {
+  if (pdu[0] != read_input_registers && pdu[0] != read_holding_registers) {
     exception = MODBUS_EXCEPTION_ILLEGAL_FUNCTION;
     return std::nullopt;
   }
@@ -101,13 +104,13 @@ std::size_t write_read_answer(std::span<std::uint8_t> pdu, std::uint8_t function
   return at;
 }
 
-ReadAnswer parse_read_answer(std::span<const std::uint8_t> pdu, std::span<std::uint16_t> registers,
-                             std::uint8_t& exception) {
-  if (pdu.size() == 2 && pdu[0] == (MODBUS_FC_READ_INPUT_REGISTERS | exception_bit)) {
+ReadAnswer parse_read_answer(std::span<const std::uint8_t> pdu, std::uint8_t function,
+                             std::span<std::uint16_t> registers, std::uint8_t& exception) {
+  if (pdu.size() == 2 && pdu[0] == (function | exception_bit)) {
     exception = pdu[1];
     return ReadAnswer::exception;
   }
-  if (pdu.size() != 2 + 2 * registers.size() || pdu[0] != MODBUS_FC_READ_INPUT_REGISTERS ||
+  if (pdu.size() != 2 + 2 * registers.size() || pdu[0] != function ||
       pdu[1] != 2 * registers.size()) {
     return ReadAnswer::malformed;
   }

@@ -1,4 +1,4 @@
-// Modbus TCP framing and the PDUs of reading registers.
+// Modbus TCP framing, and the PDUs of reading registers, whatever carries them.
 //
 // Own framing, because libmodbus reads a socket until a frame is whole: it blocks, and one client
 // that sends three stray bytes would hold up all others.
@@ -11,6 +11,9 @@
 #include <span>
 
 namespace etcm::port {
+
+inline constexpr std::uint8_t read_holding_registers = 3;
+inline constexpr std::uint8_t read_input_registers = 4;
 
 inline constexpr std::size_t pdu_bytes_max = 253;
 inline constexpr std::size_t mbap_header_bytes = 7;
@@ -56,8 +59,9 @@ struct RegisterRange {
   std::uint16_t count = 0;
 };
 
-// The request to read input registers (FC 4); returns the bytes written to `pdu`.
-std::size_t write_read_request(std::span<std::uint8_t> pdu, RegisterRange range);
+// The request to read registers (FC 3 or FC 4); returns the bytes written to `pdu`.
+std::size_t write_read_request(std::span<std::uint8_t> pdu, std::uint8_t function,
+                               RegisterRange range);
 
 // The range an FC 3 or FC 4 request asks for. Otherwise nothing, and `exception` is the code to
 // answer with. Whether the range exists is for the caller to say.
@@ -69,9 +73,9 @@ std::size_t write_exception(std::span<std::uint8_t> pdu, std::uint8_t function,
 std::size_t write_read_answer(std::span<std::uint8_t> pdu, std::uint8_t function,
                               std::span<const std::uint16_t> registers);
 
-// What an answer to write_read_request() says.
+// What an answer to write_read_request() with this function says.
 enum class ReadAnswer : std::uint8_t { registers, exception, malformed };
-ReadAnswer parse_read_answer(std::span<const std::uint8_t> pdu, std::span<std::uint16_t> registers,
-                             std::uint8_t& exception);
+ReadAnswer parse_read_answer(std::span<const std::uint8_t> pdu, std::uint8_t function,
+                             std::span<std::uint16_t> registers, std::uint8_t& exception);
 
 }  // namespace etcm::port

@@ -35,8 +35,9 @@ void TcpBus::start_read(const RegisterRead& read, Instant now) {
                        .deadline = now + read.timeout});
   if (link_ != Link::up) return drop_link("connection closed by the other side");
   std::array<std::uint8_t, frame_bytes_max> frame;
-  const std::size_t pdu = write_read_request(std::span(frame).subspan(mbap_header_bytes),
-                                             {.first = read.first, .count = read.count});
+  const std::size_t pdu =
+      write_read_request(std::span(frame).subspan(mbap_header_bytes), read_input_registers,
+                         {.first = read.first, .count = read.count});
   const std::size_t size = write_header(frame, transaction, read.unit, pdu);
   // A few requests of twelve bytes always fit the socket's buffer, unless the peer has stopped
   // reading altogether; then the link is as good as gone.
@@ -108,8 +109,8 @@ void TcpBus::settle(const Frame& frame) {
   const auto index = static_cast<std::size_t>(found - requests_.begin());
   if (frame.unit != found->unit) return complete(index, BusResult::bad_answer);
   Completed& place = completed_[(completed_begin_ + completed_count_) % completed_.size()];
-  switch (parse_read_answer(frame.pdu, std::span(place.registers).first(found->count),
-                            place.exception)) {
+  switch (parse_read_answer(frame.pdu, read_input_registers,
+                            std::span(place.registers).first(found->count), place.exception)) {
     case ReadAnswer::registers:
       return complete(index, BusResult::ok);
     case ReadAnswer::exception:

@@ -1,11 +1,12 @@
 #include "posix/event_loop.h"
 
+#include <poll.h>
 #include <sys/epoll.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <limits>
+#include <ctime>
 #include <system_error>
 
 namespace etcm::port {
@@ -42,14 +43,16 @@ void EventLoop::control(int operation, int descriptor, bool want_read, bool want
 }
 
 void EventLoop::wait(Duration at_most) {
-  using std::chrono::milliseconds;
-  // Rounded up: waking a fraction of a millisecond early would spin until the deadline.
-  const auto rounded = std::chrono::ceil<milliseconds>(std::max(at_most, Duration{0})).count();
-  const int timeout =
-      static_cast<int>(std::min<std::int64_t>(rounded, std::numeric_limits<int>::max()));
+  // ppoll and not the timeout of epoll_wait: that has whole milliseconds, and half a frame of a
+  // fast serial line passes in one.
+  const auto pause = std::clamp<Duration>(at_most, Duration{0}, std::chrono::hours(24));
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(pause);
+  const timespec timeout{.tv_sec = static_cast<time_t>(seconds.count()),
+                         .tv_nsec = static_cast<long>((pause - seconds).count())};
+  pollfd waiting{.fd = epoll_.get(), .events = POLLIN, .revents = 0};
+  if (::ppoll(&waiting, 1, &timeout, nullptr) <= 0) return;
   std::array<epoll_event, 256> events;
-  const int count =
-      ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), timeout);
+  const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), 0);
   for (int i = 0; i < count; ++i) {
     const epoll_event& event = events[static_cast<std::size_t>(i)];
     const auto index = static_cast<std::size_t>(event.data.u64 & 0xffffffffu);

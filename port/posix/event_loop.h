@@ -1,4 +1,4 @@
-// Waits for sockets: one thread, epoll, level-triggered.
+// Waits for sockets and lines: one thread, epoll, level-triggered.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,8 @@ class EventLoop {
   void change(int descriptor, bool want_read, bool want_write);
   void remove(int descriptor);
 
-  // Waits until something is ready, or for `at_most`, and calls the handlers of all that is ready.
+  // Waits until something is ready, or for `at_most` (to the microsecond, as far as the system
+  // can), and calls the handlers of all that is ready.
   void wait(Duration at_most);
 
  private:

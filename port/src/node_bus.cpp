@@ -11,7 +11,7 @@ const char* to_string(BusResult result) noexcept {
     case BusResult::exception:
       return "exception";
     case BusResult::bad_answer:
-      return "answer of the wrong unit, function or length";
+      return "answer garbled, or of the wrong unit, function or length";
     case BusResult::link_lost:
       return "connection lost";
   }

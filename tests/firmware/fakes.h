@@ -35,7 +35,9 @@ class RecordingLog final : public port::Log {
 // Units that answer at once, or time out when the gateway's clock has passed the timeout.
 class ScriptedBus final : public port::NodeBus {
  public:
-  bool ready() const override { return link_up && waiting_.size() < outstanding_max; }
+  bool ready() const override {
+    return link_up && waiting_.size() + done_.size() + timed_out_.size() < outstanding_max;
+  }
   void start_read(const port::RegisterRead& read, port::Instant now) override;
   void advance(port::Instant now) override;
   bool take_answer(port::BusAnswer& answer) override;

@@ -364,5 +364,58 @@ TEST(Gateway, GoesOnWhenFilesCannotBeWrittenAndSaysSoOnce) {
   EXPECT_EQ(rig.log.count("files are written again"), 1u);
 }
 
+TEST(Gateway, AWrongWordOrderShowsAgainstASerialOfTheConfiguration) {
+  Rig rig({feature(1001, 1002)});
+  rig.bus.set(1,
+              {.serial = swap_words(1001), .position = {1, 2}, .status = node_status::fix_valid});
+  rig.run(2s);
+  EXPECT_EQ(rig.mesh.node_count(), 0u);
+  EXPECT_EQ(rig.log.count("which is 1001 with its words swapped; set `word_order`"), 1u);
+}
+
+TEST(Gateway, TheWordOrderOfABusIsHeeded) {
+  Rig rig;
+  rig.settings.buses[0].word_order = WordOrder::dcba;
+  rig.bus.set_registers(
+      1,
+      reorder(encode_node({.serial = 7, .position = {-5, 6}, .status = node_status::fix_valid}, 1),
+              WordOrder::dcba));
+  rig.put(2, 0, 0);  // ABCD
+  rig.run(1s);
+  EXPECT_EQ(rig.mesh.node_count(), 1u);
+  EXPECT_EQ(rig.mesh.position(VertexId{1}), (Position{-5, 6}));
+  EXPECT_EQ(rig.log.count("unit 2 of yard: register 0 has its bytes swapped"), 1u);
+}
+
+// Twenty units on a line that takes one question at a time and is busy all the time.
+TEST(Gateway, DeadUnitsOfABusyLineCostTheOthersLittle) {
+  const auto polls_of_the_healthy = [](std::uint8_t dead) {
+    Rig rig;
+    rig.bus.outstanding_max = 1;
+    rig.settings.buses[0].outstanding_max = 1;
+    rig.settings.poll.interval = 10ms;
+    rig.settings.poll.absent_interval = 10ms;
+    rig.settings.buses[0].units = {{.first = 1, .last = static_cast<std::uint8_t>(18 + dead)}};
+    for (std::uint8_t unit = 1; unit <= 18; ++unit) rig.put(unit, unit * unit, 7 * unit % 11);
+    rig.run(100s);
+    std::uint32_t reads = 0;
+    for (std::uint8_t unit = 1; unit <= 18; ++unit) reads += rig.bus.reads[unit];
+    for (std::uint8_t unit = 19; unit <= 18 + dead; ++unit) EXPECT_GT(rig.bus.reads[unit], 5u);
+    return reads;
+  };
+  EXPECT_GT(polls_of_the_healthy(2) * 100, polls_of_the_healthy(0) * 96);
+}
+
+TEST(Gateway, DeadUnitsOfAnIdleLineAreAskedAsOftenAsTheyAreDue) {
+  Rig rig;
+  rig.bus.outstanding_max = 1;
+  rig.settings.buses[0].outstanding_max = 1;
+  rig.settings.poll.interval = 1s;
+  rig.settings.buses[0].units = {{.first = 1, .last = 2}};
+  rig.put(1, 0, 0);
+  rig.run(60s);
+  EXPECT_GE(rig.bus.reads[2], 55u);
+}
+
 }  // namespace
 }  // namespace etcm::firmware

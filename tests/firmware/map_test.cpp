@@ -19,7 +19,7 @@ TEST(NodeMap, ComesBackAsItWentOut) {
                            .status = node_status::fix_valid | node_status::relay,
                            .boot_count = 65535};
     NodeReading found;
-    ASSERT_EQ(decode_node(encode_node(sent, 65535), found), ReadingFault::none);
+    ASSERT_EQ(decode_node(encode_node(sent, 65535), WordOrder::abcd, found), ReadingFault::none);
     EXPECT_EQ(found.serial, sent.serial);
     EXPECT_EQ(found.position, sent.position);
     EXPECT_EQ(found.status, sent.status);
@@ -37,18 +37,69 @@ TEST(NodeMap, AFaultLeavesTheReadingAlone) {
   NodeReading reading{.serial = 42, .position = {}};
   NodeRegisters registers = encode_node({.serial = 7, .position = {}}, 1);
   registers[11] = 2;
-  EXPECT_EQ(decode_node(registers, reading), ReadingFault::torn);
+  EXPECT_EQ(decode_node(registers, WordOrder::abcd, reading), ReadingFault::torn);
   EXPECT_EQ(reading.serial, 42u);
-  EXPECT_EQ(decode_node(std::span(registers).first(11), reading), ReadingFault::wrong_length);
-  EXPECT_EQ(decode_node(encode_node({.serial = no_serial, .position = {}}, 1), reading),
-            ReadingFault::bad_serial);
+  EXPECT_EQ(decode_node(std::span(registers).first(11), WordOrder::abcd, reading),
+            ReadingFault::wrong_length);
+  EXPECT_EQ(
+      decode_node(encode_node({.serial = no_serial, .position = {}}, 1), WordOrder::abcd, reading),
+      ReadingFault::bad_serial);
 }
 
 TEST(NodeMap, APositionOutOfRangeIsNoFaultWithoutAFix) {
   NodeReading reading;
-  EXPECT_EQ(decode_node(encode_node({.serial = 1, .position = {position_max + 1, 0}}, 1), reading),
+  EXPECT_EQ(decode_node(encode_node({.serial = 1, .position = {position_max + 1, 0}}, 1),
+                        WordOrder::abcd, reading),
             ReadingFault::none);
 }
+
+struct OrderCase {
+  const char* name;
+  WordOrder order;
+  NodeRegisters registers;  // as a node of that order sends them
+};
+class NodeWordOrder : public testing::TestWithParam<OrderCase> {};
+
+// Serial 0x00010002 at x = 0x00000304, y = -2.
+TEST_P(NodeWordOrder, IsReadAsItIsAndShowsWhenItIsTakenForAnother) {
+  const OrderCase& sent = GetParam();
+  NodeReading found;
+  ASSERT_EQ(decode_node(sent.registers, sent.order, found), ReadingFault::none);
+  EXPECT_EQ(found.serial, 0x00010002u);
+  EXPECT_EQ(found.position, (Position{0x0304, -2}));
+  EXPECT_EQ(reorder(reorder(sent.registers, sent.order), sent.order), sent.registers);
+  const bool is_byte_swapped = sent.registers[0] != node_magic;
+  for (const WordOrder taken :
+       {WordOrder::abcd, WordOrder::badc, WordOrder::cdab, WordOrder::dcba}) {
+    if (taken == sent.order) continue;
+    NodeReading reading;
+    const ReadingFault fault = decode_node(sent.registers, taken, reading);
+    const bool takes_swapped = taken == WordOrder::badc || taken == WordOrder::dcba;
+    if (takes_swapped != is_byte_swapped) {
+      EXPECT_EQ(fault, ReadingFault::swapped_bytes);
+    } else if (fault == ReadingFault::none) {
+      EXPECT_EQ(reading.serial, swap_words(0x00010002));
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Rows, NodeWordOrder,
+    testing::Values(OrderCase{"ABCD",
+                              WordOrder::abcd,
+                              {0x4554, 0x010c, 1, 2, 9, 0, 0x0304, 0xffff, 0xfffe, 1, 6, 9}},
+                    OrderCase{"BADC",
+                              WordOrder::badc,
+                              {0x5445, 0x0c01, 0x0100, 0x0200, 0x0900, 0, 0x0403, 0xffff, 0xfeff,
+                               0x0100, 0x0600, 0x0900}},
+                    OrderCase{"CDAB",
+                              WordOrder::cdab,
+                              {0x4554, 0x010c, 2, 1, 9, 0x0304, 0, 0xfffe, 0xffff, 1, 6, 9}},
+                    OrderCase{"DCBA",
+                              WordOrder::dcba,
+                              {0x5445, 0x0c01, 0x0200, 0x0100, 0x0900, 0x0403, 0, 0xfeff, 0xffff,
+                               0x0100, 0x0600, 0x0900}}),
+    [](const auto& row) { return std::string(row.param.name); });
 
 // Reads vertex and neighbour by the documented rule alone: unit, block, register.
 class Reader {

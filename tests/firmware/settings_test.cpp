@@ -105,6 +105,43 @@ to = 2
   EXPECT_EQ(settings.features[0].place, path_ + ":30");
 }
 
+TEST_F(SettingsFile, EverySettingOfASerialBusArrives) {
+  const Settings settings = read(R"(
+[mesh]
+vertices_max = 10
+[[bus]]
+rtu = "/dev/serial/by-path/pci-0"
+units = "1-247"
+baud = 9600
+parity = "none"
+stop_bits = 2
+rs485 = "kernel"
+word_order = "CDAB"
+timeout = "80ms"
+quiet = "30ms"
+[[bus]]
+rtu = "/dev/ttyS1"
+units = "1"
+)");
+  EXPECT_TRUE(mistakes_.empty()) << mistakes_.front();
+  const BusSettings& bus = settings.buses[0];
+  const auto& line = std::get<port::SerialLine>(bus.link);
+  EXPECT_EQ(line.path, "/dev/serial/by-path/pci-0");
+  EXPECT_EQ(bus.name, line.path);
+  EXPECT_EQ(line.baud, 9600u);
+  EXPECT_EQ(line.parity, port::Parity::none);
+  EXPECT_EQ(line.stop_bits, 2);
+  EXPECT_EQ(line.direction, port::Direction::kernel);
+  EXPECT_EQ(bus.word_order, WordOrder::cdab);
+  EXPECT_EQ(bus.timeout, 80ms);
+  EXPECT_EQ(bus.quiet, 30ms);
+  EXPECT_EQ(bus.outstanding_max, 1u);
+  const auto& usual = std::get<port::SerialLine>(settings.buses[1].link);
+  EXPECT_EQ(usual.baud, 19200u);
+  EXPECT_EQ(usual.parity, port::Parity::even);
+  EXPECT_EQ(settings.buses[1].quiet, 50ms);
+}
+
 struct Mistake {
   const char* name;
   std::string text;  // after three good lines
@@ -112,6 +149,10 @@ struct Mistake {
   const char* what;
   const char* cure;
 };
+
+std::string serial(const std::string& lines) {
+  return "[[bus]]\nrtu = \"/dev/ttyS0\"\nunits = \"1\"\n" + lines;
+}
 
 std::string bus(const std::string& lines) { return "[[bus]]\ntcp = \"127.0.0.1:502\"\n" + lines; }
 
@@ -159,6 +200,19 @@ INSTANTIATE_TEST_SUITE_P(
                 "from node 5 to itself", "two different serials"},
         Mistake{"two_buses_of_one_name", bus("units = \"1\"\n") + bus("units = \"2\"\n"), 7,
                 "two buses are named", "rename one"},
+        Mistake{"no_link", "[[bus]]\nunits = \"1\"\n", 4, "neither 'tcp' nor 'rtu'", "add one"},
+        Mistake{"two_links", serial("tcp = \"1.2.3.4:5\"\n"), 7, "both 'tcp' and 'rtu'",
+                "make it two buses"},
+        Mistake{"odd_baud", serial("baud = 9601\n"), 7, "no usual speed", "9600, 19200"},
+        Mistake{"bad_parity", serial("parity = \"mark\"\n"), 7, "parity 'mark' is unknown",
+                "\"even\""},
+        Mistake{"three_stop_bits", serial("stop_bits = 3\n"), 7, "out of range", "from 1 to 2"},
+        Mistake{"bad_word_order", serial("word_order = \"little\"\n"), 7,
+                "word_order 'little' is unknown", "\"CDAB\""},
+        Mistake{"outstanding_on_a_line", serial("outstanding = 4\n"), 7,
+                "'outstanding' is unknown in [[bus]]", "known here: baud"},
+        Mistake{"baud_of_a_socket", bus("units = \"1\"\nbaud = 9600\n"), 7,
+                "'baud' is unknown in [[bus]]", "known here"},
         Mistake{"files_without_folder", bus("units = \"1\"\n") + "[files]\n", 7,
                 "'folder' is missing in [files]", "add it"}),
     [](const auto& row) { return std::string(row.param.name); });

@@ -75,7 +75,7 @@ TEST(FrameReader, NoiseNeverGivesAFrameBeyondItsBytes) {
       std::uint8_t exception = 0;
       std::array<std::uint16_t, 12> registers;
       static_cast<void>(parse_read_request(frame.pdu, exception));
-      static_cast<void>(parse_read_answer(frame.pdu, registers, exception));
+      static_cast<void>(parse_read_answer(frame.pdu, read_input_registers, registers, exception));
     }
   }
 }
@@ -108,14 +108,16 @@ INSTANTIATE_TEST_SUITE_P(Rows, ReadRequest,
 TEST(ReadAnswer, MustHaveExactlyWhatWasAsked) {
   std::array<std::uint16_t, 2> registers{};
   std::uint8_t exception = 0;
-  EXPECT_EQ(parse_read_answer(Bytes{4, 4, 1, 2, 3, 4}, registers, exception),
+  EXPECT_EQ(parse_read_answer(Bytes{4, 4, 1, 2, 3, 4}, read_input_registers, registers, exception),
             ReadAnswer::registers);
   EXPECT_EQ(registers, (std::array<std::uint16_t, 2>{0x0102, 0x0304}));
-  EXPECT_EQ(parse_read_answer(Bytes{0x84, 11}, registers, exception), ReadAnswer::exception);
+  EXPECT_EQ(parse_read_answer(Bytes{0x84, 11}, read_input_registers, registers, exception),
+            ReadAnswer::exception);
   EXPECT_EQ(exception, 11);
   for (const Bytes& wrong : {Bytes{4, 4, 1, 2, 3}, Bytes{4, 2, 1, 2}, Bytes{3, 4, 1, 2, 3, 4},
                              Bytes{4, 2, 1, 2, 3, 4}, Bytes{0x83, 2}, Bytes{4}}) {
-    EXPECT_EQ(parse_read_answer(wrong, registers, exception), ReadAnswer::malformed);
+    EXPECT_EQ(parse_read_answer(wrong, read_input_registers, registers, exception),
+              ReadAnswer::malformed);
   }
 }
 

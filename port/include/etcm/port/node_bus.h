@@ -19,7 +19,7 @@ enum class BusResult : std::uint8_t {
   ok,
   timeout,     // no answer in time; one that comes later is never taken for another's
   exception,   // the unit answered with an exception code
-  bad_answer,  // an answer of the wrong unit, function or length
+  bad_answer,  // an answer of the wrong unit, function or length, or a garbled one
   link_lost,   // the connection or the line went away
 };
 
@@ -27,7 +27,8 @@ struct RegisterRead {
   std::uint8_t unit = 0;
   std::uint16_t first = 0;  // input register, 0-based
   std::uint16_t count = 0;
-  Duration timeout{};
+  Duration
+      timeout{};  // how long the unit may take; the time of bytes on a serial line is not counted
 };
 
 struct BusAnswer {
@@ -42,7 +43,8 @@ class NodeBus {
   // Whether start_read() would take a request now: the link is up and has room for one more.
   virtual bool ready() const = 0;
 
-  // Sends a request for input registers (FC 4). REQUIRES: ready(), no read of this unit under way.
+  // Sends a request for input registers (FC 4; a bus may take FC 3, where nodes serve the same).
+  // REQUIRES: ready(), no read of this unit under way.
   virtual void start_read(const RegisterRead& read, Instant now) = 0;
 
   // Expires what is overdue and brings a lost link back.

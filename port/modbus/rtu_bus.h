@@ -1,0 +1,112 @@
+// Units on a serial line (Modbus RTU), read without blocking, one request at a time.
+//
+// RTU frames carry no number that tells to which request an answer belongs. So that a late answer
+// never becomes another request's data:
+// - what has arrived is thrown away before a request is sent;
+// - an answer counts only with the unit, function and length that were asked for and the right
+//   checksum; other bytes (noise, an echo, another unit's late answer) do not end the wait;
+// - after a wait in vain the line stays silent for as long as that unit may still begin to answer:
+//   `quiet`, or longer where it once was slower; less once its late answer has passed;
+// - the unit that was waited for in vain is next asked with the other function that reads the same
+//   registers (FC 3 after FC 4, FC 4 after FC 3), so that even a later answer does not match.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "etcm/port/digital_io.h"
+#include "etcm/port/log.h"
+#include "etcm/port/node_bus.h"
+#include "etcm/port/serial_line.h"
+#include "modbus/rtu_frame.h"
+#include "posix/event_loop.h"
+
+namespace etcm::port {
+
+struct RtuBusOptions {
+  std::string name;  // for the log
+  SerialLine line;
+  Duration quiet{};            // silence after a wait in vain
+  Duration reopen_interval{};  // from one attempt to open the port to the next
+  DigitalIo* lines = nullptr;  // with `send_enable`: the line that switches the transceiver
+  std::optional<Line> send_enable;
+};
+
+class RtuBus final : public NodeBus, private EventHandler {
+ public:
+  // `loop`, `log` and options.lines must outlive the bus. The port is opened by advance().
+  RtuBus(EventLoop& loop, Log& log, const RtuBusOptions& options);
+  ~RtuBus();
+  RtuBus(const RtuBus&) = delete;
+  RtuBus& operator=(const RtuBus&) = delete;
+
+  bool ready() const override { return phase_ == Phase::idle && !has_answer_; }
+  void start_read(const RegisterRead& read, Instant now) override;
+  void advance(Instant now) override;
+  bool take_answer(BusAnswer& answer) override;
+  Instant next_deadline() const override;
+
+ private:
+  enum class Phase : std::uint8_t {
+    closed,   // no port
+    idle,     // a request may be sent
+    waiting,  // for the answer to request_, which is still being sent before sent_at_
+    silent,   // until silent_until_
+  };
+
+  // What is remembered of a unit, by its address.
+  struct Unit {
+    std::uint8_t function = read_input_registers;  // for the next request
+    bool owes_answer = false;                      // to the request that was sent at asked_at
+    bool is_reported_late = false;
+    Instant asked_at{};
+    Duration slowest_late{};  // from the end of a request to the end of a late answer
+  };
+
+  void on_ready(bool can_read, bool can_write) override;
+  bool receive();
+  void listen(Instant now);
+  void settle(const RtuAnswer& found);
+  bool note_late(const RtuAnswer& found, Instant now);
+  void give_up(Instant now);
+  void complete(BusResult result);
+  void be_silent(Instant until, Instant at_latest);
+  void stop_sending(Instant now);
+  void set_send_enable(bool active);
+  void open(Instant now);
+  void close(const std::string& why);
+
+  EventLoop& loop_;
+  Log& log_;
+  RtuBusOptions options_;
+  Duration character_;
+  Duration silence_;  // between two frames
+  FileDescriptor port_;
+  Phase phase_ = Phase::closed;
+  bool reported_closed_ = false;
+  bool hung_up_ = false;  // found while receiving; advance() closes the port
+  bool is_sending_ = false;
+  Instant next_attempt_{};
+
+  RegisterRead request_;
+  std::uint8_t function_ = read_input_registers;
+  Instant sent_at_{};   // when its last bit is on the line
+  Instant deadline_{};  // of its answer
+  Instant silent_until_{};
+  Instant silent_at_latest_{};
+
+  // What was heard since the last request, as far as it is not understood.
+  std::array<std::uint8_t, 2 * rtu_frame_bytes_max> heard_;
+  std::size_t heard_count_ = 0;
+  bool is_new_ = false;  // bytes came since the last advance()
+  bool heard_wrong_ = false;
+
+  std::array<Unit, 256> units_{};
+
+  bool has_answer_ = false;
+  BusAnswer answer_;
+  std::array<std::uint16_t, read_registers_max> registers_{};
+};
+
+}  // namespace etcm::port

@@ -1,0 +1,78 @@
+#include "modbus/rtu_frame.h"
+
+#include <modbus/modbus.h>
+
+#include <array>
+
+namespace etcm::port {
+
+static_assert(rtu_frame_bytes_max == MODBUS_RTU_MAX_ADU_LENGTH);
+
+namespace {
+
+constexpr std::uint16_t checksum_polynomial = 0xa001;  // x^16 + x^15 + x^2 + 1, low bit first
+
+constexpr std::array<std::uint16_t, 256> make_checksum_table() {
+  std::array<std::uint16_t, 256> table{};
+  for (unsigned byte = 0; byte < table.size(); ++byte) {
+    unsigned value = byte;
+    for (int bit = 0; bit < 8; ++bit) {
+      value = (value & 1u) != 0 ? (value >> 1) ^ checksum_polynomial : value >> 1;
+    }
+    table[byte] = static_cast<std::uint16_t>(value);
+  }
+  return table;
+}
+
+constexpr std::array<std::uint16_t, 256> checksum_table = make_checksum_table();
+
+// How long the answer to a read would be that starts with these bytes; 0 where none starts so.
+std::size_t answer_bytes(std::span<const std::uint8_t> bytes) {
+  constexpr std::uint8_t exception_bit = 0x80;
+  const std::uint8_t function = bytes[1];
+  const std::uint8_t plain = function & static_cast<std::uint8_t>(~exception_bit);
+  if (plain != read_input_registers && plain != read_holding_registers) return 0;
+  if (function != plain) return rtu_unit_bytes + 2 + rtu_checksum_bytes;
+  const std::uint8_t data_bytes = bytes[2];
+  return data_bytes % 2 == 0 ? rtu_read_answer_bytes(data_bytes / 2u) : 0;
+}
+
+}  // namespace
+
+std::uint16_t rtu_checksum(std::span<const std::uint8_t> bytes) {
+  std::uint16_t value = 0xffff;
+  for (const std::uint8_t byte : bytes) {
+    value = static_cast<std::uint16_t>(value >> 8 ^ checksum_table[(value ^ byte) & 0xff]);
+  }
+  return value;
+}
+
+bool is_rtu_frame(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() <= rtu_unit_bytes + rtu_checksum_bytes) return false;
+  // The checksum comes low byte first, so that of the whole frame is 0.
+  return rtu_checksum(bytes) == 0;
+}
+
+std::size_t wrap_rtu(std::span<std::uint8_t> frame, std::uint8_t unit, std::size_t pdu_bytes) {
+  frame[0] = unit;
+  const std::size_t checked = rtu_unit_bytes + pdu_bytes;
+  const std::uint16_t checksum = rtu_checksum(frame.first(checked));
+  frame[checked] = static_cast<std::uint8_t>(checksum & 0xff);
+  frame[checked + 1] = static_cast<std::uint8_t>(checksum >> 8);
+  return checked + rtu_checksum_bytes;
+}
+
+std::optional<RtuAnswer> find_rtu_answer(std::span<const std::uint8_t> bytes, std::size_t from) {
+  for (std::size_t begin = from; begin + 3 <= bytes.size(); ++begin) {
+    const std::span<const std::uint8_t> rest = bytes.subspan(begin);
+    const std::size_t size = answer_bytes(rest);
+    if (size == 0 || size > rest.size() || !is_rtu_frame(rest.first(size))) continue;
+    return RtuAnswer{
+        .unit = rest[0],
+        .pdu = rest.subspan(rtu_unit_bytes, size - rtu_unit_bytes - rtu_checksum_bytes),
+        .end = begin + size};
+  }
+  return std::nullopt;
+}
+
+}  // namespace etcm::port

@@ -1,0 +1,20 @@
+// A serial port of the system, opened by path and never waited for.
+#pragma once
+
+#include <string>
+
+#include "etcm/port/serial_line.h"
+#include "posix/file_descriptor.h"
+
+namespace etcm::port {
+
+// Not open where that failed, with the reason (and the cure where there is one) in `why`.
+FileDescriptor open_serial(const SerialLine& line, std::string& why);
+
+// Throws away what has arrived and was not read.
+void discard_input(int descriptor);
+
+// Whether the last bit of everything written is on the line. True where the driver cannot tell.
+bool is_sent(int descriptor);
+
+}  // namespace etcm::port

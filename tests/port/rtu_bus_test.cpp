@@ -1,0 +1,384 @@
+// The RTU bus against units that answer late, wrongly, or not at all. Time is the test's; the
+// terminal is real.
+#include "modbus/rtu_bus.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <optional>
+
+#include "peer.h"
+#include "pseudo_terminal.h"
+
+namespace etcm::port {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration timeout = 50ms;
+constexpr Duration quiet = 20ms;
+
+Bytes rtu_of(std::uint8_t unit, const Bytes& pdu) {
+  Bytes bytes(rtu_frame_bytes_max);
+  std::copy(pdu.begin(), pdu.end(), bytes.begin() + rtu_unit_bytes);
+  bytes.resize(wrap_rtu(bytes, unit, pdu.size()));
+  return bytes;
+}
+
+// The answer to reading two registers.
+Bytes two_registers(std::uint8_t unit, std::uint8_t value,
+                    std::uint8_t function = read_input_registers) {
+  return rtu_of(unit, {function, 4, 0, value, 0, value});
+}
+
+class RecordingLines final : public DigitalIo {
+ public:
+  bool is_active(Line) const override { return active; }
+  void set_active(Line, bool value) override {
+    active = value;
+    ++changes;
+  }
+  bool active = false;
+  int changes = 0;
+};
+
+class SerialBus : public testing::Test {
+ protected:
+  SerialBus()
+      : path_(std::filesystem::path(testing::TempDir()) /
+              ("etcm_line_" + std::to_string(::getpid()))) {
+    plug_in();
+  }
+
+  void plug_in() { cable_.emplace(path_); }
+  void unplug() { cable_.reset(); }
+
+  RtuBus& bus() {
+    if (!bus_) {
+      bus_ = std::make_unique<RtuBus>(loop_, log_,
+                                      RtuBusOptions{.name = "yard",
+                                                    .line = {.path = path_, .baud = 9600},
+                                                    .quiet = quiet,
+                                                    .reopen_interval = 100ms,
+                                                    .lines = &lines_,
+                                                    .send_enable = send_enable_});
+    }
+    return *bus_;
+  }
+
+  void pass(Duration time) {
+    now_ += time;
+    bus().advance(now_);
+  }
+
+  // Lets time pass until a request may be sent.
+  void become_ready() {
+    bus().advance(now_);
+    for (int turn = 0; turn < 100 && !bus().ready(); ++turn) pass(5ms);
+    ASSERT_TRUE(bus().ready());
+  }
+
+  // Sends a request and takes it at the other end; it must be for this function.
+  void request(std::uint8_t unit, std::uint8_t function = read_input_registers) {
+    become_ready();
+    bus().start_read({.unit = unit, .first = 0, .count = 2, .timeout = timeout}, now_);
+    Bytes bytes;
+    EXPECT_TRUE(turn_until(loop_, [&] {
+      std::uint8_t chunk[64];
+      const ssize_t count = ::read(cable_->descriptor(), chunk, sizeof chunk);
+      if (count > 0) bytes.insert(bytes.end(), chunk, chunk + count);
+      return bytes.size() >= rtu_read_request_bytes;
+    }));
+    EXPECT_EQ(bytes, rtu_of(unit, {function, 0, 0, 0, 2}));
+  }
+
+  // Puts bytes on the line and lets the bus hear them.
+  void say(const Bytes& bytes) {
+    ASSERT_EQ(::write(cable_->descriptor(), bytes.data(), bytes.size()),
+              static_cast<ssize_t>(bytes.size()));
+    for (int turn = 0; turn < 5; ++turn) loop_.wait(2ms);
+    bus().advance(now_);
+  }
+
+  std::optional<BusResult> result() {
+    BusAnswer found;
+    if (!bus().take_answer(found)) return std::nullopt;
+    value_ = found.registers.empty() ? -1 : found.registers[1];
+    exception_ = found.exception;
+    return found.result;
+  }
+
+  // The wait is over without an answer.
+  BusResult wait_in_vain() {
+    EXPECT_EQ(result(), std::nullopt);
+    pass(200ms);
+    return result().value_or(BusResult::ok);
+  }
+
+  // The next question to a healthy unit gets its own answer.
+  void expect_health(std::uint8_t unit = 9) {
+    request(unit);
+    say(two_registers(unit, 77));
+    ASSERT_EQ(result(), BusResult::ok);
+    EXPECT_EQ(value_, 77);
+  }
+
+  EventLoop loop_;
+  KeptLog log_;
+  RecordingLines lines_;
+  std::optional<Line> send_enable_;
+  std::string path_;
+  std::optional<nodes::PseudoTerminal> cable_;
+  std::unique_ptr<RtuBus> bus_;
+  Instant now_{1h};
+  int value_ = -1;
+  int exception_ = 0;
+};
+
+TEST_F(SerialBus, ReadsRegisters) {
+  request(7);
+  say(two_registers(7, 42));
+  EXPECT_EQ(result(), BusResult::ok);
+  EXPECT_EQ(value_, 42);
+}
+
+TEST_F(SerialBus, AnAnswerMayComeByteByByte) {
+  request(7);
+  for (const std::uint8_t byte : two_registers(7, 42)) {
+    EXPECT_EQ(result(), std::nullopt);
+    say({byte});
+    pass(1ms);
+  }
+  EXPECT_EQ(result(), BusResult::ok);
+}
+
+TEST_F(SerialBus, FramesAreApartByTheirSilence) {
+  request(7);
+  say(two_registers(7, 1));
+  EXPECT_EQ(result(), BusResult::ok);
+  const Duration silence = frame_silence({.path = {}, .baud = 9600});
+  EXPECT_EQ(bus().next_deadline(), now_ + silence);
+  pass(silence - 1us);
+  EXPECT_FALSE(bus().ready());
+  pass(1us);
+  EXPECT_TRUE(bus().ready());
+}
+
+TEST_F(SerialBus, TimeOnTheLineIsNotTheUnits) {
+  request(7);
+  const Duration bytes = 17 * character_time({.path = {}, .baud = 9600});
+  pass(bytes + timeout);
+  EXPECT_EQ(result(), std::nullopt);
+  pass(5ms);
+  EXPECT_EQ(result(), BusResult::timeout);
+}
+
+TEST_F(SerialBus, ALateAnswerNeverBecomesTheNextRequestsData) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  say(two_registers(7, 1));
+  EXPECT_EQ(result(), std::nullopt);
+  // Asked in another way, so that what comes even later does not match either.
+  request(7, read_holding_registers);
+  say(two_registers(7, 1));
+  EXPECT_EQ(result(), std::nullopt);
+  say(two_registers(7, 2, read_holding_registers));
+  EXPECT_EQ(result(), BusResult::ok);
+  EXPECT_EQ(value_, 2);
+}
+
+TEST_F(SerialBus, ALateAnswerIsNotTakenForAnotherUnits) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  request(8);
+  say(two_registers(7, 1));
+  EXPECT_EQ(result(), std::nullopt);
+  say(two_registers(8, 2));
+  EXPECT_EQ(result(), BusResult::ok);
+  EXPECT_EQ(value_, 2);
+}
+
+TEST_F(SerialBus, HalfAnAnswerThatCameTooLateDoesNotSpoilTheNext) {
+  request(7);
+  Bytes half = two_registers(7, 1);
+  half.resize(5);
+  say(half);
+  EXPECT_EQ(wait_in_vain(), BusResult::bad_answer);
+  expect_health();
+}
+
+TEST_F(SerialBus, WhatLiesThereBeforeARequestIsThrownAway) {
+  become_ready();
+  const Bytes stale = two_registers(7, 1);
+  ASSERT_GT(::write(cable_->descriptor(), stale.data(), stale.size()), 0);
+  request(7);
+  say(two_registers(7, 2));
+  EXPECT_EQ(result(), BusResult::ok);
+  EXPECT_EQ(value_, 2);
+}
+
+TEST_F(SerialBus, AfterAWaitInVainTheLineIsQuiet) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  EXPECT_FALSE(bus().ready());
+  EXPECT_EQ(bus().next_deadline(), now_ + quiet);
+  pass(quiet);
+  EXPECT_TRUE(bus().ready());
+}
+
+TEST_F(SerialBus, TheQuietEndsWithTheLateAnswer) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  pass(1ms);
+  say(two_registers(7, 1));
+  pass(5ms);
+  EXPECT_TRUE(bus().ready());
+  EXPECT_EQ(log_.lines.back().find("bus yard: unit 7 answered too late, after 1"), 0u)
+      << log_.lines.back();
+}
+
+TEST_F(SerialBus, AUnitThatOnceWasSlowGetsALongerQuiet) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  pass(quiet + 300ms);
+  say(two_registers(7, 1));
+  request(7, read_holding_registers);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  pass(quiet + 200ms);
+  EXPECT_FALSE(bus().ready()) << "it may still answer";
+  pass(200ms);
+  EXPECT_TRUE(bus().ready());
+}
+
+struct Misbehaviour {
+  const char* name;
+  Bytes bytes;
+};
+class SerialBusSurvives : public SerialBus, public testing::WithParamInterface<Misbehaviour> {};
+
+TEST_P(SerialBusSurvives, ItsOwnTimeOnly) {
+  expect_health();
+  request(7);
+  say(GetParam().bytes);
+  EXPECT_EQ(wait_in_vain(), GetParam().bytes.empty() ? BusResult::timeout : BusResult::bad_answer);
+  const Instant over = now_;
+  become_ready();
+  EXPECT_LE(now_ - over, quiet + 5ms);
+  expect_health();
+}
+
+Bytes garbled() {
+  Bytes bytes = two_registers(7, 1);
+  bytes[4] ^= 0x10;
+  return bytes;
+}
+Bytes truncated() {
+  Bytes bytes = two_registers(7, 1);
+  bytes.pop_back();
+  return bytes;
+}
+INSTANTIATE_TEST_SUITE_P(
+    Rows, SerialBusSurvives,
+    testing::Values(Misbehaviour{"dead", {}}, Misbehaviour{"garbled", garbled()},
+                    Misbehaviour{"truncated", truncated()},
+                    Misbehaviour{"wrong_unit", two_registers(8, 1)},
+                    Misbehaviour{"wrong_length", rtu_of(7, {4, 2, 0, 1})},
+                    Misbehaviour{"wrong_function", two_registers(7, 1, read_holding_registers)},
+                    Misbehaviour{"noise", Bytes(300, 0x55)},
+                    Misbehaviour{"all_zero", Bytes(40, 0)}),
+    [](const auto& row) { return std::string(row.param.name); });
+
+TEST_F(SerialBus, AnExceptionComesWithItsCodeAtOnce) {
+  request(7);
+  say(rtu_of(7, {0x84, 11}));
+  EXPECT_EQ(result(), BusResult::exception);
+  EXPECT_EQ(exception_, 11);
+  expect_health();
+}
+
+TEST_F(SerialBus, AUnitWithoutTheOtherFunctionIsAskedWithTheFirstAgain) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  request(7, read_holding_registers);
+  say(rtu_of(7, {0x83, 1}));
+  EXPECT_EQ(result(), BusResult::exception);
+  request(7, read_input_registers);
+  say(two_registers(7, 5));
+  EXPECT_EQ(result(), BusResult::ok);
+}
+
+TEST_F(SerialBus, NoiseBeforeAnAnswerAndAnEchoOfTheRequestAreSkipped) {
+  request(7);
+  say({0xff, 0, 7, 4, 4});
+  say(rtu_of(7, {read_input_registers, 0, 0, 0, 2}));
+  say(two_registers(7, 3));
+  EXPECT_EQ(result(), BusResult::ok);
+  EXPECT_EQ(value_, 3);
+}
+
+TEST_F(SerialBus, ABabblerDoesNotKeepTheLineForEver) {
+  become_ready();
+  int turns = 0;
+  do {
+    say(Bytes(3, 0x55));
+    pass(1ms);
+  } while (!bus().ready() && ++turns < 2000);
+  EXPECT_LT(turns, 2000);
+}
+
+TEST_F(SerialBus, AnUnpluggedPortComesBack) {
+  expect_health();
+  request(7);
+  unplug();
+  EXPECT_TRUE(turn_until(loop_, [&] {
+    bus().advance(now_);
+    return result() == BusResult::link_lost;
+  }));
+  pass(100ms);
+  EXPECT_FALSE(bus().ready());
+  plug_in();
+  pass(100ms);
+  expect_health();
+  EXPECT_EQ(log_.lines.size(), 3u) << "opened, gone, opened";
+}
+
+TEST_F(SerialBus, APortThatIsNotThereIsTriedAgainAndSaidOnce) {
+  unplug();
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    pass(100ms);
+    EXPECT_FALSE(bus().ready());
+  }
+  ASSERT_EQ(log_.lines.size(), 1u);
+  EXPECT_NE(log_.lines[0].find(path_), std::string::npos) << log_.lines[0];
+  plug_in();
+  pass(100ms);
+  expect_health();
+}
+
+TEST_F(SerialBus, ADriverThatCannotSwitchIsSaidWithTheCure) {
+  RtuBus bus(loop_, log_,
+             {.name = "yard",
+              .line = {.path = path_, .direction = Direction::kernel},
+              .reopen_interval = 1s,
+              .send_enable = {}});
+  bus.advance(now_);
+  EXPECT_FALSE(bus.ready());
+  EXPECT_NE(log_.lines.back().find("TIOCSRS485"), std::string::npos) << log_.lines.back();
+  EXPECT_NE(log_.lines.back().find("take `rs485` out"), std::string::npos) << log_.lines.back();
+}
+
+TEST_F(SerialBus, ALineSwitchesTheTransceiverWhileBytesGoOut) {
+  send_enable_ = Line{0};
+  request(7);
+  EXPECT_TRUE(lines_.active);
+  const Duration sending = 8 * character_time({.path = {}, .baud = 9600});
+  EXPECT_EQ(bus().next_deadline(), now_ + sending);
+  pass(sending);
+  EXPECT_FALSE(lines_.active);
+  say(two_registers(7, 1));
+  EXPECT_EQ(result(), BusResult::ok);
+  EXPECT_FALSE(lines_.active);
+}
+
+}  // namespace
+}  // namespace etcm::port

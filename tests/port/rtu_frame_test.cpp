@@ -1,0 +1,95 @@
+// RTU framing: known checksums, frames found in noise, and nothing found that is not there.
+#include "modbus/rtu_frame.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "etcm/port/serial_line.h"
+#include "peer.h"
+
+namespace etcm::port {
+namespace {
+
+TEST(RtuFrame, HasTheChecksumOfTheSpecification) {
+  // "Modbus over serial line", appendix B: the checksum of 02 07 is 1241, low byte first.
+  const Bytes bytes{0x02, 0x07};
+  EXPECT_EQ(rtu_checksum(bytes), 0x1241);
+  Bytes frame(8);
+  frame[1] = 0x07;
+  frame.resize(wrap_rtu(frame, 0x02, 1));
+  EXPECT_EQ(frame, (Bytes{0x02, 0x07, 0x41, 0x12}));
+  EXPECT_TRUE(is_rtu_frame(frame));
+}
+
+TEST(RtuFrame, EveryWrongBitIsFound) {
+  Bytes frame(40, 0x5a);
+  frame.resize(wrap_rtu(frame, 9, 30));
+  for (std::size_t bit = 0; bit < frame.size() * 8; ++bit) {
+    Bytes wrong = frame;
+    wrong[bit / 8] ^= static_cast<std::uint8_t>(1 << bit % 8);
+    EXPECT_FALSE(is_rtu_frame(wrong)) << bit;
+  }
+}
+
+// Answers changed at random: whatever is found has the right checksum and stays inside its bytes.
+TEST(RtuFrame, MutatedAnswersAreFoundWholeOrNotAtAll) {
+  std::mt19937 chance(7);
+  int whole = 0;
+  for (int round = 0; round < 100000; ++round) {
+    Bytes bytes(chance() % 20, 0);
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(chance());
+    const std::size_t begin = bytes.size();
+    std::array<std::uint16_t, 12> registers;
+    for (auto& value : registers) value = static_cast<std::uint16_t>(chance());
+    Bytes frame(rtu_frame_bytes_max);
+    const std::size_t pdu = write_read_answer(std::span(frame).subspan(rtu_unit_bytes),
+                                              read_input_registers, registers);
+    frame.resize(wrap_rtu(frame, static_cast<std::uint8_t>(chance()), pdu));
+    bytes.insert(bytes.end(), frame.begin(), frame.end());
+    const unsigned changes = chance() % 4;
+    for (unsigned change = 0; change < changes; ++change) {
+      switch (chance() % 3) {
+        case 0:
+          bytes[chance() % bytes.size()] ^= static_cast<std::uint8_t>(1 << chance() % 8);
+          break;
+        case 1:
+          bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(chance() % bytes.size()));
+          break;
+        case 2:
+          bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(chance() % bytes.size()),
+                       static_cast<std::uint8_t>(chance()));
+          break;
+      }
+    }
+    const auto found = find_rtu_answer(bytes);
+    if (changes == 0) {
+      ASSERT_TRUE(found && found->end == bytes.size()) << begin;
+    }
+    if (!found) continue;
+    ++whole;
+    ASSERT_LE(found->end, bytes.size());
+    const std::size_t size = found->pdu.size() + 3;
+    ASSERT_LE(size, found->end);
+    ASSERT_TRUE(is_rtu_frame(std::span(bytes).subspan(found->end - size, size)));
+    std::array<std::uint16_t, 12> parsed;
+    std::uint8_t exception = 0;
+    static_cast<void>(parse_read_answer(found->pdu, read_input_registers, parsed, exception));
+  }
+  EXPECT_GT(whole, 25000);
+}
+
+TEST(SerialLine, TimesAreThoseOfTheSpecification) {
+  using namespace std::chrono_literals;
+  const SerialLine slow{.path = {}, .baud = 9600};
+  EXPECT_EQ(character_time(slow) / 1us, 1145) << "11 bits";
+  EXPECT_EQ(frame_silence(slow) / 1us, 4010) << "3.5 characters";
+  const SerialLine fast{.path = {}, .baud = 115200, .parity = Parity::none};
+  EXPECT_EQ(character_time(fast) / 1us, 86) << "10 bits";
+  EXPECT_EQ(frame_silence(fast), 1750us);
+  EXPECT_TRUE(is_baud(19200));
+  EXPECT_FALSE(is_baud(12345));
+}
+
+}  // namespace
+}  // namespace etcm::port
