@@ -27,7 +27,7 @@ enum class Depth : std::uint8_t {
 struct Attempt {
   Verdict verdict = Verdict::ok;
   double delaunay_us = 0;  // the nodes alone
-  double features_us = 0;  // from there to the mesh with the features
+  double total_us = 0;     // nodes and features
   std::uint32_t added = 0;
   // What is left of `added` after our pruning, which takes out only what no edge needs: how much of
   // a system's count is its rule. Equals `added` where pruning does not apply.

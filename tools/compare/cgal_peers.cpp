@@ -144,7 +144,7 @@ Attempt run_cgal(const inputs::Graph& graph, bool conforming, Depth depth) {
                            nodes[inputs::node_index_of(ends.to)]);
   }
   if (conforming) CGAL::make_conforming_Delaunay_2(mesh);
-  attempt.features_us = watch.lap_us();
+  attempt.total_us = attempt.delaunay_us + watch.lap_us();
   attempt.added = attempt.added_after_pruning =
       static_cast<std::uint32_t>(mesh.number_of_vertices() - graph.nodes.size());
   if (depth == Depth::times) return attempt;

@@ -1,9 +1,8 @@
 #include "compare/measurement.h"
 
-#include <vector>
+#include <algorithm>
 
 #include "bench/limited.h"
-#include "compare/statistics.h"
 #include "compare/variants.h"
 #include "inputs/owned_mesh.h"
 
@@ -12,22 +11,23 @@ namespace {
 
 constexpr std::uint64_t shuffle_seed = 2015;
 
-// Small graphs take microseconds, so they are repeated until the median means something.
-constexpr std::size_t repeats_min = 3;
-constexpr std::size_t repeats_max = 15;
-constexpr double enough_us = 30'000;
+// Small graphs take microseconds: there are many repeats before they take long together.
+constexpr int repeats_min = 5;
+constexpr int repeats_max = 40;
+constexpr double enough_us = 40'000;
 
 void time_repeatedly(const System& system, const inputs::Graph& graph, Measurement& result) {
-  std::vector<double> delaunay, features;
+  double delaunay = 0;
   double total = 0;
-  while (delaunay.size() < repeats_min || (delaunay.size() < repeats_max && total < enough_us)) {
+  double spent = 0;
+  for (int run = 0; run < repeats_min || (run < repeats_max && spent < enough_us); ++run) {
     const Attempt attempt = system.run(graph, Depth::times);
-    delaunay.push_back(attempt.delaunay_us);
-    features.push_back(attempt.features_us);
-    total += attempt.delaunay_us + attempt.features_us;
+    delaunay = run == 0 ? attempt.delaunay_us : std::min(delaunay, attempt.delaunay_us);
+    total = run == 0 ? attempt.total_us : std::min(total, attempt.total_us);
+    spent += attempt.total_us;
   }
-  result.delaunay_us = spread_of(std::move(delaunay)).median;
-  result.features_us = spread_of(std::move(features)).median;
+  result.delaunay_us = delaunay;
+  result.features_us = std::max(0.0, total - delaunay);
 }
 
 Measurement measure_here(const System& system, const inputs::Graph& graph) {

@@ -1,6 +1,4 @@
 // This library as its users get it: Mesh::build() with the default policy.
-#include <algorithm>
-
 #include "compare/stopwatch.h"
 #include "compare/system.h"
 #include "inputs/owned_mesh.h"
@@ -16,8 +14,7 @@ Attempt run_default(const inputs::Graph& graph, Depth depth) {
   mesh->clear();
   watch.lap_us();
   status = mesh->build(graph.nodes, graph.features);
-  // build() is one call: what it takes beyond the nodes is the features.
-  attempt.features_us = std::max(0.0, watch.lap_us() - attempt.delaunay_us);
+  attempt.total_us = watch.lap_us();
   attempt.added = attempt.added_after_pruning = mesh->steiner_count();
   if (status != Status::ok) {
     attempt.verdict = Verdict::out_of_room;

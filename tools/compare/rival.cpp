@@ -23,7 +23,7 @@ Status insert_features(MeshState& m, std::span<const FeatureEnds> features, cons
     const SectionId root{static_cast<IdValue>(i)};
     const Course course = survey(m, root);
     if (course.status != Status::ok) return course.status;
-    lay(m, root);
+    lay(m, root, course.nodes_between);
     const Status status = rule.conform(m);
     if (status != Status::ok) return status;
   }
@@ -40,7 +40,7 @@ Attempt run_rival(const inputs::Graph& graph, const RivalRule& rule, Depth depth
   attempt.delaunay_us = watch.lap_us();
   MeshState& m = state_of(*mesh);
   if (status == Status::ok) status = insert_features(m, graph.features, rule);
-  attempt.features_us = watch.lap_us();
+  attempt.total_us = attempt.delaunay_us + watch.lap_us();
   attempt.added = mesh->steiner_count();
   if (status != Status::ok) {
     attempt.verdict = Verdict::out_of_room;

@@ -1,0 +1,109 @@
+// Each system is the one that its name says.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <stdexcept>
+
+#include "compare/measurement.h"
+#include "compare/variants.h"
+#include "inputs/patterns.h"
+#include "inputs/random_graph.h"
+
+namespace etcm::compare {
+namespace {
+
+using inputs::FeatureLength;
+
+// Two nodes beside a feature, at these places: the fewest that keep it from being an edge.
+inputs::Graph one_feature(Position beside, Position opposite) {
+  inputs::Graph graph{"one", {{0, 0}, {1000, 0}, beside, opposite}, {}};
+  graph.features.push_back(inputs::between_nodes(0, 1));
+  return graph;
+}
+
+std::vector<Point> added_points(const Attempt& attempt) {
+  std::vector<Point> points;
+  for (const files::ImageVertex& vertex : attempt.image.vertices) {
+    if (vertex.is_steiner) points.push_back(vertex.point);
+  }
+  return points;
+}
+
+TEST(Systems, EveryMeshPassesItsAudit) {
+  for (const auto& graph :
+       {inputs::random_graph(150, FeatureLength::any, 3),
+        inputs::random_graph(150, FeatureLength::in_reach, 3), inputs::comb(20, 10, 1000, 333)}) {
+    for (const System& system : all_systems()) {
+      EXPECT_EQ(system.run(graph, Depth::whole).verdict, Verdict::ok)
+          << system.label << " on " << graph.name;
+    }
+  }
+}
+
+TEST(Systems, TsaiPutsAPointOnTheCrossing) {
+  const Attempt attempt = run_tsai(one_feature({300, 100}, {500, -100}), Depth::whole);
+  ASSERT_EQ(attempt.added, 1u);
+  // The one edge in the way runs from (300, 100) to (500, -100).
+  EXPECT_EQ(added_points(attempt)[0].y, 0);
+  // The nearest place of the feature's grid, whose steps are 1000 sub-units here.
+  EXPECT_NEAR(static_cast<double>(added_points(attempt)[0].x - to_point({400, 0}).x), 0, 500);
+}
+
+TEST(Systems, SapidisAndPerucchioTakeTheMiddle) {
+  const Attempt attempt = run_sapidis_perucchio(one_feature({490, 200}, {510, -200}), Depth::whole);
+  ASSERT_EQ(attempt.added, 1u);
+  EXPECT_EQ(added_points(attempt)[0], to_point({500, 0}));
+}
+
+TEST(Systems, WeiStartsAtTheEndThatWasGivenFirst) {
+  const inputs::Graph graph = one_feature({400, 150}, {700, -150});
+  const std::vector<Point> forth = added_points(run_wei(graph, Depth::whole));
+  const std::vector<Point> back = added_points(run_wei(exchanged(graph), Depth::whole));
+  EXPECT_NE(forth, back);
+  EXPECT_EQ(added_points(run_wei(exchanged(exchanged(graph)), Depth::whole)), forth);
+}
+
+TEST(Systems, LuLeavesNoVertexInADiametralCircle) {
+  // Near enough to be inside the circle over the feature, but not in the way of the edge.
+  const inputs::Graph graph = one_feature({500, 100}, {500, -5000});
+  EXPECT_EQ(run_sapidis_perucchio(graph, Depth::whole).added, 0u);
+  EXPECT_GT(run_lu(graph, Depth::whole).added, 0u);
+}
+
+TEST(Systems, PruningOnlyTakesOut) {
+  const inputs::Graph graph = inputs::random_graph(300, FeatureLength::any, 5);
+  for (const System& system : all_systems()) {
+    const Attempt attempt = system.run(graph, Depth::whole);
+    EXPECT_LE(attempt.added_after_pruning, attempt.added) << system.label;
+  }
+}
+
+TEST(Systems, OneThatDoesNotEndFailsAloneAndInTime) {
+  const System sleeper{"sleeper", "sleeper", [](const inputs::Graph&, Depth) -> Attempt {
+                         while (true) pause();
+                       }};
+  const Measurement measured = measure(sleeper, inputs::random_graph(20, FeatureLength::any, 1),
+                                       std::chrono::milliseconds(50));
+  EXPECT_EQ(measured.verdict, Verdict::not_ended);
+}
+
+TEST(Systems, AreFoundByKey) {
+  const std::vector<std::string> keys{"default", "tsai"};
+  const std::vector<System> systems = systems_named(keys);
+  ASSERT_EQ(systems.size(), 2u);
+  EXPECT_EQ(systems[0].key, "tsai");
+  EXPECT_EQ(systems[1].key, "default");
+  EXPECT_EQ(systems_named({}).size(), all_systems().size());
+  EXPECT_THROW(systems_named(std::vector<std::string>{"ruppert"}), std::invalid_argument);
+}
+
+TEST(Variants, AreTheSameGraphGivenOtherwise) {
+  const inputs::Graph graph = inputs::random_graph(100, FeatureLength::any, 1);
+  const std::uint64_t hash = run_default(graph, Depth::whole).hash;
+  EXPECT_EQ(run_default(exchanged(graph), Depth::whole).hash, hash);
+  EXPECT_EQ(run_default(shuffled(graph, 7), Depth::whole).hash, hash);
+  EXPECT_NE(shuffled(graph, 7).nodes, graph.nodes);
+}
+
+}  // namespace
+}  // namespace etcm::compare
