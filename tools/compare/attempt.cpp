@@ -1,5 +1,7 @@
 #include "compare/attempt.h"
 
+#include <algorithm>
+
 #include "etcm/audit.h"
 
 namespace etcm::compare {
@@ -33,7 +35,7 @@ Verdict verdict_of(const Mesh& mesh) noexcept {
 }
 
 std::size_t steiner_room(const inputs::Graph& graph) noexcept {
-  return 60 * graph.nodes.size() + 4000;
+  return std::min<std::size_t>(60 * graph.nodes.size() + 4000, 2'000'000);
 }
 
 }  // namespace etcm::compare
