@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""The deepest stack of every public call, and the proof that nothing recurses.
+
+Usage: call_graph.py --limit BYTES [--show COUNT] FILE.o...
+
+Reads the call graphs that GCC's -fcallgraph-info=su leaves beside each object file (FILE.ci). Calls
+through a pointer are in them without a target; INDIRECT below says where each may lead. Fails on a
+cycle, on a frame of unknown size, on a call through a pointer that is not listed, and on a public
+call above the limit.
+"""
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+# Source of the call, and a pattern of the functions it may lead to. What a caller's own policy
+# needs comes on top of ours: the caller knows it.
+INDIRECT = {
+    "audit.cpp": r"^etcm::Audit etcm::\{anonymous\}::Auditor::\w+\(\) const$",
+    "conform.cpp": r"^etcm::Parameter etcm::\w+\(const SplitSite&\)$",
+    "features.cpp": r"^bool etcm::(\w+|\{anonymous\})::\w*precedes\(const MeshState&, SectionId, SectionId\)$",
+}
+# Bytes for a function of the compiler's or C's run-time: memset, memcpy, division and the soft
+# floating point of machines without a unit for it. More than any of them takes.
+RUNTIME_BYTES = 128
+# Calls itself, but never again from there: the depth is counted, and is in the source to see.
+SELF_CALLS = {
+    # Once more with its two ends exchanged.
+    r"^void etcm::internal::touch\(MeshState&, SectionId, etcm::VertexId, etcm::VertexId\)$": 2,
+}
+# Ends the program; where it leads is the program's choice.
+FINAL = {"etcm_check_failed"}
+
+NODE = re.compile(r'^node: \{ title: "([^"]+)" label: "([^"]*)"( shape : ellipse)?')
+EDGE = re.compile(r'^edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"(?: label: "([^"]*)")?')
+
+
+class Function:
+    def __init__(self, name, source):
+        self.name = name
+        self.source = source
+        self.frame = None
+        self.is_dynamic = False
+        self.calls = set()
+
+
+def fail(text):
+    sys.exit(f"call_graph: {text}")
+
+
+def read(paths):
+    functions, pointers = {}, []
+    for path in paths:
+        if not path.is_file():
+            fail(f"{path} is missing; compile with GCC and -fcallgraph-info=su")
+        # What an inline function or an anonymous namespace defines is of one file alone.
+        lines = path.read_text().splitlines()
+        for line in lines:
+            if match := NODE.match(line):
+                title, label, is_foreign = match.groups()
+                parts = label.split("\\n")
+                # Newer compilers print types that older ones shorten.
+                signature = parts[0].replace("etcm::internal::MeshState&", "MeshState&")
+                signature = signature.replace("etcm::internal::SectionId", "SectionId")
+                function = functions.setdefault(title, Function(signature, parts[1] if parts[1:] else ""))
+                if is_foreign:
+                    continue
+                function.name = signature
+                frame = next((part for part in parts if " bytes (" in part), None)
+                if frame:
+                    # A function that is compiled into several objects: the greatest of its frames.
+                    function.frame = max(function.frame or 0, int(frame.split()[0]))
+                    function.is_dynamic |= "(dynamic)" in frame
+        for line in lines:
+            if match := EDGE.match(line):
+                caller, callee, place = match.groups()
+                if callee == "__indirect_call":
+                    pointers.append((caller, place or ""))
+                else:
+                    functions[caller].calls.add(callee)
+    return functions, pointers
+
+
+def add_pointer_calls(functions, pointers):
+    for caller, place in pointers:
+        source = Path(place.split(":")[0]).name
+        if source not in INDIRECT:
+            fail(f"{place}: calls through a pointer; say in INDIRECT where that may lead")
+        targets = [title for title, function in functions.items()
+                   if function.frame is not None and re.search(INDIRECT[source], function.name)]
+        if not targets:
+            fail(f"{place}: nothing matches its pattern in INDIRECT; bring that up to date")
+        functions[caller].calls.update(targets)
+
+
+def deepest(functions):
+    """Bytes and path of the deepest descent from each function, callees first."""
+    depth, running = {}, []
+
+    def visit(title):
+        if title in depth:
+            return depth[title]
+        if title in running:
+            names = [functions[t].name for t in running[running.index(title):] + [title]]
+            fail("recursion:\n  " + "\n  ".join(names))
+        function = functions.get(title)
+        if title in FINAL:
+            depth[title] = (0, [])
+            return depth[title]
+        if function is None or function.frame is None:
+            if "etcm" in title:
+                fail(f"{title}: its object file is not among those given")
+            depth[title] = (RUNTIME_BYTES, [title])
+            return depth[title]
+        if function.is_dynamic:
+            fail(f"{function.name}: its frame grows with the data")
+        times = 1
+        if title in function.calls:
+            times = next((n for name, n in SELF_CALLS.items() if re.match(name, function.name)), 0)
+            if times == 0:
+                fail(f"{function.name}: calls itself")
+        running.append(title)
+        others = sorted(function.calls - {title})
+        below, path = max((visit(callee) for callee in others), default=(0, []))
+        running.pop()
+        depth[title] = (function.frame * times + below, [title] * times + path)
+        return depth[title]
+
+    for title in functions:
+        visit(title)
+    return depth
+
+
+def is_public(title, function):
+    """Not static (those have their file before the name), nor in the inner namespace."""
+    return function.frame is not None and re.match(r"_ZNK?4etcm(?!8internal)", title) is not None
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--limit", type=int, required=True, help="bytes that a public call may take")
+    parser.add_argument("--show", type=int, default=12, help="how many public calls to list")
+    parser.add_argument("objects", nargs="+", type=Path)
+    arguments = parser.parse_args()
+
+    functions, pointers = read([path.with_suffix(".ci") for path in arguments.objects])
+    add_pointer_calls(functions, pointers)
+    depth = deepest(functions)
+
+    calls = sorted(((depth[title], title) for title, f in functions.items() if is_public(title, f)),
+                   key=lambda entry: -entry[0][0])
+    if not calls:
+        fail("no public call found; are these the library's objects?")
+    print(f"bytes  public call ({len(calls)} in all; no recursion)")
+    for (size, _), title in calls[:arguments.show]:
+        print(f"{size:5}  {functions[title].name}")
+    size, path = calls[0][0]
+    print("the deepest descent:")
+    for title in path:
+        function = functions.get(title)
+        own = function.frame if function and function.frame is not None else RUNTIME_BYTES
+        print(f"{own:5}  {function.name if function else title}")
+    print(f"the deepest public call: {size} bytes, limit {arguments.limit}")
+    sys.exit(1 if size > arguments.limit else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,23 @@
+# etcm_mesh_variant(NAME [ID_BITS 16|32] [FORCE_LIMBS] [OPTIONS option...])
+#
+# The library once more, compiled in another way than this build's own: an object library of the
+# same sources with the same flags, and OPTIONS after them. For tests.
+function(etcm_mesh_variant name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "FORCE_LIMBS" "ID_BITS" "OPTIONS")
+  if(NOT arg_ID_BITS)
+    set(arg_ID_BITS ${ETCM_ID_BITS})
+  endif()
+  get_target_property(folder etcm_mesh SOURCE_DIR)
+  get_target_property(sources etcm_mesh SOURCES)
+  get_target_property(options etcm_mesh COMPILE_OPTIONS)
+  list(TRANSFORM sources PREPEND "${folder}/")
+
+  add_library(${name} OBJECT ${sources})
+  target_compile_features(${name} PUBLIC cxx_std_20)
+  target_include_directories(${name} PUBLIC "${folder}/include")
+  target_compile_definitions(${name} PUBLIC ETCM_ID_BITS=${arg_ID_BITS}
+    $<$<BOOL:${ETCM_VERIFY}>:ETCM_VERIFY>
+    $<$<BOOL:${arg_FORCE_LIMBS}>:ETCM_FORCE_LIMBS>)
+  target_compile_options(${name} PRIVATE ${options} ${arg_OPTIONS})
+  target_link_libraries(${name} PRIVATE etcm_warnings)
+endfunction()
