@@ -1,0 +1,82 @@
+// Lives without end: random meshes of random capacity under random changes, until the time or the
+// count is up. Prints the seed of each failure; `--first SEED --lives 1` then lives it again.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "etcm/audit.h"
+#include "inputs/random.h"
+#include "support/history.h"
+#include "support/meshes.h"
+
+namespace etcm::test {
+namespace {
+
+// Every capacity and budget at times too small, places from so tight that all meets all to roomy.
+MeshConfig random_config(inputs::Random& random) {
+  const auto one_in = [&](std::uint64_t n) { return random.below(n) == 0; };
+  MeshConfig config;
+  config.vertices_max = static_cast<std::uint32_t>(one_in(2) ? 1 + random.below(120) : 3000);
+  config.features_max = static_cast<std::uint32_t>(one_in(2) ? random.below(40) : 300);
+  if (one_in(4)) config.steiner_max = static_cast<std::uint32_t>(1 + random.below(30));
+  if (one_in(4)) config.steps_max = static_cast<std::uint32_t>(1 + random.below(60));
+  if (one_in(3)) config.policy = split_paper;
+  return config;
+}
+
+bool live(std::uint64_t seed) {
+  inputs::Random random(seed);
+  OwnedMesh mesh(random_config(random));
+  if (mesh.opened() != Status::ok) {
+    std::fprintf(stderr, "seed %llu: open: %s\n", static_cast<unsigned long long>(seed),
+                 to_string(mesh.opened()));
+    return false;
+  }
+  constexpr std::int32_t sides[] = {1, 2, 3, 5, 8, 20, 100, 1000, 1'000'000, position_max};
+  const std::int32_t side = sides[random.below(std::size(sides))];
+  History history(*mesh, side, 4 + random.below(60), random.next());
+  for (int event = 0; event < 300; ++event) {
+    const testing::AssertionResult answer = history.step();
+    const Audit sound = audit(*mesh);
+    if (answer && sound) continue;
+    std::fprintf(stderr, "seed %llu, event %d: %s; audit: %s\n",
+                 static_cast<unsigned long long>(seed), event, answer.message(),
+                 to_string(sound.broken));
+    return false;
+  }
+  if (mesh->rebuild() != Status::ok) return true;
+  if (mesh->hash() == (*built(graph_of(*mesh), mesh->config().policy))->hash()) return true;
+  std::fprintf(stderr, "seed %llu: a rebuild is not the batch mesh\n",
+               static_cast<unsigned long long>(seed));
+  return false;
+}
+
+int run(std::uint64_t first, std::uint64_t lives, std::uint64_t seconds) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
+  std::uint64_t failed = 0, lived = 0;
+  while (lives != 0 ? lived < lives : std::chrono::steady_clock::now() < end) {
+    failed += !live(first + lived);
+    ++lived;
+  }
+  std::printf("%llu lives of 300 events from seed %llu, %llu failed\n",
+              static_cast<unsigned long long>(lived), static_cast<unsigned long long>(first),
+              static_cast<unsigned long long>(failed));
+  return failed == 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace etcm::test
+
+int main(int argc, char** argv) {
+  CLI::App app{"Random lives of meshes, each change judged by brute force and audited"};
+  std::uint64_t first = 1, lives = 0, seconds = 600;
+  app.add_option("--first", first, "the first seed; the next lives count up")
+      ->capture_default_str();
+  app.add_option("--lives", lives, "how many lives, instead of a time");
+  app.add_option("--seconds", seconds, "for how long")->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  return etcm::test::run(first, lives, seconds);
+}
