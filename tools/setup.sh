@@ -5,7 +5,9 @@
 #                                 missing; does nothing, quickly, when none is
 #   etcm_step LABEL COMMAND...    runs the command with its output in a log, shows one line with the
 #                                 progress and the time; if it fails, shows what failed and ends
-#   etcm_build_all PRESET         configures and builds everything
+#   etcm_packages GROUP...        the names of the packages of these groups
+#   etcm_build_all PRESET [OPTION...]  configures and builds everything that the preset and the
+#                                 options have
 #   etcm_build PRESET TARGET...   configures and builds these programs; asks for no package that only
 #                                 tests or measurements need
 
@@ -17,14 +19,16 @@ etcm_fail() {
   exit 1
 }
 
-etcm_require() {
-  local group package wanted=() missing=()
+etcm_packages() {
+  local group
   for group in "$@"; do
-    mapfile -t -O "${#wanted[@]}" wanted < <(
-      awk -v group="$group" '$1 == group {print $2}' "$etcm_root/tools/packages"
-    )
+    awk -v group="$group" '$1 == group {print $2}' "$etcm_root/tools/packages"
   done
-  for package in "${wanted[@]}"; do
+}
+
+etcm_require() {
+  local package missing=()
+  for package in $(etcm_packages "$@"); do
     # Asking each by name: one question for all of them ends at the first unknown one.
     [[ $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) == installed ]] ||
       missing+=("$package")
@@ -86,9 +90,11 @@ etcm_step() {
 }
 
 etcm_build_all() {
+  local preset=$1
+  shift
   cd "$etcm_root"
-  etcm_step "$1: configure" cmake --preset "$1" -DETCM_BUILD_TESTS=ON -DETCM_BUILD_BENCH=ON
-  etcm_step "$1: build" cmake --build --preset "$1"
+  etcm_step "$preset: configure" cmake --preset "$preset" -DETCM_BUILD_TESTS=ON "$@"
+  etcm_step "$preset: build" cmake --build --preset "$preset"
 }
 
 etcm_build() {
