@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <linux/serial.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <termios.h>
 
@@ -70,13 +71,13 @@ FileDescriptor open_serial(const SerialLine& line, std::string& why) {
     if (errno == EACCES) why += "; let the gateway's user into the group dialout";
     return {};
   }
-  if (!set_raw(port.get(), line)) {
-    why = std::string("is no serial port that can be set (") + std::strerror(errno) + ")";
+  // Two programs on one line would take each other's answers.
+  if (::flock(port.get(), LOCK_EX | LOCK_NB) != 0) {
+    why = "another program has it; end that one";
     return {};
   }
-  // Two programs on one line would take each other's answers.
-  if (::ioctl(port.get(), TIOCEXCL) != 0) {
-    why = std::string("cannot be had alone (") + std::strerror(errno) + ")";
+  if (!set_raw(port.get(), line)) {
+    why = std::string("is no serial port that can be set (") + std::strerror(errno) + ")";
     return {};
   }
   if (line.direction == Direction::kernel && !switch_by_kernel(port.get())) {

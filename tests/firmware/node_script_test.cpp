@@ -47,7 +47,8 @@ TEST_F(NodeScript, EventsComeInTheOrderOfTheirTimes) {
 TEST_F(NodeScript, MistakesAreNamedWithTheirLine) {
   EXPECT_EQ(mistake("0,1,join,0\n"), ":2: not five columns; write time_ms,serial,event,x,y");
   EXPECT_EQ(mistake("0,1,join,0,0\n0,1,jump,0,0\n"),
-            ":3: event 'jump' is unknown; write join, move, silent or leave");
+            ":3: event 'jump' is unknown; write one of join, move, silent, leave, exception, torn, "
+            "late, garbled, truncated, wrong_unit, noise, sound");
   EXPECT_EQ(mistake("0,1,join,0.5,0\n"), ":2: x '0.5' is not a whole number in range");
   EXPECT_EQ(mistake("0,-1,join,0,0\n"), ":2: serial '-1' is not a whole number in range");
 }
@@ -79,6 +80,25 @@ TEST_F(NodeScript, OtherRegistersAndFunctionsAreExceptions) {
   EXPECT_EQ(answer[1], 2);
   EXPECT_EQ(fleet.answer(0, 1, std::vector<std::uint8_t>{6, 0, 1, 0, 12}, answer), 2u);
   EXPECT_EQ(answer[1], 1);
+}
+
+TEST_F(NodeScript, AFaultLastsUntilTheUnitIsSound) {
+  Fleet fleet(read("0,1,join,5,6\n10,1,exception,11,\n20,1,torn,,\n30,1,late,70,\n40,1,sound,,\n"));
+  const std::vector<std::uint8_t> request{4, 0, 0, 0, 12};
+  std::vector<std::uint8_t> answer(253);
+  fleet.advance(10);
+  EXPECT_EQ(fleet.answer(0, 1, request, answer), 2u);
+  EXPECT_EQ(answer[1], 11);
+  fleet.advance(20);
+  EXPECT_EQ(fleet.answer(0, 1, request, answer), 26u);
+  EXPECT_NE(answer[2 + 2 * 4 + 1], answer[2 + 2 * 11 + 1]) << "the sequence numbers";
+  fleet.advance(30);
+  EXPECT_EQ(fleet.fault(0, 1).action, Action::late);
+  EXPECT_EQ(fleet.fault(0, 1).value, 70);
+  fleet.advance(40);
+  EXPECT_EQ(fleet.answer(0, 1, request, answer), 26u);
+  EXPECT_EQ(answer[2 + 2 * 4 + 1], answer[2 + 2 * 11 + 1]);
+  EXPECT_EQ(fleet.fault(0, 1).action, Action::sound);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-"""The gateway run for real: against etcm-nodes, against pymodbus, and read by mbpoll.
+"""The gateway run for real: against etcm-nodes (over TCP and on a serial line), against pymodbus,
+and read by mbpoll.
 
 The programs' folder is in ETCM_BIN. Nothing here depends on how fast the machine is: every wait is
 for a condition.
@@ -15,7 +16,7 @@ import tempfile
 import time
 import unittest
 
-PROGRAMS = pathlib.Path(os.environ["ETCM_BIN"])
+PROGRAMS = pathlib.Path(os.environ["ETCM_BIN"]).resolve()
 HERE = pathlib.Path(__file__).parent
 PATIENCE_S = 40
 
@@ -102,7 +103,8 @@ folder = "out"
 interval = "100ms"
 """
         for address, units in buses:
-            config += f'[[bus]]\ntcp = "{address}"\nunits = "{units}"\n'
+            link = "rtu" if address.startswith("/") else "tcp"
+            config += f'[[bus]]\n{link} = "{address}"\nunits = "{units}"\n'
         (self.folder / "site.toml").write_text(config + more)
         gateway = self.start("gateway", [PROGRAMS / "etcm-gateway", "--config", "site.toml"])
         match = gateway.wait_for_line(r"serves the mesh on \S+:(\d+)")
@@ -225,6 +227,56 @@ class AgainstPymodbus(GatewayCase):
         self.start_peer(port, "1,0,0", "2,100,50")
         self.wait_for_header(nodes=2, state=0)
         gateway.wait_for_line(r"node 2 joined at \(100, 50\)")
+
+
+class OnASerialLine(GatewayCase):
+    def start_line(self, rows, name="line"):
+        (self.folder / f"{name}.csv").write_text(
+            "time_ms,serial,event,x,y\n" + "\n".join(rows) + "\n")
+        path = str(self.folder / "cable")
+        nodes = self.start(name, [PROGRAMS / "etcm-nodes", "--rtu", path, "--baud", "115200",
+                                  "--nodes", f"{name}.csv"])
+        nodes.wait_for_line(r"ready:")
+        return path, nodes
+
+    def start_gateway(self, path, units):
+        return super().start_gateway([(path, units)], more='baud = 115200\ntimeout = "50ms"\n')
+
+    def test_units_that_misbehave_cost_their_own_time_only(self):
+        faults = ["silent", "exception,4,", "torn", "late,70,", "garbled", "truncated",
+                  "wrong_unit", "noise"]
+        rows = [f"0,{serial},join,{100 * serial},{serial * serial}" for serial in range(1, 21)]
+        # What is silent or wrong from the start is never in the mesh; noise before an answer is
+        # no fault of the answer.
+        rows += [f"0,{serial},{fault}{'' if ',' in fault else ',,'}"
+                 for serial, fault in enumerate(faults, start=13)]
+        path, _ = self.start_line(rows)
+        gateway = self.start_gateway(path, "1-20")
+        self.wait_for_header(nodes=13)
+        gateway.wait_for_line(r"unit 16 answered too late, after \d+ ms")
+        expected = {serial: (100 * serial, serial * serial) for serial in [*range(1, 13), 20]}
+        self.assertEqual(self.vertices(), expected)
+        self.assertEqual(gateway.stop(), 0)
+        self.assertRegex(gateway.log(), r"13 nodes.*audit passed")
+
+    def test_a_pulled_cable_is_back_within_two_polls(self):
+        rows = ["0,1,join,0,0", "0,2,join,90,0", "0,3,join,0,90"]
+        path, nodes = self.start_line(rows)
+        gateway = self.start_gateway(path, "1-3")
+        self.wait_for_header(nodes=3)
+        nodes.stop(signal.SIGKILL)
+        gateway.wait_for_line(r"cable: .*; trying again")
+        self.wait_for_header(nodes=0)
+        self.start_line(["0,1,join,0,0", "0,2,join,90,0", "0,3,join,0,95"], name="again")
+        self.wait_for_header(nodes=3, state=0)
+        gateway.wait_for_line(r"node 3 joined at \(0, 95\)")
+
+    def test_a_line_has_one_master(self):
+        path, _ = self.start_line(["0,1,join,0,0"])
+        self.start_gateway(path, "1")
+        self.wait_for_header(nodes=1)
+        other = self.start("other", [PROGRAMS / "etcm-gateway", "--config", "site.toml"])
+        other.wait_for_line(r"another program has it; end that one")
 
 
 class CommandLine(GatewayCase):

@@ -26,6 +26,10 @@ void Fleet::advance(std::uint32_t time_ms) {
   for (; next_event_ < events_.size() && next_event_ms() <= time_ms; ++next_event_) {
     const Event& event = events_[next_event_];
     Node& node = nodes_[event.node];
+    if (is_fault(event.action)) {
+      node.fault = {.action = event.action, .value = event.value};
+      continue;
+    }
     ++node.sequence;
     switch (event.action) {
       case Action::join:
@@ -42,6 +46,8 @@ void Fleet::advance(std::uint32_t time_ms) {
         break;
       case Action::leave:
         node.reading.status |= firmware::node_status::leaving;
+        break;
+      default:
         break;
     }
   }
@@ -61,19 +67,32 @@ std::uint32_t Fleet::unit_count(std::uint32_t port) const {
                   static_cast<std::uint32_t>(nodes_.size()) - port * units_per_port);
 }
 
+const Fleet::Node* Fleet::node_at(std::uint32_t port, std::uint8_t unit) const {
+  if (unit < 1 || unit > unit_count(port)) return nullptr;
+  return &nodes_[port * units_per_port + unit - 1u];
+}
+
+Fault Fleet::fault(std::uint32_t port, std::uint8_t unit) const {
+  const Node* const node = node_at(port, unit);
+  return node == nullptr ? Fault{} : node->fault;
+}
+
 std::size_t Fleet::answer(std::uint32_t port, std::uint8_t unit,
                           std::span<const std::uint8_t> request,
                           std::span<std::uint8_t> answer) const {
-  if (unit < 1 || unit > unit_count(port)) return 0;
-  const Node& node = nodes_[port * units_per_port + unit - 1u];
-  if (!node.answers) return 0;
+  const Node* const node = node_at(port, unit);
+  if (node == nullptr || !node->answers) return 0;
+  if (node->fault.action == Action::exception) {
+    return port::write_exception(answer, request[0], static_cast<std::uint8_t>(node->fault.value));
+  }
   std::uint8_t exception = 0;
   const auto range = port::parse_read_request(request, exception);
   if (!range) return port::write_exception(answer, request[0], exception);
   if (range->first + range->count > firmware::node_register_count) {
     return port::write_exception(answer, request[0], illegal_data_address);
   }
-  const firmware::NodeRegisters registers = firmware::encode_node(node.reading, node.sequence);
+  firmware::NodeRegisters registers = firmware::encode_node(node->reading, node->sequence);
+  if (node->fault.action == Action::torn) ++registers.back();
   return port::write_read_answer(answer, request[0],
                                  std::span(registers).subspan(range->first, range->count));
 }

@@ -13,6 +13,12 @@ namespace etcm::nodes {
 
 inline constexpr std::uint32_t units_per_port = 247;
 
+// How a unit answers at present: `sound`, or a fault and what it needs to know.
+struct Fault {
+  Action action = Action::sound;
+  std::uint16_t value = 0;
+};
+
 // Node n is unit n % 247 + 1 of port n / 247.
 class Fleet {
  public:
@@ -24,10 +30,13 @@ class Fleet {
   // When the next event is due; nothing further after the last: UINT32_MAX.
   std::uint32_t next_event_ms() const;
 
+  std::uint32_t node_count() const { return static_cast<std::uint32_t>(nodes_.size()); }
   std::uint32_t port_count() const;
   std::uint32_t unit_count(std::uint32_t port) const;
 
-  // The answer of a unit, as RequestHandler has it.
+  Fault fault(std::uint32_t port, std::uint8_t unit) const;
+
+  // The answer of a unit, as RequestHandler has it; with those faults that are in its bytes.
   std::size_t answer(std::uint32_t port, std::uint8_t unit, std::span<const std::uint8_t> request,
                      std::span<std::uint8_t> answer) const;
 
@@ -36,7 +45,11 @@ class Fleet {
     firmware::NodeReading reading;
     std::uint16_t sequence = 0;
     bool answers = false;
+    Fault fault;
   };
+
+  // Null where there is none.
+  const Node* node_at(std::uint32_t port, std::uint8_t unit) const;
 
   std::vector<Event> events_;
   std::size_t next_event_ = 0;

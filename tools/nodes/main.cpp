@@ -1,5 +1,6 @@
 // etcm-nodes: position nodes that join, move and go silent as a file says.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -13,7 +14,9 @@
 #include "posix/event_loop.h"
 #include "posix/steady_clock.h"
 #include "posix/stop_signal.h"
+#include "pseudo_terminal.h"
 #include "script.h"
+#include "serial_units.h"
 
 namespace {
 
@@ -22,12 +25,28 @@ using namespace etcm;
 constexpr int exit_bad_input = 2;
 constexpr std::size_t clients_max = 8;
 
-void run(port::SocketAddress address, const nodes::Script& script) {
-  port::EventLoop loop;
+// The fleet as time passes, whatever carries its answers. `advance` is told the time and says when
+// it wants to be told again.
+template <class Advance>
+void run(port::EventLoop& loop, nodes::Fleet& fleet, const Advance& advance) {
+  using std::chrono::milliseconds;
   port::StopSignal stop(loop);
   const port::SteadyClock clock;
-  nodes::Fleet fleet(script);
+  std::printf("ready: %u nodes\n", fleet.node_count());
+  std::fflush(stdout);
+  const port::Instant start = clock.now();
+  while (!stop.received()) {
+    const port::Instant now = clock.now();
+    fleet.advance(static_cast<std::uint32_t>((now - start) / milliseconds(1)));
+    const port::Instant deadline =
+        std::min(start + milliseconds(fleet.next_event_ms()), advance(now));
+    loop.wait(deadline - clock.now());
+  }
+}
 
+void run_tcp(port::SocketAddress address, const nodes::Script& script) {
+  port::EventLoop loop;
+  nodes::Fleet fleet(script);
   std::vector<std::unique_ptr<nodes::FleetPort>> ports;
   std::vector<std::unique_ptr<port::TcpListener>> listeners;
   for (std::uint32_t i = 0; i < fleet.port_count(); ++i) {
@@ -38,35 +57,49 @@ void run(port::SocketAddress address, const nodes::Script& script) {
                 fleet.unit_count(i));
     if (address.port != 0) ++address.port;
   }
-  std::printf("ready: %zu nodes\n", script.serials.size());
-  std::fflush(stdout);
+  run(loop, fleet, [](port::Instant) { return port::never; });
+}
 
-  const port::Instant start = clock.now();
-  while (!stop.received()) {
-    using std::chrono::milliseconds;
-    const port::Duration passed = clock.now() - start;
-    fleet.advance(static_cast<std::uint32_t>(passed / milliseconds(1)));
-    loop.wait(milliseconds(fleet.next_event_ms()) - passed);
-  }
+void run_rtu(const port::SerialLine& line, const nodes::Script& script) {
+  port::EventLoop loop;
+  nodes::Fleet fleet(script);
+  const nodes::PseudoTerminal terminal(line.path);
+  nodes::SerialUnits units(loop, fleet, terminal.descriptor(), line);
+  std::printf("answers on %s at %u baud for units 1-%u\n", terminal.path().c_str(), line.baud,
+              fleet.unit_count(0));
+  run(loop, fleet, [&](port::Instant now) {
+    units.advance(now);
+    return units.next_deadline();
+  });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Simulates position nodes as Modbus TCP units, 247 to a port.");
+  CLI::App app(
+      "Simulates position nodes as Modbus units: over TCP, 247 to a port, or on a serial line.");
   std::string listen;
   std::string file;
-  app.add_option("--listen", listen,
-                 "ADDRESS:PORT of the first 247; the next have the ports after it. Port 0: the "
-                 "system chooses each")
-      ->required();
+  port::SerialLine line;
+  auto* const links = app.add_option_group("link");
+  links->add_option("--listen", listen,
+                    "ADDRESS:PORT of the first 247; the next have the ports after it. Port 0: the "
+                    "system chooses each");
+  auto* const rtu =
+      links->add_option("--rtu", line.path, "where to make a pseudo terminal for a master to open");
+  links->require_option(1);
+  app.add_option("--baud", line.baud, "the pace of the terminal, with even parity")->needs(rtu);
   app.add_option("--nodes", file, "what the nodes do, a CSV file: time_ms,serial,event,x,y")
       ->required();
   CLI11_PARSE(app, argc, argv);
 
   const auto address = port::parse_socket_address(listen);
-  if (!address) {
+  if (!address && line.path.empty()) {
     std::fprintf(stderr, "--listen %s: no address; write it as 127.0.0.1:1502\n", listen.c_str());
+    return exit_bad_input;
+  }
+  if (!port::is_baud(line.baud)) {
+    std::fprintf(stderr, "--baud %u: no usual speed; give 9600, 19200 or 115200\n", line.baud);
     return exit_bad_input;
   }
   nodes::Script script;
@@ -76,8 +109,18 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "%s\n", error.what());
     return exit_bad_input;
   }
+  if (!line.path.empty() && script.serials.size() > nodes::units_per_port) {
+    std::fprintf(stderr,
+                 "%s: %zu nodes, but a line has 247 units; take some out, or use --listen\n",
+                 file.c_str(), script.serials.size());
+    return exit_bad_input;
+  }
   try {
-    run(*address, script);
+    if (line.path.empty()) {
+      run_tcp(*address, script);
+    } else {
+      run_rtu(line, script);
+    }
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "etcm-nodes: %s\n", error.what());

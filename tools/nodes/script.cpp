@@ -4,10 +4,10 @@
 #include <array>
 #include <charconv>
 #include <fstream>
-#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 namespace etcm::nodes {
 
@@ -67,12 +67,28 @@ class LineReader {
   std::size_t number_ = 0;
 };
 
-std::optional<Action> parse_action(std::string_view text) {
-  if (text == "join") return Action::join;
-  if (text == "move") return Action::move;
-  if (text == "silent") return Action::silent;
-  if (text == "leave") return Action::leave;
-  return std::nullopt;
+constexpr std::array<std::pair<std::string_view, Action>, 12> action_words{{
+    {"join", Action::join},
+    {"move", Action::move},
+    {"silent", Action::silent},
+    {"leave", Action::leave},
+    {"exception", Action::exception},
+    {"torn", Action::torn},
+    {"late", Action::late},
+    {"garbled", Action::garbled},
+    {"truncated", Action::truncated},
+    {"wrong_unit", Action::wrong_unit},
+    {"noise", Action::noise},
+    {"sound", Action::sound},
+}};
+
+Action parse_action(const LineReader& reader, std::string_view text) {
+  std::string list;
+  for (const auto& [word, action] : action_words) {
+    if (word == text) return action;
+    list += (list.empty() ? "" : ", ") + std::string(word);
+  }
+  reader.fail("event '" + std::string(text) + "' is unknown; write one of " + list);
 }
 
 }  // namespace
@@ -90,15 +106,12 @@ Script read_script(const std::string& path) {
     Event event;
     event.time_ms = reader.number<std::uint32_t>(column[0], "time_ms");
     const auto serial = reader.number<std::uint32_t>(column[1], "serial");
-    const auto action = parse_action(column[2]);
-    if (!action) {
-      reader.fail("event '" + std::string(column[2]) +
-                  "' is unknown; write join, move, silent or leave");
-    }
-    event.action = *action;
+    event.action = parse_action(reader, column[2]);
     if (event.action == Action::join || event.action == Action::move) {
       event.position = {.x = reader.number<std::int32_t>(column[3], "x"),
                         .y = reader.number<std::int32_t>(column[4], "y")};
+    } else if (event.action == Action::exception || event.action == Action::late) {
+      event.value = reader.number<std::uint16_t>(column[3], "x");
     }
     const auto [entry, is_new] =
         node_of.emplace(serial, static_cast<std::uint32_t>(script.serials.size()));

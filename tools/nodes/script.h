@@ -14,13 +14,28 @@ enum class Action : std::uint8_t {
   move,    // stands at x,y from now on
   silent,  // answers no more
   leave,   // answers, with the status bit that asks to be taken out
+  // From now on it answers, but
+  exception,   // with exception `value`
+  torn,        // with two sequence numbers that differ
+  late,        // `value` milliseconds too late
+  garbled,     // with a wrong bit
+  truncated,   // with half of the bytes
+  wrong_unit,  // as its neighbour
+  noise,       // after other bytes
+  // and from now on as it should.
+  sound,
 };
+
+// Whether it is a way to answer wrongly; late, garbled, truncated, wrong_unit and noise can be
+// heard on a serial line only.
+constexpr bool is_fault(Action action) { return action >= Action::exception; }
 
 struct Event {
   std::uint32_t time_ms = 0;
   std::uint32_t node = 0;  // counts the serials in the order in which the file first names them
   Action action = Action::join;
-  Position position;  // of join and move
+  Position position;        // of join and move
+  std::uint16_t value = 0;  // of exception and late
 };
 
 struct Script {
