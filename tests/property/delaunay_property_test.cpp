@@ -31,8 +31,8 @@ Graph any_graph() {
   inputs::Placer placer(graph.nodes, 100);
   inputs::Random random(seed);
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
-    const std::size_t from = random.below(graph.nodes.size());
-    placer.try_add(from, random.below(graph.nodes.size()));
+    const std::size_t from = random.index(graph.nodes.size());
+    placer.try_add(from, random.index(graph.nodes.size()));
   }
   graph.features = placer.features();
   return graph;

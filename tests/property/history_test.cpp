@@ -109,7 +109,7 @@ TEST(PlainHistory, IsForgotten) {
   std::vector<VertexId> ids;
   for (int event = 0; event < 3000; ++event) {
     if (ids.size() > 10 && random.below(ids.size() > 300 ? 2 : 3) == 0) {
-      const std::size_t chosen = random.below(ids.size());
+      const std::size_t chosen = random.index(ids.size());
       ASSERT_EQ((*mesh)->leave(ids[chosen]), Status::ok);
       ids.erase(ids.begin() + static_cast<std::ptrdiff_t>(chosen));
     } else {

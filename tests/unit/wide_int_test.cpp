@@ -13,8 +13,9 @@ namespace {
 using etcm::internal::LimbArithmetic;
 
 mpz_class to_big(std::int64_t value) {
-  static_assert(sizeof(long) == sizeof(std::int64_t));
-  return mpz_class(static_cast<long>(value));
+  // GMP takes long, which is not this wide everywhere.
+  return mpz_class(static_cast<long>(value >> 32)) * (mpz_class(1) << 32) +
+         mpz_class(static_cast<unsigned long>(value & 0xffff'ffff));
 }
 
 // The value modulo 2^bits, in [-2^(bits - 1), 2^(bits - 1)).

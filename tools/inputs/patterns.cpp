@@ -30,8 +30,8 @@ void add_loop(Graph& graph, std::size_t first, std::size_t count) {
 void add_random_features(Graph& graph, std::size_t wanted, Random& random) {
   Placer placer(graph.nodes, 2 * position_max);
   for (std::size_t tries = 0; tries < 1000 * wanted && placer.features().size() < wanted; ++tries) {
-    const std::size_t from = random.below(graph.nodes.size());
-    const std::size_t to = random.below(graph.nodes.size());
+    const std::size_t from = random.index(graph.nodes.size());
+    const std::size_t to = random.index(graph.nodes.size());
     placer.try_add(from, to);
   }
   graph.features = placer.features();
@@ -145,8 +145,8 @@ Graph nearly_collinear(std::size_t nodes, std::int32_t deviation, std::size_t re
   }
   Placer placer(graph.nodes, 2 * position_max);
   for (std::size_t tries = 0; tries < 4 * nodes; ++tries) {
-    const std::size_t from = random.below(nodes);
-    const std::size_t to = std::min(from + 2 + random.below(reach - 1), nodes - 1);
+    const std::size_t from = random.index(nodes);
+    const std::size_t to = std::min(from + 2 + random.index(reach - 1), nodes - 1);
     placer.try_add(from, to);
   }
   graph.features = placer.features();

@@ -80,7 +80,7 @@ std::size_t Placer::random_near(std::size_t node, Random& random) const {
       node_count += near[near_count++]->nodes.size();
     }
   }
-  std::size_t chosen = random.below(node_count);
+  std::size_t chosen = random.index(node_count);
   std::size_t cell = 0;
   while (chosen >= near[cell]->nodes.size()) chosen -= near[cell++]->nodes.size();
   return near[cell]->nodes[chosen];

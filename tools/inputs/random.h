@@ -19,6 +19,8 @@ class Random {
 
   // Uniform in [0, count), without bias. `count` must not be 0.
   std::uint64_t below(std::uint64_t count) noexcept;
+  // The same, of something in memory.
+  std::size_t index(std::size_t count) noexcept { return static_cast<std::size_t>(below(count)); }
 
   // Uniform in [low, high], both included; low <= high.
   std::int32_t between(std::int32_t low, std::int32_t high) noexcept;
@@ -30,7 +32,7 @@ class Random {
 template <class T>
 void shuffle(std::vector<T>& items, Random& random) {
   for (std::size_t left = items.size(); left > 1; --left) {
-    std::swap(items[left - 1], items[random.below(left)]);
+    std::swap(items[left - 1], items[random.index(left)]);
   }
 }
 

@@ -66,7 +66,7 @@ void place_features(Placer& placer, std::span<const Position> nodes, std::size_t
   constexpr std::size_t patience = 2'000'000;
   for (std::size_t failures = 0; placer.features().size() < wanted && failures < patience;
        ++failures) {
-    const std::size_t from = random.below(nodes.size());
+    const std::size_t from = random.index(nodes.size());
     const std::size_t to = placer.random_near(from, random);
     if (distance_squared(nodes[from], nodes[to]) > reach_squared) continue;
     if (placer.try_add(from, to)) failures = 0;
