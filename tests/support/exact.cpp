@@ -1,14 +1,12 @@
 #include "support/exact.h"
 
-#include <gmpxx.h>
-
 #include <algorithm>
 #include <array>
 
+#include "support/big_integer.h"
+
 namespace etcm::test {
 namespace {
-
-mpz_class integer(std::int64_t value) { return mpz_class(static_cast<long>(value)); }
 
 mpz_class doubled_area(const Point& a, const Point& b, const Point& c) {
   return (integer(b.x) - integer(a.x)) * (integer(c.y) - integer(a.y)) -

@@ -1,7 +1,5 @@
 #include "support/oracle.h"
 
-#include <gmpxx.h>
-
 #include <algorithm>
 #include <array>
 #include <map>
@@ -11,6 +9,7 @@
 #include <vector>
 
 #include "etcm/audit.h"
+#include "support/big_integer.h"
 #include "support/exact.h"
 
 namespace etcm::test {
@@ -68,8 +67,7 @@ mpz_class doubled_area(const Points& path) {
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Point& a = path[i];
     const Point& b = path[(i + 1) % path.size()];
-    sum += mpz_class(static_cast<long>(a.x)) * static_cast<long>(b.y) -
-           mpz_class(static_cast<long>(a.y)) * static_cast<long>(b.x);
+    sum += integer(a.x) * integer(b.y) - integer(a.y) * integer(b.x);
   }
   return sum;
 }

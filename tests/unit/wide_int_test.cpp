@@ -8,15 +8,13 @@
 #include <random>
 #include <vector>
 
+#include "support/big_integer.h"
+
 namespace {
 
 using etcm::internal::LimbArithmetic;
 
-mpz_class to_big(std::int64_t value) {
-  // GMP takes long, which is not this wide everywhere.
-  return mpz_class(static_cast<long>(value >> 32)) * (mpz_class(1) << 32) +
-         mpz_class(static_cast<unsigned long>(value & 0xffff'ffff));
-}
+mpz_class to_big(std::int64_t value) { return etcm::test::integer(value); }
 
 // The value modulo 2^bits, in [-2^(bits - 1), 2^(bits - 1)).
 mpz_class wrap(const mpz_class& value, unsigned bits) {
