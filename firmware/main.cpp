@@ -27,6 +27,7 @@ namespace {
 using namespace etcm;
 
 constexpr int exit_bad_settings = 2;
+constexpr port::Identity identity{{"ETCM", "etcm-gateway", ETCM_VERSION}};
 
 using Bus = std::variant<std::unique_ptr<port::TcpBus>, std::unique_ptr<port::RtuBus>>;
 
@@ -70,7 +71,7 @@ void run(const firmware::Settings& settings, port::Log& log) {
     buses.push_back(make_bus(bus, settings.poll.interval, loop, log));
     polled.push_back({.bus = interface_of(buses.back()), .settings = &bus});
   }
-  port::RegisterServer server(loop, settings.server.listen, settings.server.clients_max,
+  port::RegisterServer server(loop, settings.server.listen, settings.server.clients_max, identity,
                               firmware::empty_image(settings));
   log.write(port::Level::info, "serves the mesh on " + to_string(server.address()));
   std::unique_ptr<port::MeshFolder> folder;

@@ -126,7 +126,11 @@ void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Inst
   if (unit.is_probed) {
     Line& line = lines_[unit.bus];
     --line.probes_under_way;
-    line.probe_allowed = now + (now - unit.asked_at) * (probe_share - 1);
+    const bool is_in_vain =
+        answer.result == port::BusResult::timeout || answer.result == port::BusResult::bad_answer;
+    const port::Duration cost =
+        now - unit.asked_at + (is_in_vain ? line.polled.settings->quiet : port::Duration{});
+    line.probe_allowed = now + cost * (probe_share - 1);
   }
   switch (answer.result) {
     case port::BusResult::ok:

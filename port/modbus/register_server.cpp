@@ -5,14 +5,17 @@
 namespace etcm::port {
 
 RegisterServer::RegisterServer(EventLoop& loop, const SocketAddress& address,
-                               std::size_t clients_max, std::shared_ptr<const RegisterImage> first)
-    : image_(std::move(first)),
+                               std::size_t clients_max, const Identity& identity,
+                               std::shared_ptr<const RegisterImage> first)
+    : identity_(identity),
+      image_(std::move(first)),
       pinned_(clients_max),
       listener_(loop, *this, address, clients_max) {}
 
 std::size_t RegisterServer::answer(std::size_t client, std::uint8_t unit,
                                    std::span<const std::uint8_t> request,
                                    std::span<std::uint8_t> answer) {
+  if (const std::size_t size = write_identity_answer(answer, request, identity_)) return size;
   std::uint8_t exception = 0;
   const auto range = parse_read_request(request, exception);
   if (!range) return write_exception(answer, request[0], exception);

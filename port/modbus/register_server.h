@@ -1,19 +1,21 @@
-// MeshServer over Modbus TCP: FC 3 and FC 4 read the same image, nothing can be written.
+// MeshServer over Modbus TCP: FC 3 and FC 4 read the same image, FC 17 and FC 43/14 tell who serves
+// it, nothing can be written.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "etcm/port/mesh_server.h"
+#include "modbus/identity.h"
 #include "modbus/tcp_listener.h"
 
 namespace etcm::port {
 
 class RegisterServer final : public MeshServer, private RequestHandler {
  public:
-  // Serves `first` until something is published.
+  // Serves `first` until something is published. The texts of `identity` must outlive this.
   RegisterServer(EventLoop& loop, const SocketAddress& address, std::size_t clients_max,
-                 std::shared_ptr<const RegisterImage> first);
+                 const Identity& identity, std::shared_ptr<const RegisterImage> first);
 
   void publish(std::shared_ptr<const RegisterImage> image) override { image_ = std::move(image); }
   SocketAddress address() const { return listener_.address(); }
@@ -24,6 +26,7 @@ class RegisterServer final : public MeshServer, private RequestHandler {
   std::size_t answer(std::size_t client, std::uint8_t unit, std::span<const std::uint8_t> request,
                      std::span<std::uint8_t> answer) override;
 
+  const Identity identity_;
   std::shared_ptr<const RegisterImage> image_;
   std::vector<std::shared_ptr<const RegisterImage>> pinned_;  // by client
   TcpListener listener_;

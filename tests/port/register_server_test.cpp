@@ -48,7 +48,8 @@ class Server : public testing::Test {
   }
 
   EventLoop loop_;
-  RegisterServer server_{loop_, {.host = 0x7f000001, .port = 0}, 3, image_of(1)};
+  RegisterServer server_{
+      loop_, {.host = 0x7f000001, .port = 0}, 3, {{"Maker", "mesh server", "1.2"}}, image_of(1)};
 };
 
 TEST_F(Server, UnitsAreStretchesOfOneImage) {
@@ -81,6 +82,25 @@ TEST_F(Server, NothingCanBeWritten) {
     const auto function = static_cast<std::uint8_t>(number);
     const Bytes answer = exchange(client, frame_of(3, 1, {function, 0, 0, 0, 1}), 9);
     EXPECT_EQ(answer, frame_of(3, 1, {static_cast<std::uint8_t>(function | 0x80), 1}));
+  }
+}
+
+TEST_F(Server, TellsWhoItIs) {
+  const FileDescriptor client = connect();
+  Bytes pdu(pdu_bytes_max);
+  pdu.resize(write_identification_request(pdu, 0));
+  const Bytes answer = exchange(client, frame_of(3, 1, pdu), 7 + 7 + 3 * 2 + 5 + 11 + 3);
+  Identity identity;
+  EXPECT_EQ(parse_identification_answer(std::span(answer).subspan(mbap_header_bytes), identity), 3);
+  EXPECT_EQ(identity.product(), "mesh server");
+}
+
+TEST_F(Server, UnknownFunctionsHoldUpNobody) {
+  const FileDescriptor rude = connect();
+  const FileDescriptor polite = connect();
+  for (int function = 0; function < 256; ++function) {
+    send_bytes(rude.get(), frame_of(3, 1, {static_cast<std::uint8_t>(function), 1, 2, 3}));
+    EXPECT_EQ(ask(polite, 1, 0), 1);
   }
 }
 
@@ -167,6 +187,9 @@ TEST_F(Server, LibmodbusReadsIt) {
     EXPECT_EQ(modbus_read_input_registers(master, 100, 125, registers), 125);
     EXPECT_EQ(registers[124], 1);
     EXPECT_EQ(modbus_read_registers(master, 0, 1, registers), 1);
+    std::uint8_t name[64] = {};
+    EXPECT_EQ(modbus_report_slave_id(master, sizeof name, name), 2 + 15);
+    EXPECT_EQ(std::string(name + 2, name + 17), "mesh server 1.2");
     EXPECT_EQ(modbus_write_register(master, 0, 1), -1);
     EXPECT_EQ(errno, EMBXILFUN);
     modbus_close(master);

@@ -229,6 +229,18 @@ class AgainstPymodbus(GatewayCase):
         gateway.wait_for_line(r"node 2 joined at \(100, 50\)")
 
 
+    def test_an_independent_client_learns_who_the_gateway_is(self):
+        from pymodbus.client import ModbusTcpClient
+        from pymodbus.mei_message import ReadDeviceInformationRequest
+        self.start_gateway(self.start_nodes(["0,1,join,0,0"]))
+        client = ModbusTcpClient("127.0.0.1", port=self.port)
+        self.assertTrue(client.connect())
+        answer = client.execute(ReadDeviceInformationRequest(unit=1, slave=1))
+        client.close()
+        self.assertEqual(answer.information[0], b"ETCM")
+        self.assertEqual(answer.information[1], b"etcm-gateway")
+
+
 class OnASerialLine(GatewayCase):
     def start_line(self, rows, name="line"):
         (self.folder / f"{name}.csv").write_text(

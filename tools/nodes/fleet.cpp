@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "modbus/frame.h"
+#include "modbus/identity.h"
 
 namespace etcm::nodes {
 
@@ -11,6 +12,8 @@ namespace {
 
 // Modbus: the address is not one of the unit's.
 constexpr std::uint8_t illegal_data_address = 2;
+
+constexpr port::Identity identity{{"ETCM", "simulated node", "1"}};
 
 }  // namespace
 
@@ -85,6 +88,7 @@ std::size_t Fleet::answer(std::uint32_t port, std::uint8_t unit,
   if (node->fault.action == Action::exception) {
     return port::write_exception(answer, request[0], static_cast<std::uint8_t>(node->fault.value));
   }
+  if (const std::size_t size = port::write_identity_answer(answer, request, identity)) return size;
   std::uint8_t exception = 0;
   const auto range = port::parse_read_request(request, exception);
   if (!range) return port::write_exception(answer, request[0], exception);
