@@ -6,11 +6,16 @@
 function(etcm_runnable variable target)
   set(path "$<TARGET_FILE:${target}>")
   if(CMAKE_CROSSCOMPILING_EMULATOR)
-    list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)
-    file(GENERATE OUTPUT "${CMAKE_BINARY_DIR}/run/${target}"
-      CONTENT "#!/bin/sh\nexec ${emulator} '${path}' \"$@\"\n"
-      FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE)
-    set(path "${CMAKE_BINARY_DIR}/run/${target}")
+    set(script "${CMAKE_BINARY_DIR}/run/${target}")
+    get_property(is_made TARGET ${target} PROPERTY etcm_run_script)
+    if(NOT is_made)
+      list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)
+      file(GENERATE OUTPUT "${script}"
+        CONTENT "#!/bin/sh\nexec ${emulator} '${path}' \"$@\"\n"
+        FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE)
+      set_property(TARGET ${target} PROPERTY etcm_run_script "${script}")
+    endif()
+    set(path "${script}")
   endif()
   set(${variable} "${path}" PARENT_SCOPE)
 endfunction()
