@@ -118,6 +118,65 @@ void write_criteria(std::ostream& out, const Results& results, FeatureLength len
   }
 }
 
+struct Criterion {
+  const char* name;
+  int digits;
+  bool less_is_better;
+  double (*value)(const Standing& standing, double undulation);
+};
+
+constexpr Criterion criteria[] = {
+    {"1 same mesh, ends exchanged (share)", 3, false,
+     [](const Standing& s, double) { return s.mean(static_cast<double>(s.survived_exchange)); }},
+    {"1 same mesh, order shuffled (share)", 3, false,
+     [](const Standing& s, double) { return s.mean(static_cast<double>(s.survived_shuffle)); }},
+    {"2 points per feature", 2, true,
+     [](const Standing& s, double) { return s.added / s.features; }},
+    {"3 time, times ours", 2, true,
+     [](const Standing& s, double) { return std::exp(s.mean(s.log_time_ratio)); }},
+    {"3 undulation", 3, true, [](const Standing&, double undulation) { return undulation; }},
+    {"4 AAR (edges)", 4, false, [](const Standing& s, double) { return s.mean(s.edge_ratio); }},
+    {"4 AAR (radii)", 4, false, [](const Standing& s, double) { return s.mean(s.radius_ratio); }},
+    {"5 AAR gain per 1000 points (edges)", 4, false,
+     [](const Standing& s, double) { return 1000 * s.edge_over_constrained / s.added; }},
+    {"5 AAR gain per 1000 points (radii)", 4, false,
+     [](const Standing& s, double) { return 1000 * s.radius_over_constrained / s.added; }},
+};
+
+// A row for each criterion: ours against the best of the other conforming systems.
+void write_lead(std::ostream& out, const Results& results, FeatureLength length) {
+  out << "| criterion | ours | best other | ours is |\n|---|---:|---:|---|\n";
+  const auto systems = all_systems();
+  std::vector<Standing> standings;
+  std::vector<double> undulations;
+  for (std::size_t i = 0; i < systems.size(); ++i) {
+    standings.push_back(standing_of(results, length, i));
+    undulations.push_back(undulation(results, length, i));
+  }
+  const std::size_t ours = index_of_system(ours_key);
+  for (const Criterion& criterion : criteria) {
+    const auto value = [&](std::size_t i) { return criterion.value(standings[i], undulations[i]); };
+    std::size_t best = ours;
+    for (std::size_t i = 0; i < systems.size(); ++i) {
+      if (i == ours || !systems[i].conforms || standings[i].good() == 0) continue;
+      const bool is_better =
+          criterion.less_is_better ? value(i) < value(best) : value(i) > value(best);
+      if (best == ours || is_better) best = i;
+    }
+    const double lead =
+        (criterion.less_is_better ? value(best) - value(ours) : value(ours) - value(best)) /
+        value(best);
+    out << "| " << criterion.name << " | " << decimal(value(ours), criterion.digits) << " | "
+        << systems[best].label << ", " << decimal(value(best), criterion.digits) << " | ";
+    if (value(ours) == value(best)) {
+      out << "level |\n";
+    } else {
+      out << (lead > 0 ? "ahead by " : "**behind** by ") << decimal(100 * std::abs(lead), 1)
+          << " % |\n";
+    }
+  }
+}
+
 std::string delaunay_line(const Results& results, FeatureLength length) {
   double edges = 0, radii = 0, count = 0;
   for (const GraphResult& graph : results.graphs) {
@@ -197,6 +256,9 @@ std::string experiment_tables(const Results& results) {
     out << "### The five criteria, " << to_string(length) << " features\n\n";
     write_criteria(out, results, length);
     out << '\n' << delaunay_line(results, length) << '\n';
+    out << "### Ours against the best of the others, " << to_string(length) << " features\n\n";
+    write_lead(out, results, length);
+    out << '\n';
   }
   out << "### What pruning would take out of each, all graphs together\n\n";
   write_pruning(out, results);
