@@ -80,8 +80,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Life{"tiny", 3, 6, 1000, 1, 200, 60, 0, 0},
                     Life{"flat", 1, 4, 300, 1, 50, 20, 0, 0},
                     Life{"wide", 20'000, 200, 1000, 50, 8000, 400, 0, 0},
-                    Life{"short_of_vertices", 1000, 60, 1000, 10, 90, 200, 0, 0},
-                    Life{"short_of_features", 30, 40, 1000, 10, 2000, 12, 0, 0},
+                    Life{"short_of_vertices", 1000, 60, 1000, 10, 70, 200, 0, 0},
+                    Life{"short_of_features", 30, 40, 1000, 10, 2000, 6, 0, 0},
                     Life{"short_of_steiner", 1000, 60, 1000, 10, 4000, 200, 12, 0},
                     Life{"short_of_steps", 1000, 60, 1000, 10, 4000, 200, 0, 4}),
     Lives::name);

@@ -16,7 +16,7 @@ namespace etcm::test {
 namespace {
 
 // Inputs that need more Steiner vertices than this take too long for a test of every day.
-constexpr std::size_t steiner_room = 6000;
+constexpr std::size_t steiner_room = 12'000;
 constexpr std::size_t nodes_most = 1000;
 
 enum class Policy { standard, paper };
@@ -93,9 +93,10 @@ TEST(OrderOfJoining, DoesNotMatter) {
 
 void expect_rebuild_forgets(SplitPolicy policy) {
   // Features that come one by one may need more points for a while.
-  constexpr std::size_t ample_room = 4 * steiner_room;
+  constexpr std::size_t ample_room = 2 * steiner_room;
   for (const auto& [family, graph] : entries()) {
-    if (graph.nodes.size() > 500) continue;
+    // Nearly collinear nodes fill any room when their features come one by one.
+    if (graph.nodes.size() > 500 || family == "nearly collinear") continue;
     SCOPED_TRACE(graph.name);
     OwnedMesh batch(inputs::config_for(graph, steiner_room, policy));
     ASSERT_EQ(batch.opened(), Status::ok);
