@@ -186,8 +186,10 @@ void Gateway::publish(port::Instant now) {
   changed_ = false;
   published_at_ = now;
   files_outdated_ = true;
+  const Snapshot snapshot = take_snapshot(now);
+  state_ = snapshot.state;
   ports_.server.publish(std::make_shared<const port::RegisterImage>(
-      encode_mesh(take_snapshot(now), settings_.mesh.vertices_max)));
+      encode_mesh(snapshot, settings_.mesh.vertices_max)));
 }
 
 port::Instant Gateway::files_due() const {

@@ -46,7 +46,13 @@ class Gateway final : private ReadingListener {
   // Publishes what is still unpublished, and says how things stand.
   void finish(port::Instant now);
 
+  // Asks the units with this address next: somebody says that a node is there.
+  void ask_at_once(std::uint8_t address, port::Instant now) { poller_.ask_at_once(address, now); }
+
   std::uint32_t generation() const { return generation_; }
+  std::uint32_t node_count() const { return keeper_.mesh().node_count(); }
+  // As published last (snapshot.h).
+  std::uint16_t state() const { return state_; }
 
  private:
   bool on_reading(std::uint32_t unit, const NodeReading& reading, port::Instant now) override;
@@ -70,7 +76,8 @@ class Gateway final : private ReadingListener {
   port::Instant published_at_{};
   port::Instant files_tried_at_{};
   std::uint32_t generation_ = 0;  // published last
-  bool changed_ = false;          // since then
+  std::uint16_t state_ = 0;
+  bool changed_ = false;  // since then
   bool files_outdated_ = false;
   bool files_failing_ = false;
 };

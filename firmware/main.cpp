@@ -1,9 +1,12 @@
 // etcm-gateway: the only place that knows which adapters stand behind the interfaces.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <variant>
 #include <vector>
@@ -14,6 +17,7 @@
 #include "modbus/register_server.h"
 #include "modbus/rtu_bus.h"
 #include "modbus/tcp_bus.h"
+#include "panel.h"
 #include "posix/event_loop.h"
 #include "posix/mesh_folder.h"
 #include "posix/steady_clock.h"
@@ -21,6 +25,9 @@
 #include "posix/stream_log.h"
 #include "settings.h"
 #include "site.h"
+#ifdef ETCM_WITH_GPIO
+#include "gpio/gpio_lines.h"
+#endif
 
 namespace {
 
@@ -29,17 +36,75 @@ using namespace etcm;
 constexpr int exit_bad_settings = 2;
 constexpr port::Identity identity{{"ETCM", "etcm-gateway", ETCM_VERSION}};
 
+// The lines of the board that the settings name.
+class Board {
+ public:
+  Board(const firmware::Settings& settings, port::EventLoop& loop) {
+#ifdef ETCM_WITH_GPIO
+    std::vector<port::LineRequest> requests;
+    const auto want = [&](const std::optional<firmware::LineSettings>& line, port::LineUse use) {
+      if (!line) return;
+      requests.push_back({.place = line->place, .use = use, .is_active_low = line->is_active_low});
+      places_.push_back(line->place);
+    };
+    want(settings.gpio.alert, port::LineUse::input);
+    want(settings.gpio.join_button, port::LineUse::input);
+    want(settings.gpio.status_led, port::LineUse::output);
+    want(settings.gpio.watchdog, port::LineUse::output);
+    for (const firmware::BusSettings& bus : settings.buses) {
+      want(bus.send_enable, port::LineUse::output);
+    }
+    if (!requests.empty()) io_.emplace(loop, requests, settings.gpio.debounce);
+#else
+    static_cast<void>(loop);
+    const firmware::GpioSettings& gpio = settings.gpio;
+    bool is_wanted = gpio.alert || gpio.join_button || gpio.status_led || gpio.watchdog;
+    for (const firmware::BusSettings& bus : settings.buses) {
+      is_wanted = is_wanted || bus.send_enable;
+    }
+    if (is_wanted) {
+      throw std::runtime_error(
+          "the settings name gpio lines, but this gateway was built without libgpiod; install "
+          "libgpiod-dev and build it again, or take the lines out");
+    }
+#endif
+  }
+
+  // Null where the settings name no line.
+  port::DigitalIo* io() {
+#ifdef ETCM_WITH_GPIO
+    if (io_) return &*io_;
+#endif
+    return nullptr;
+  }
+
+  std::optional<port::Line> line_of(const std::optional<firmware::LineSettings>& line) const {
+    const auto found =
+        line ? std::find(places_.begin(), places_.end(), line->place) : places_.end();
+    if (found == places_.end()) return std::nullopt;
+    return port::Line{static_cast<std::uint8_t>(found - places_.begin())};
+  }
+
+ private:
+  std::vector<std::string> places_;  // by line
+#ifdef ETCM_WITH_GPIO
+  std::optional<port::GpioLines> io_;
+#endif
+};
+
 using Bus = std::variant<std::unique_ptr<port::TcpBus>, std::unique_ptr<port::RtuBus>>;
 
 Bus make_bus(const firmware::BusSettings& bus, port::Duration retry_interval, port::EventLoop& loop,
-             port::Log& log) {
+             port::Log& log, Board& board) {
   if (const auto* const line = std::get_if<port::SerialLine>(&bus.link)) {
-    return std::make_unique<port::RtuBus>(loop, log,
-                                          port::RtuBusOptions{.name = bus.name,
-                                                              .line = *line,
-                                                              .quiet = bus.quiet,
-                                                              .reopen_interval = retry_interval,
-                                                              .send_enable = {}});
+    return std::make_unique<port::RtuBus>(
+        loop, log,
+        port::RtuBusOptions{.name = bus.name,
+                            .line = *line,
+                            .quiet = bus.quiet,
+                            .reopen_interval = retry_interval,
+                            .lines = board.io(),
+                            .send_enable = board.line_of(bus.send_enable)});
   }
   return std::make_unique<port::TcpBus>(
       loop, log,
@@ -65,10 +130,11 @@ void run(const firmware::Settings& settings, port::Log& log) {
     throw std::runtime_error(std::string("the mesh refuses its settings: ") + explain(status));
   }
 
+  Board board(settings, loop);
   std::vector<Bus> buses;
   std::vector<firmware::PolledBus> polled;
   for (const firmware::BusSettings& bus : settings.buses) {
-    buses.push_back(make_bus(bus, settings.poll.interval, loop, log));
+    buses.push_back(make_bus(bus, settings.poll.interval, loop, log, board));
     polled.push_back({.bus = interface_of(buses.back()), .settings = &bus});
   }
   port::RegisterServer server(loop, settings.server.listen, settings.server.clients_max, identity,
@@ -83,9 +149,21 @@ void run(const firmware::Settings& settings, port::Log& log) {
   firmware::Gateway gateway(
       settings, mesh,
       {.buses = polled, .server = server, .files = folder.get(), .clock = clock, .log = log});
+  std::optional<firmware::Panel> panel;
+  if (board.io() != nullptr) {
+    panel.emplace(*board.io(),
+                  firmware::PanelLines{.alert = board.line_of(settings.gpio.alert),
+                                       .join_button = board.line_of(settings.gpio.join_button),
+                                       .status_led = board.line_of(settings.gpio.status_led),
+                                       .watchdog = board.line_of(settings.gpio.watchdog)},
+                  gateway);
+  }
   while (!stop.received()) {
+    if (panel) panel->step(clock.now());
     gateway.step(clock.now());
-    loop.wait(gateway.next_deadline() - clock.now());
+    const port::Instant deadline =
+        std::min(gateway.next_deadline(), panel ? panel->next_deadline() : port::never);
+    loop.wait(deadline - clock.now());
   }
   gateway.finish(clock.now());
 }

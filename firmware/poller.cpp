@@ -116,6 +116,20 @@ port::Instant Poller::next_deadline() const {
   return deadline;
 }
 
+void Poller::ask_at_once(std::uint8_t address, port::Instant now) {
+  for (Line& line : lines_) {
+    for (std::vector<Turn>* const turns : {&line.turns, &line.probes}) {
+      const auto found = std::find_if(turns->begin(), turns->end(), [&](const Turn& turn) {
+        return units_[turn.unit].address == address;
+      });
+      if (found == turns->end()) continue;
+      found->due = port::Instant{};
+      std::make_heap(turns->begin(), turns->end(), later);
+      line.probe_allowed = now;
+    }
+  }
+}
+
 std::string Poller::name(std::uint32_t unit) const {
   return "unit " + std::to_string(units_[unit].address) + " of " +
          lines_[units_[unit].bus].polled.settings->name;

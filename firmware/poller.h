@@ -44,6 +44,9 @@ class Poller {
   void step(port::Instant now);
   port::Instant next_deadline() const;
 
+  // Asks the units with this address next, whoever else is due and however often they have failed.
+  void ask_at_once(std::uint8_t address, port::Instant now);
+
   std::uint32_t unit_count() const { return static_cast<std::uint32_t>(units_.size()); }
   bool is_failing(std::uint32_t unit) const { return units_[unit].failures > 0; }
   std::string name(std::uint32_t unit) const;  // "unit 7 of yard"

@@ -102,6 +102,16 @@ class Section {
     }
   }
 
+  // A line of the board; "!" before it: active when low.
+  void read(const std::string& key, std::optional<LineSettings>& value) {
+    if (find(key) == nullptr) return;
+    LineSettings line;
+    read(key, line.place, key + " = \"LINE_NAME\"");
+    line.is_active_low = line.place.starts_with('!');
+    if (line.is_active_low) line.place.erase(0, 1);
+    value = line;
+  }
+
   // One of a few words.
   template <class Value>
   void read(const std::string& key, Value& value,
@@ -236,6 +246,12 @@ void read_link(Section& section, BusSettings& bus) {
     const port::SerialLine line = read_line(section);
     bus.outstanding_max = 1;
     section.read("quiet", bus.quiet, 0ms);
+    section.read("rs485_line", bus.send_enable);
+    if (bus.send_enable && line.direction == port::Direction::kernel) {
+      section.mistake(*section.find("rs485_line"),
+                      "both the driver and a line would switch the transceiver; take rs485 or "
+                      "rs485_line out");
+    }
     bus.name = line.path;
     bus.link = line;
     return;
@@ -285,6 +301,23 @@ void read_bus(Section& section, const PollSettings& poll, std::vector<BusSetting
   buses.push_back(std::move(bus));
 }
 
+void read_gpio(Section& section, const std::vector<BusSettings>& buses, GpioSettings& gpio) {
+  section.read("alert", gpio.alert);
+  section.read("join_button", gpio.join_button);
+  section.read("status_led", gpio.status_led);
+  section.read("watchdog", gpio.watchdog);
+  section.read("debounce", gpio.debounce, 0ms);
+  const bool is_asked = std::any_of(buses.begin(), buses.end(), [](const BusSettings& bus) {
+    return std::any_of(bus.units.begin(), bus.units.end(),
+                       [](UnitRange range) { return range.last == unit_max; });
+  });
+  if ((gpio.alert || gpio.join_button) && !is_asked) {
+    section.mistake(section.table(),
+                    "alert and join_button make the gateway look for a new node at unit 247, which "
+                    "is on no bus; add 247 to the units of one");
+  }
+}
+
 void read_feature(Section& section, std::vector<FeatureSettings>& features) {
   FeatureSettings feature{.place = section.place()};
   section.require("from", "from = 1001");
@@ -319,6 +352,7 @@ void read_all(Section& file, const std::filesystem::path& folder, Settings& sett
     section.read("interval", files.interval, 1ms);
     settings.files = std::move(files);
   });
+  file.sub("gpio", [&](Section& section) { read_gpio(section, settings.buses, settings.gpio); });
   file.each("feature", [&](Section& section) { read_feature(section, settings.features); });
 }
 
@@ -331,6 +365,7 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
                    .absent_interval = 10s,
                    .stale_after = 5s,
                    .leave_after = 30s};
+  settings.gpio.debounce = 20ms;
   settings.server = {.listen = {.host = 0x7f000001, .port = 1502}, .clients_max = 16};
 
   toml::table parsed;

@@ -20,6 +20,20 @@ struct UnitRange {
   std::uint8_t last = 0;
 };
 
+// A digital line: its name or CHIP:OFFSET.
+struct LineSettings {
+  std::string place;
+  bool is_active_low = false;
+};
+
+struct GpioSettings {
+  std::optional<LineSettings> alert;
+  std::optional<LineSettings> join_button;
+  std::optional<LineSettings> status_led;
+  std::optional<LineSettings> watchdog;
+  port::Duration debounce{};
+};
+
 struct BusSettings {
   std::string name;
   std::variant<port::SocketAddress, port::SerialLine> link;  // Modbus TCP, or RTU
@@ -28,6 +42,7 @@ struct BusSettings {
   port::Duration timeout{};
   port::Duration quiet{};  // of a serial line, after a wait in vain
   std::uint32_t outstanding_max = 0;
+  std::optional<LineSettings> send_enable;  // switches the transceiver of a serial line
 };
 
 struct PollSettings {
@@ -63,6 +78,7 @@ struct Settings {
   std::vector<BusSettings> buses;
   ServerSettings server;
   std::optional<FileSettings> files;
+  GpioSettings gpio;
   std::string site;  // path of a .poly with features, or empty
   std::vector<FeatureSettings> features;
 };

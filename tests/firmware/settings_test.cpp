@@ -142,6 +142,32 @@ units = "1"
   EXPECT_EQ(settings.buses[1].quiet, 50ms);
 }
 
+TEST_F(SettingsFile, EveryLineOfTheBoardArrives) {
+  const Settings settings = read(R"(
+[mesh]
+vertices_max = 10
+[gpio]
+alert = "!ALERT"
+join_button = "gpiochip0:3"
+status_led = "LED"
+watchdog = "WDI"
+debounce = "5ms"
+[[bus]]
+rtu = "/dev/ttyS1"
+units = "1,247"
+rs485_line = "DE"
+)");
+  EXPECT_TRUE(mistakes_.empty()) << mistakes_.front();
+  EXPECT_EQ(settings.gpio.alert->place, "ALERT");
+  EXPECT_TRUE(settings.gpio.alert->is_active_low);
+  EXPECT_EQ(settings.gpio.join_button->place, "gpiochip0:3");
+  EXPECT_FALSE(settings.gpio.join_button->is_active_low);
+  EXPECT_EQ(settings.gpio.status_led->place, "LED");
+  EXPECT_EQ(settings.gpio.watchdog->place, "WDI");
+  EXPECT_EQ(settings.gpio.debounce, 5ms);
+  EXPECT_EQ(settings.buses[0].send_enable->place, "DE");
+}
+
 struct Mistake {
   const char* name;
   std::string text;  // after three good lines
@@ -211,6 +237,12 @@ INSTANTIATE_TEST_SUITE_P(
                 "word_order 'little' is unknown", "\"CDAB\""},
         Mistake{"outstanding_on_a_line", serial("outstanding = 4\n"), 7,
                 "'outstanding' is unknown in [[bus]]", "known here: baud"},
+        Mistake{"alert_for_nobody", "[gpio]\nalert = \"A\"\n" + serial(""), 4, "unit 247",
+                "add 247"},
+        Mistake{"two_switch", serial("rs485 = \"kernel\"\nrs485_line = \"DE\"\n"), 8,
+                "both the driver and a line", "take rs485 or"},
+        Mistake{"line_as_number", "[gpio]\nstatus_led = 4\n" + serial(""), 5, "must be a text",
+                "status_led = \"LINE_NAME\""},
         Mistake{"baud_of_a_socket", bus("units = \"1\"\nbaud = 9600\n"), 7,
                 "'baud' is unknown in [[bus]]", "known here"},
         Mistake{"files_without_folder", bus("units = \"1\"\n") + "[files]\n", 7,

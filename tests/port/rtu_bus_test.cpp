@@ -38,6 +38,8 @@ class RecordingLines final : public DigitalIo {
     active = value;
     ++changes;
   }
+  void advance(Instant) override {}
+  Instant next_deadline() const override { return never; }
   bool active = false;
   int changes = 0;
 };

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "etcm/port/clock.h"
+
 namespace etcm::port {
 
 // A line of the board, by the number the adapter gave it when it was requested at start.
@@ -12,10 +14,14 @@ struct Line {
 
 class DigitalIo {
  public:
-  // The level now. An alert is a level, not a count of edges: edges get lost.
+  // The level, free of bounce. An alert is a level, not a count of edges: edges get lost.
   virtual bool is_active(Line input) const = 0;
 
   virtual void set_active(Line output, bool active) = 0;
+
+  // Lets time pass, for inputs that bounce; next_deadline() tells when at the latest.
+  virtual void advance(Instant now) = 0;
+  virtual Instant next_deadline() const = 0;
 
  protected:
   ~DigitalIo() = default;

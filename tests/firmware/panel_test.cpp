@@ -1,0 +1,113 @@
+// The board's lines: what the LED says, when the watchdog is fed, what the alert does.
+#include "panel.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "fakes.h"
+#include "snapshot.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+class LinesInHand final : public port::DigitalIo {
+ public:
+  bool is_active(port::Line input) const override { return levels.at(input.index); }
+  void set_active(port::Line output, bool active) override { levels[output.index] = active; }
+  void advance(port::Instant) override {}
+  port::Instant next_deadline() const override { return port::never; }
+  std::map<int, bool> levels{{0, false}, {1, false}, {2, false}, {3, false}};
+};
+
+constexpr PanelLines all_lines{.alert = port::Line{0},
+                               .join_button = port::Line{1},
+                               .status_led = port::Line{2},
+                               .watchdog = port::Line{3}};
+
+class PanelOfAGateway : public testing::Test {
+ protected:
+  PanelOfAGateway() {
+    rig_.settings.buses[0].units = {{.first = 1, .last = 20}, {.first = 247, .last = 247}};
+    rig_.settings.poll.interval = 100ms;
+    rig_.settings.poll.absent_interval = 1min;
+    rig_.settings.poll.leave_after = 10min;
+    rig_.settings.poll.stale_after = 10min;
+    rig_.start();
+    panel_.emplace(lines_, all_lines, *rig_.gateway);
+  }
+
+  // Runs both, and counts the times a line went up.
+  void run(port::Duration duration) {
+    for (port::Duration passed{}; passed < duration; passed += 10ms) {
+      const std::map<int, bool> before = lines_.levels;
+      panel_->step(rig_.clock.now());
+      rig_.gateway->step(rig_.clock.now());
+      for (const auto& [line, level] : lines_.levels) rises_[line] += level && !before.at(line);
+      EXPECT_GT(panel_->next_deadline(), rig_.clock.now());
+      rig_.clock.pass(10ms);
+    }
+  }
+
+  Rig rig_;
+  LinesInHand lines_;
+  std::optional<Panel> panel_;
+  std::map<int, int> rises_;
+};
+
+TEST_F(PanelOfAGateway, AnAlertBringsANewNodeIntoTheMeshAtOnce) {
+  run(5min);  // the default address has failed often: it is hardly asked any more
+  rig_.put(247, 5, 6);
+  run(500ms);
+  EXPECT_EQ(rig_.gateway->node_count(), 0u);
+  lines_.levels[0] = true;
+  run(200ms);
+  EXPECT_EQ(rig_.gateway->node_count(), 1u);
+}
+
+TEST_F(PanelOfAGateway, SoDoesTheButton) {
+  run(5min);
+  rig_.put(247, 5, 6);
+  lines_.levels[1] = true;
+  run(200ms);
+  EXPECT_EQ(rig_.gateway->node_count(), 1u);
+}
+
+TEST_F(PanelOfAGateway, WhileTheAlertIsUpTheDefaultAddressIsAskedAgainAndAgain) {
+  run(5min);
+  const std::uint32_t before = rig_.bus.reads[247];
+  lines_.levels[0] = true;
+  run(5s);
+  EXPECT_GE(rig_.bus.reads[247], before + 5);
+  EXPECT_LE(rig_.bus.reads[247], before + 7);
+}
+
+TEST_F(PanelOfAGateway, TheLedShowsTheState) {
+  run(1min);
+  // A round of five flashes takes 9 * 150 ms + 900 ms.
+  EXPECT_NEAR(rises_[2], 5 * 60.0 / 2.25, 6) << "no nodes";
+  rig_.put(1, 0, 0);
+  run(70s);
+  rises_.clear();
+  run(1min);
+  EXPECT_NEAR(rises_[2], 60.0 / 1.05, 2) << "all well";
+}
+
+TEST(Panel, OfSeveralStatesTheHighestIsShown) {
+  using namespace snapshot_state;
+  EXPECT_EQ(flashes_of(0, 3), 1u);
+  EXPECT_EQ(flashes_of(partial, 3), 2u);
+  EXPECT_EQ(flashes_of(partial | stale, 3), 3u);
+  EXPECT_EQ(flashes_of(partial | stale | budget_hit, 3), 4u);
+  EXPECT_EQ(flashes_of(partial | stale | budget_hit, 0), 5u);
+}
+
+TEST_F(PanelOfAGateway, TheWatchdogIsFedWhileTheLoopTurns) {
+  run(10s);
+  EXPECT_EQ(rises_[3], 10);
+}
+
+}  // namespace
+}  // namespace etcm::firmware
