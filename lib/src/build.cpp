@@ -127,6 +127,9 @@ Status Mesh::rebuild() noexcept {
     commit(m);
     return status;
   }
+  for (IdValue i = 0; i < m.section_end; ++i) {
+    if (is_laid(m, SectionId{i})) touch(m, SectionId{i});
+  }
   drop_fresh(m);
   for (IdValue i = 0; i < m.section_end; ++i) {
     const SectionId s{i};

@@ -117,8 +117,6 @@ Status conform_section(MeshState& m, SectionId s) noexcept {
   const VertexId end = r.to;
   VertexId v = r.first.is_none() ? r.from : r.first;
   const VertexId last = r.first.is_none() ? r.to : r.last;
-  // In a batch the section will be broken again elsewhere: only that is looked at then.
-  if (m.is_batch) r.first = infinite_vertex;
   while (v != last) {
     const Stretch piece = march(m, v, end);
     const SectionId crossed = crossed_section(m, s, piece);

@@ -150,6 +150,7 @@ Status conform_features(MeshState& m, SectionId list, SectionId& pending) noexce
     const Status status = conform(m);
     if (status != Status::ok) return status;
   }
+  if (m.is_batch) forget_touched(m);
   while (!pending.is_none()) {
     const SectionId root = pending;
     const Course course = survey(m, root);
@@ -159,6 +160,11 @@ Status conform_features(MeshState& m, SectionId list, SectionId& pending) noexce
     lay(m, root, course.nodes_between);
     const Status status = conform(m);
     if (status != Status::ok) return status;
+    // Before the next feature: what is needless is in its way too, and takes room.
+    if (m.is_batch) {
+      prune(m);
+      forget_touched(m);
+    }
   }
   return Status::ok;
 }

@@ -52,7 +52,7 @@ struct MeshState {
   VertexId detached{};      // vertices it has taken out
   SectionId spare{};        // sections that features have left over while it runs
   std::uint32_t steps = 0;  // it has spent
-  bool is_batch = false;    // it conforms all features, and prunes them whole at the end
+  bool is_batch = false;    // it lays all features, and prunes after each
   Edge near{};              // where it is at work: the next walk starts here
   Trouble trouble;
   const Mesh* mesh = nullptr;  // for policies
@@ -138,6 +138,7 @@ void free_section(MeshState& m, SectionId s) noexcept;
 // Into and out of the incidence lists of its two ends.
 void link_section(MeshState& m, SectionId s) noexcept;
 void unlink_section(MeshState& m, SectionId s) noexcept;
+bool is_free(const MeshState& m, SectionId s) noexcept;
 // Whether it is in them: part of a feature that lies in the mesh.
 bool is_laid(const MeshState& m, SectionId s) noexcept;
 SectionId next_at(const MeshState& m, SectionId s, VertexId node) noexcept;
@@ -216,13 +217,15 @@ void drop_fresh(MeshState& m) noexcept;
 // Puts the detached vertices back, marks all touched sections anew and ends the change. The section
 // records must be those of before, and the fresh vertices dropped.
 void restore_detached(MeshState& m) noexcept;
+// Takes all sections off the list of touched ones.
+void forget_touched(MeshState& m) noexcept;
 // Prunes needless Steiner vertices of the touched sections, and ends the change.
 void commit(MeshState& m) noexcept;
 
 // --- prune.cpp
 
-// Takes out the Steiner vertices of the dirty sections without which their feature still is a union
-// of Delaunay edges, and those of other sections that become needless by that. Never breaks a
+// Takes out the Steiner vertices of the touched sections without which their feature still is a
+// union of Delaunay edges, and those of other sections that become needless by that. Never breaks a
 // thing.
 void prune(MeshState& m) noexcept;
 

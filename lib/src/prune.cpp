@@ -46,6 +46,7 @@ void make_dirty_around(MeshState& m, VertexId v) noexcept {
 
 void prune_section(MeshState& m, SectionId s) noexcept {
   SectionRecord& r = m.section(s);
+  if (r.first == infinite_vertex) return;
   const VertexId from = r.from, to = r.to;
   VertexId v = r.first.is_none() ? from : r.first;
   Point last = m.at(r.first.is_none() ? to : r.last);
@@ -57,7 +58,7 @@ void prune_section(MeshState& m, SectionId s) noexcept {
     const Stretch onward = march(m, v, to);
     const VertexId before = back.tail, after = onward.tail;
     if (!is_needless(m, back.edge, onward.edge)) {
-      m.owner(v) = Owner(Role::steiner, s);
+      if (!m.is_batch) m.owner(v) = Owner(Role::steiner, s);
       v = after;
       continue;
     }
@@ -75,6 +76,13 @@ void prune_section(MeshState& m, SectionId s) noexcept {
 }  // namespace
 
 void prune(MeshState& m) noexcept {
+  SectionId list{};
+  for (SectionId s = m.touched; !s.is_none(); s = m.section(s).next_touched) {
+    if (!is_laid(m, s)) continue;
+    m.section(s).next_dirty = list;
+    list = s;
+  }
+  m.dirty = sort_sections(m, list);
   for (SectionId s = pop_dirty(m); !s.is_none(); s = pop_dirty(m)) prune_section(m, s);
 }
 

@@ -66,6 +66,7 @@ SectionId allocate_section(MeshState& m) noexcept {
 
 void free_section(MeshState& m, SectionId s) noexcept {
   m.section(s).from = VertexId::none();
+  m.section(s).root = free_root;
   m.section(s).next = m.free_sections;
   m.free_sections = s;
   ++m.free_section_count;
@@ -81,6 +82,8 @@ void unlink_section(MeshState& m, SectionId s) noexcept {
   unlink_at(m, s, m.section(s).to);
   m.section(s).next_at_from = not_listed;
 }
+
+bool is_free(const MeshState& m, SectionId s) noexcept { return m.section(s).root == free_root; }
 
 bool is_laid(const MeshState& m, SectionId s) noexcept {
   return !m.section(s).from.is_none() && m.section(s).next_at_from != not_listed;

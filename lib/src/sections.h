@@ -29,6 +29,9 @@ struct SectionRecord {
 inline constexpr IdValue reversed_bit =
     static_cast<IdValue>(IdValue{1} << (std::numeric_limits<IdValue>::digits - 1));
 
+// The root of a place that no feature has.
+inline constexpr IdValue free_root = std::numeric_limits<IdValue>::max();
+
 inline constexpr SectionId not_listed{static_cast<IdValue>(SectionId::none_value - 1u)};
 
 // What a vertex is, and the section it belongs to: for a node the head of its incidence list, for a

@@ -6,13 +6,23 @@
 namespace etcm::internal {
 namespace {
 
-// Forgets the change: what was retired and not used again becomes free.
+// Forgets the change: what was retired and not used again becomes free. A batch does not keep the
+// touched sections together, so it looks at all.
 void end_change(MeshState& m) noexcept {
+  if (m.is_batch) {
+    for (IdValue i = 0; i < m.section_end; ++i) {
+      if (m.section(SectionId{i}).from.is_none()) touch(m, SectionId{i});
+    }
+    for (IdValue i = 1; i < m.vertex_end; ++i) {
+      Owner& owner = m.owners[i];
+      if (owner.role() == Role::fresh) owner = Owner(Role::steiner, owner.section());
+    }
+  }
   while (!m.touched.is_none()) {
     const SectionId s = m.touched;
     m.touched = m.section(s).next_touched;
     m.section(s).next_touched = not_listed;
-    if (m.section(s).from.is_none()) free_section(m, s);
+    if (m.section(s).from.is_none() && !is_free(m, s)) free_section(m, s);
   }
   m.spare = SectionId::none();
 }
@@ -112,20 +122,20 @@ void restore_detached(MeshState& m) noexcept {
   end_change(m);
 }
 
+void forget_touched(MeshState& m) noexcept {
+  while (!m.touched.is_none()) {
+    const SectionId s = m.touched;
+    m.touched = m.section(s).next_touched;
+    m.section(s).next_touched = not_listed;
+  }
+}
+
 void commit(MeshState& m) noexcept {
   while (!m.detached.is_none()) {
     const VertexId v = m.detached;
     m.detached = VertexId{m.vertex_edges[v.value].value};
     free_vertex(m, v);
   }
-  SectionId list{};
-  for (SectionId s = m.touched; !s.is_none(); s = m.section(s).next_touched) {
-    if (!is_laid(m, s)) continue;
-    if (m.is_batch) m.section(s).first = VertexId::none();
-    m.section(s).next_dirty = list;
-    list = s;
-  }
-  m.dirty = sort_sections(m, list);
   prune(m);
   end_change(m);
 }
