@@ -36,8 +36,8 @@ bool live(std::uint64_t seed) {
     return false;
   }
   constexpr std::int32_t sides[] = {1, 2, 3, 5, 8, 20, 100, 1000, 1'000'000, position_max};
-  const std::int32_t side = sides[random.below(std::size(sides))];
-  History history(*mesh, side, 4 + random.below(60), random.next());
+  const std::int32_t side = sides[random.index(std::size(sides))];
+  History history(*mesh, side, 4 + random.index(60), random.next());
   for (int event = 0; event < 300; ++event) {
     const testing::AssertionResult answer = history.step();
     const Audit sound = audit(*mesh);

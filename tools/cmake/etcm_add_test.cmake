@@ -2,7 +2,7 @@
 #
 # One GoogleTest program; each of its cases becomes a test named "<folder>/<suite>.<case>".
 # A source of its own with main() is welcome: it takes precedence over GoogleTest's.
-# TIMEOUT is per case; without it a case has 60 seconds.
+# TIMEOUT is per case; without it a case has 60 seconds. An emulator gets ten times that.
 include(GoogleTest)
 
 function(etcm_add_test name)
@@ -13,6 +13,9 @@ function(etcm_add_test name)
   endif()
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 60)
+  endif()
+  if(CMAKE_CROSSCOMPILING_EMULATOR)
+    math(EXPR arg_TIMEOUT "10 * ${arg_TIMEOUT}")
   endif()
   get_filename_component(folder "${CMAKE_CURRENT_SOURCE_DIR}" NAME)
   if(NOT arg_LABELS)
