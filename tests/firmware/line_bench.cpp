@@ -141,7 +141,8 @@ Outcome measure(const Setup& setup, port::Log& log) {
                                  .units = {},
                                  .timeout = setup.timeout,
                                  .quiet = setup.quiet,
-                                 .outstanding_max = 1};
+                                 .outstanding_max = 1,
+                                 .send_enable = {}};
   std::uint32_t healthy = 0;
   for (std::uint32_t unit = 1; unit <= setup.units; ++unit) {
     if (is_dead(setup, unit) && !setup.with_dead) continue;
