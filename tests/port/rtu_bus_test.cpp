@@ -94,11 +94,17 @@ class SerialBus : public testing::Test {
     EXPECT_EQ(bytes, rtu_of(unit, {function, 0, 0, 0, 2}));
   }
 
-  // Puts bytes on the line and lets the bus hear them.
+  // Puts bytes on the line and lets the bus hear them: the terminal hands them over when the kernel
+  // finds the time, so it waits until nothing has come for as long as a busy machine may take.
   void say(const Bytes& bytes) {
     ASSERT_EQ(::write(cable_->descriptor(), bytes.data(), bytes.size()),
               static_cast<ssize_t>(bytes.size()));
-    for (int turn = 0; turn < 5; ++turn) loop_.wait(2ms);
+    const SteadyClock clock;
+    for (bool heard = true; heard;) {
+      const Instant before = clock.now();
+      loop_.wait(30ms);
+      heard = clock.now() - before < 25ms;
+    }
     bus().advance(now_);
   }
 
