@@ -1,0 +1,125 @@
+"""The gateway for ARM on a board with real digital lines and a serial line (board.py).
+
+The gateway is ETCM_ARM_GATEWAY, built for the sysroot in ETCM_ARM_SYSROOT; kernel and busybox are in
+ETCM_ARM_BOARD; ETCM_BIN has the programs for this machine.
+"""
+import os
+import pathlib
+import time
+import unittest
+
+import gateway_test
+from board import Board, LINES
+
+CONFIG = """
+[mesh]
+vertices_max = 100
+[poll]
+interval = "1s"
+timeout = "300ms"
+absent_interval = "10min"
+stale_after = "3s"
+leave_after = "6s"
+[gpio]
+alert = "ALERT"
+join_button = "gpiochip0:1"
+status_led = "LED"
+watchdog = "WATCHDOG"
+[[bus]]
+name = "yard"
+rtu = "/dev/ttyS0"
+baud = 115200
+units = "1-3,247"
+[server]
+listen = "0.0.0.0:1502"
+"""
+SETTLED = ["0,1,join,0,0", "0,2,join,900,0", "0,3,join,0,900"]
+# Units are counted as serials first appear.
+ABSENT = [f"0,{serial},silent,," for serial in range(4, 247)]
+# By then the default address has failed for so long that it is asked once a minute at the most.
+NEW_AFTER_S = 25
+NEW = ["0,247,silent,,", f"{1000 * NEW_AFTER_S},247,join,400,500"]
+# From the alert to the new node in the registers: a probe at once, and the pause of a publication.
+# Emulated, the board is some ten times slower than a real one.
+JOIN_S = 5
+
+
+class OnABoard(gateway_test.GatewayCase):
+    @classmethod
+    def environment(cls, name):
+        return pathlib.Path(os.environ[name]).resolve()
+
+    def setUp(self):
+        super().setUp()
+        self.board = Board(self.folder, self.environment("ETCM_ARM_GATEWAY"), CONFIG,
+                           self.environment("ETCM_ARM_SYSROOT"), self.environment("ETCM_ARM_BOARD"),
+                           guest_port=1502)
+        self.addCleanup(self.board.stop)
+        # Shown when a test fails.
+        self.addCleanup(lambda: print(self.board.output))
+        self.port = self.board.port
+
+    def plug_in(self, name, rows):
+        """Nodes on a terminal, and a cable from it to the board's serial port."""
+        (self.folder / f"{name}.csv").write_text(
+            "time_ms,serial,event,x,y\n" + "\n".join(rows) + "\n")
+        far_end = self.folder / "far_end"
+        nodes = self.start(name, [gateway_test.PROGRAMS / "etcm-nodes", "--rtu", far_end, "--baud",
+                                  "115200", "--nodes", f"{name}.csv"])
+        nodes.wait_for_line("ready:")
+        cable = self.start(f"{name}_cable", ["socat", f"FILE:{far_end},raw,echo=0",
+                                             f"UNIX-CONNECT:{self.board.serial_path}"])
+        return nodes, cable
+
+    def flashes(self):
+        """The flashes of one round of the LED."""
+        start = time.monotonic()
+        def rounds():
+            rises = self.board.rises("LED", start)
+            pauses = [i for i in range(1, len(rises)) if rises[i] - rises[i - 1] > 0.7]
+            return pauses[1] - pauses[0] if len(pauses) > 1 else None
+        return gateway_test.wait_for("two pauses of the LED", rounds)
+
+    def test_lines_and_serial_port(self):
+        board = self.board
+        board.wait_for_output("board is up")
+        board.wait_for_output("serves the mesh on")
+        self.assertEqual(self.flashes(), 5, "no nodes yet")
+
+        first = self.plug_in("first", SETTLED + ABSENT)
+        self.wait_for_header(nodes=3, triangles=1, state=0)
+        self.assertEqual(self.flashes(), 1, "all well")
+
+        for program in first:
+            program.stop()
+        self.wait_for_header(nodes=0)
+        new_at = time.monotonic() + NEW_AFTER_S
+        self.plug_in("second", SETTLED + ABSENT + NEW)
+        self.wait_for_header(nodes=3, state=0)
+
+        time.sleep(max(0, new_at + 1 - time.monotonic()))
+        raised_at = time.monotonic()
+        board.drive("ALERT", True)
+        self.wait_for_header(nodes=4)
+        self.assertLess(time.monotonic() - raised_at, JOIN_S)
+        board.drive("ALERT", False)
+        self.assertEqual(self.vertices()[247], (400, 500))
+
+        board.tell("kill -STOP $gateway")
+        time.sleep(1)
+        stopped_at = time.monotonic()
+        time.sleep(2)
+        self.assertEqual(board.rises("WATCHDOG", stopped_at), [], "fed while the loop stands still")
+        board.tell("kill -CONT $gateway")
+        gateway_test.wait_for("the watchdog pulse",
+                              lambda: len(board.rises("WATCHDOG", stopped_at)) > 2)
+
+        board.tell("kill -TERM $gateway; wait $gateway; echo status $?")
+        board.wait_for_output(r"ends at generation .* 4 nodes.*audit passed")
+        board.wait_for_output("status 0")
+        for name in ("LED", "WATCHDOG"):
+            self.assertFalse(board.levels[LINES.index(name)], f"{name} is left active")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2, defaultTest="OnABoard")
