@@ -170,13 +170,28 @@ void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Inst
   if (!listener_.on_reading(index, reading, now)) {
     return fail(index, "not the node that was expected", true, now);
   }
+  count_sound(index, now);
+  ask_again(index, std::max(now, unit.asked_at + settings_.interval));
+}
+
+void Poller::count_sound(std::uint32_t index, port::Instant now) {
+  Unit& unit = units_[index];
+  Line& line = lines_[unit.bus];
+  if ((!unit.has_answered || unit.failures > 0) && line.sound++ == 0) {
+    for (Turn& probe : line.probes) {
+      probe.due = std::min(probe.due, now);
+      units_[probe.unit].failures = std::min(units_[probe.unit].failures, failures_free);
+    }
+    std::make_heap(line.probes.begin(), line.probes.end(), later);
+    line.probe_allowed = now;
+  }
   unit.has_answered = true;
   unit.failures = 0;
-  ask_again(index, std::max(now, unit.asked_at + settings_.interval));
 }
 
 void Poller::fail(std::uint32_t index, const std::string& why, bool is_silence, port::Instant now) {
   Unit& unit = units_[index];
+  if (unit.has_answered && unit.failures == 0) --lines_[unit.bus].sound;
   ++unit.failures;
   // One line for each spell of failures; units that were never there are no news.
   if (unit.failures == 1 && (unit.has_answered || !is_silence)) {
@@ -187,7 +202,7 @@ void Poller::fail(std::uint32_t index, const std::string& why, bool is_silence, 
 
 port::Duration Poller::pause_of(std::uint32_t index) const {
   const std::uint32_t failures = units_[index].failures;
-  if (failures <= failures_free) return settings_.interval;
+  if (failures <= failures_free || lines_[units_[index].bus].sound == 0) return settings_.interval;
   const std::uint32_t doublings = std::min(failures - failures_free, doublings_max);
   const port::Duration pause =
       std::clamp(settings_.interval * (std::int64_t{1} << doublings), settings_.interval,

@@ -34,6 +34,9 @@ class ReadingListener {
 // have more than half of them; where it takes one, they have the time that nobody else needs, and
 // 1/32 of the rest. A torn read is repeated at once. While a bus has
 // lost its link, its units are not asked and do not count as failing.
+//
+// Where no unit of a bus answers, something between is broken, such as a cable: all are asked as
+// often as if they were there, and all at once when the first answers again.
 class Poller {
  public:
   // All arguments must outlive the poller.
@@ -70,6 +73,7 @@ class Poller {
     std::vector<std::uint32_t> unit_at;  // by address; unit_count() where there is none
     std::vector<Turn> turns;             // of sound units; a heap, the earliest on top
     std::vector<Turn> probes;            // of failing ones, likewise
+    std::uint32_t sound = 0;             // units that answered when last asked
     std::uint32_t probes_under_way = 0;
     std::uint32_t probes_max = 0;
     bool takes_one = false;           // request at a time
@@ -81,6 +85,7 @@ class Poller {
   static port::Instant probe_due(const Line& line, port::Instant now);
   void take(const port::BusAnswer& answer, std::uint32_t unit, port::Instant now);
   void fail(std::uint32_t unit, const std::string& why, bool is_silence, port::Instant now);
+  void count_sound(std::uint32_t unit, port::Instant now);
   void ask_again(std::uint32_t unit, port::Instant due);
   port::Duration pause_of(std::uint32_t unit) const;
 

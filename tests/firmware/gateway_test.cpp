@@ -406,6 +406,19 @@ TEST(Gateway, DeadUnitsOfABusyLineCostTheOthersLittle) {
   EXPECT_GT(polls_of_the_healthy(2) * 100, polls_of_the_healthy(0) * 96);
 }
 
+TEST(Gateway, AllUnitsOfABusAreBackAtOnceWhenItsCableIs) {
+  Rig rig;
+  rig.settings.poll.absent_interval = 10min;
+  for (std::uint8_t unit = 1; unit <= 10; ++unit) rig.put(unit, unit * unit, unit);
+  rig.run(1s);
+  for (std::uint8_t unit = 1; unit <= 10; ++unit) rig.bus.silence(unit);
+  rig.run(5min);
+  EXPECT_EQ(rig.mesh.node_count(), 0u);
+  for (std::uint8_t unit = 1; unit <= 10; ++unit) rig.put(unit, unit * unit, unit);
+  rig.run(200ms);  // two polls
+  EXPECT_EQ(rig.mesh.node_count(), 10u);
+}
+
 TEST(Gateway, DeadUnitsOfAnIdleLineAreAskedAsOftenAsTheyAreDue) {
   Rig rig;
   rig.bus.outstanding_max = 1;

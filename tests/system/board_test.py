@@ -36,8 +36,9 @@ listen = "0.0.0.0:1502"
 SETTLED = ["0,1,join,0,0", "0,2,join,900,0", "0,3,join,0,900"]
 # Units are counted as serials first appear.
 ABSENT = [f"0,{serial},silent,," for serial in range(4, 247)]
-# By then the default address has failed for so long that it is asked once a minute at the most.
-NEW_AFTER_S = 25
+# By then the default address has failed for so long that without the alert it is asked some 30
+# seconds after the cable is back, and again some 60 seconds after.
+NEW_AFTER_S = 35
 NEW = ["0,247,silent,,", f"{1000 * NEW_AFTER_S},247,join,400,500"]
 # From the alert to the new node in the registers: a probe at once, and the pause of a publication.
 # Emulated, the board is some ten times slower than a real one.
