@@ -1,6 +1,8 @@
 // The records of features and vertices: allocation, incidence, the lists of work.
 #include "sections.h"
 
+#include <utility>
+
 #include "mesh_internal.h"
 
 namespace etcm::internal {
@@ -134,7 +136,7 @@ void touch(MeshState& m, SectionId s) noexcept {
 }
 
 void touch(MeshState& m, SectionId s, VertexId u, VertexId v) noexcept {
-  if (m.at(v) < m.at(u)) return touch(m, s, v, u);
+  if (m.at(v) < m.at(u)) std::swap(u, v);
   SectionRecord& r = m.section(s);
   if (list_touched(m, s) || r.first == infinite_vertex) {
     r.first = u;

@@ -21,7 +21,7 @@ unsigned count_harm(const MeshState& m, const Point& p, Edge near, unsigned enou
   if (found.place == Place::on_vertex || found.place == Place::outside) return enough;
   // The triangles whose circles hold p hang together like a tree, so none is met twice, and what
   // waits are the edges that lead out of those already met.
-  constexpr unsigned triangles_most = 128;
+  constexpr unsigned triangles_most = 64;
   Edge waiting[triangles_most + 3];
   unsigned triangles = 1;
   unsigned count = 0;

@@ -19,16 +19,10 @@ from pathlib import Path
 INDIRECT = {
     "audit.cpp": r"^etcm::Audit etcm::\{anonymous\}::Auditor::\w+\(\) const$",
     "conform.cpp": r"^etcm::Parameter etcm::\w+\(const SplitSite&\)$",
-    "features.cpp": r"^bool etcm::(\w+|\{anonymous\})::\w*precedes\(const MeshState&, SectionId, SectionId\)$",
 }
 # Bytes for a function of the compiler's or C's run-time: memset, memcpy, division and the soft
 # floating point of machines without a unit for it. More than any of them takes.
 RUNTIME_BYTES = 128
-# Calls itself, but never again from there: the depth is counted, and is in the source to see.
-SELF_CALLS = {
-    # Once more with its two ends exchanged.
-    r"^void etcm::internal::touch\(MeshState&, SectionId, etcm::VertexId, etcm::VertexId\)$": 2,
-}
 # Ends the program; where it leads is the program's choice.
 FINAL = {"etcm_check_failed"}
 
@@ -115,16 +109,13 @@ def deepest(functions):
             return depth[title]
         if function.is_dynamic:
             fail(f"{function.name}: its frame grows with the data")
-        times = 1
         if title in function.calls:
-            times = next((n for name, n in SELF_CALLS.items() if re.match(name, function.name)), 0)
-            if times == 0:
-                fail(f"{function.name}: calls itself")
+            fail(f"{function.name}: calls itself")
         running.append(title)
-        others = sorted(function.calls - {title})
+        others = sorted(function.calls)
         below, path = max((visit(callee) for callee in others), default=(0, []))
         running.pop()
-        depth[title] = (function.frame * times + below, [title] * times + path)
+        depth[title] = (function.frame + below, [title] + path)
         return depth[title]
 
     for title in functions:
