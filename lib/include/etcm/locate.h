@@ -18,8 +18,8 @@ struct Location {
   VertexId vertex{};  // on_vertex
 };
 
-// Finds `point` by a visibility walk from `near` (none: from anywhere). Expected O(sqrt(n)), never
-// more than one visit to each triangle. No stack to speak of.
+// Finds `point` by a visibility walk from `near` (none: from a node nearby, expected O(1) for nodes
+// spread evenly). Never more than one visit to each triangle. No stack to speak of.
 Location locate(const Mesh& mesh, Point point, TriangleId near = TriangleId::none()) noexcept;
 
 }  // namespace etcm

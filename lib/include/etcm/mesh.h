@@ -93,15 +93,16 @@ class Mesh {
   // A node joins. It may stand on a Steiner vertex (and takes its place), on a feature (which then
   // runs through it), on the hull or outside. Sets `id` on success only.
   // Errors: bad_coordinate, duplicate_vertex (trouble().vertex), and the room-and-bounds codes.
-  // Expected O(sqrt(n)) to find the place, O(1) to change it.
+  // Expected O(1) for nodes spread evenly, to find the place as well as to change it.
   Status join(Position position, VertexId& id) noexcept;
 
-  // A node leaves. Errors: unknown_vertex, endpoint_in_use, and the room-and-bounds codes (the
-  // feature that ran through it may need more Steiner vertices without it).
+  // A node leaves. Errors: unknown_vertex, endpoint_in_use, crossing_features (two features met
+  // there), and the room-and-bounds codes (the feature that ran through it may need more Steiner
+  // vertices without it).
   Status leave(VertexId node) noexcept;
 
   // A node moves and keeps its id, and its features follow it. Errors: unknown_vertex, those of
-  // join(), and those of add_feature() for the features that follow.
+  // join() and leave(), and those of add_feature() for the features that follow.
   Status move(VertexId node, Position position) noexcept;
 
   // Adds a feature between two nodes and makes it a union of mesh edges. Sets `id` on success only.

@@ -18,6 +18,7 @@ enum class [[nodiscard]] Status : std::uint8_t{
     repeated_feature,      // a feature between these endpoints exists
     overlapping_features,  // the feature would run along a part of another
     crossing_features,     // the feature would cross, or touch the inside of, another
+                           // (unless a node stands there)
     endpoint_in_use,       // the node is the endpoint of a feature and cannot leave
     mesh_not_empty,        // build() needs an empty mesh
     mesh_unresolved,       // build() left features unresolved; only clear() goes on from there
