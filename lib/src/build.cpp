@@ -136,8 +136,7 @@ Status Mesh::rebuild() noexcept {
     if (m.section(s).from.is_none() || internal::feature_of(m, s).value != i) continue;
     if (is_laid(m, s)) take_up(m, s);
   }
-  while (!pop_dirty(m).is_none()) {
-  }
+  clear_dirty(m);
   for (IdValue i = 0; i < m.section_end; ++i) {
     const SectionId s{i};
     if (m.section(s).from.is_none() || internal::feature_of(m, s).value != i) continue;

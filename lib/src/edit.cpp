@@ -152,11 +152,6 @@ void turn_features(MeshState& m, SectionId list) noexcept {
   }
 }
 
-void clear_dirty(MeshState& m) noexcept {
-  while (!pop_dirty(m).is_none()) {
-  }
-}
-
 }  // namespace
 
 Status Mesh::join(Position position, VertexId& id) noexcept {

@@ -7,16 +7,6 @@
 namespace etcm::internal {
 namespace {
 
-// Behind the hull edge u -> v, to its left: p is in conflict with that ghost if it lies strictly
-// outside, or on the edge itself.
-bool conflicts_with_ghost(const MeshState& m, VertexId u, VertexId v, const Point& p) noexcept {
-  const Point& a = m.at(u);
-  const Point& b = m.at(v);
-  const int side = orient2d_fast(a, b, p);
-  if (side != 0) return side > 0;
-  return a < b ? a < p && p < b : b < p && p < a;
-}
-
 void give_way(MeshState& m, Edge e) noexcept {
   const VertexId u = m.topology.origin(e), v = m.topology.target(e);
   const SectionId s = section_of_edge(m, u, v);
@@ -72,6 +62,11 @@ void turn_link(MeshState& m, Edge e, const Point& p) noexcept {
 }
 
 }  // namespace
+
+bool conflicts_with_ghost(const MeshState& m, VertexId u, VertexId v, const Point& p) noexcept {
+  const int side = orient2d_fast(m.at(u), m.at(v), p);
+  return side > 0 || (side == 0 && strictly_between(p, m.at(u), m.at(v)));
+}
 
 bool must_flip(const MeshState& m, Edge e, const Point& p) noexcept {
   const Topology& topo = m.topology;

@@ -20,11 +20,6 @@ unsigned infinite_side(const TriangleRecord& t) noexcept {
   return side;
 }
 
-// Between the two, in the open interval, given that all three are collinear.
-bool strictly_between(const Point& p, const Point& a, const Point& b) noexcept {
-  return a < b ? a < p && p < b : b < p && p < a;
-}
-
 // All vertices lie on one line: go along the chain of ghosts on one side of it.
 Found find_on_chain(const MeshState& m, const Point& p, Edge near) noexcept {
   const Topology& topo = m.topology;

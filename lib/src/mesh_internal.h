@@ -119,6 +119,9 @@ void insert_vertex(MeshState& m, VertexId v, const Found& found) noexcept;
 void remove_vertex(MeshState& m, VertexId v) noexcept;
 // The same for a Steiner vertex and its subsegments.
 void remove_steiner(MeshState& m, VertexId v) noexcept;
+// True where p is in conflict with the ghost behind the hull edge u -> v (to its left): strictly
+// outside, or on the edge itself.
+bool conflicts_with_ghost(const MeshState& m, VertexId u, VertexId v, const Point& p) noexcept;
 // True where p, a new or moved vertex, belongs inside the circle of the triangle beyond e.
 bool must_flip(const MeshState& m, Edge e, const Point& p) noexcept;
 // Turns the edges that a stretch crosses, all of whose ends lie on one empty circle with it, so
@@ -153,6 +156,7 @@ void touch(MeshState& m, SectionId s, VertexId u, VertexId v) noexcept;
 // Into the list of work, for the part that is touched; and the first of that list.
 void make_dirty(MeshState& m, SectionId s) noexcept;
 SectionId pop_dirty(MeshState& m) noexcept;
+void clear_dirty(MeshState& m) noexcept;
 // Node v, on section s, cuts it in two: s ends there and `rest` takes over. And back.
 void cut_section(MeshState& m, SectionId s, VertexId v, SectionId rest) noexcept;
 void rejoin_section(MeshState& m, SectionId s, SectionId rest) noexcept;

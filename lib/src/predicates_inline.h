@@ -87,6 +87,11 @@ inline int incircle_filter(const Point& a, const Point& b, const Point& c,
   return incircle_filter(lift(ad), cross(bd, cd), lift(bd), cross(cd, ad), lift(cd), cross(ad, bd));
 }
 
+// Whether p lies in the open interval from a to b, given that the three are collinear.
+inline bool strictly_between(const Point& p, const Point& a, const Point& b) noexcept {
+  return a < b ? a < p && p < b : b < p && p < a;
+}
+
 inline int orient2d_fast(const Point& a, const Point& b, const Point& c) noexcept {
   const int sign = orient2d_filter(a, b, c);
   return sign != 0 ? sign : orient2d_settle(a, b, c);

@@ -33,12 +33,7 @@ bool is_ear(const MeshState& m, Edge spoke) noexcept {
     if (q == infinite_vertex) continue;
     const Point& p = m.at(q);
     if (ghost) {
-      if (q == u || q == v) continue;
-      const Point& from = m.at(u);
-      const Point& to = m.at(v);
-      const int side = orient2d_fast(from, to, p);
-      if (side > 0) return false;
-      if (side == 0 && (from < to ? from < p && p < to : to < p && p < from)) return false;
+      if (q != u && q != v && conflicts_with_ghost(m, u, v, p)) return false;
       continue;
     }
     const int side = incircle_fast(m.at(a), m.at(b), m.at(c), p);

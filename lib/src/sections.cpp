@@ -165,6 +165,11 @@ SectionId pop_dirty(MeshState& m) noexcept {
   return s;
 }
 
+void clear_dirty(MeshState& m) noexcept {
+  while (!pop_dirty(m).is_none()) {
+  }
+}
+
 void cut_section(MeshState& m, SectionId s, VertexId v, SectionId rest) noexcept {
   unlink_section(m, s);
   SectionRecord& r = m.section(s);

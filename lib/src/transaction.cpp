@@ -106,8 +106,7 @@ void restore_detached(MeshState& m) noexcept {
     ++m.steiner_count;
     insert_vertex(m, v, find(m, m.at(v), m.near));
   }
-  while (!pop_dirty(m).is_none()) {
-  }
+  clear_dirty(m);
   for (SectionId s = m.touched; !s.is_none(); s = m.section(s).next_touched) {
     if (!is_laid(m, s)) continue;
     const VertexId end = m.section(s).to;
