@@ -214,8 +214,6 @@ void detach(MeshState& m, VertexId steiner) noexcept;
 void touch_around(MeshState& m, VertexId v) noexcept;
 // Detaches all Steiner vertices of a section (drops the fresh) and takes the marks off its edges.
 void strip_section(MeshState& m, SectionId s) noexcept;
-// Out of the incidence lists; freed when the change ends, unless it is used again.
-void retire_section(MeshState& m, SectionId s) noexcept;
 // Drops the fresh Steiner vertices of all touched sections.
 void drop_fresh(MeshState& m) noexcept;
 // Puts the detached vertices back, marks all touched sections anew and ends the change. The section

@@ -76,12 +76,6 @@ void strip_section(MeshState& m, SectionId s) noexcept {
   }
 }
 
-void retire_section(MeshState& m, SectionId s) noexcept {
-  touch(m, s);
-  unlink_section(m, s);
-  m.section(s).from = VertexId::none();
-}
-
 void drop_fresh(MeshState& m) noexcept {
   for (SectionId s = m.touched; !s.is_none(); s = m.section(s).next_touched) {
     if (!is_laid(m, s)) continue;
