@@ -1,4 +1,5 @@
-// Everything at once: nodes along a Hilbert curve, then features; and the same features afresh.
+// Everything at once: nodes along a Hilbert curve, then features; the same with the Steiner
+// vertices of an earlier mesh; and the same features afresh.
 #include "mesh_internal.h"
 
 namespace etcm {
@@ -21,25 +22,48 @@ bool is_bad_input(Status status) noexcept {
          status == Status::repeated_feature || status == Status::out_of_features;
 }
 
-Status insert_nodes(MeshState& m, std::span<const Position> nodes) noexcept {
-  if (nodes.empty()) return Status::ok;
-  for (std::size_t i = 0; i < nodes.size(); ++i) m.points[i + 1] = to_point(nodes[i]);
-  m.vertex_end = static_cast<IdValue>(nodes.size() + 1);
+// While they are inserted nodes go by their place along the curve, so that what lies together is
+// stored together: a large mesh is built out of caches. Each one's owner holds its own id.
+void number_along_curve(MeshState& m, std::span<const Position> nodes) noexcept {
   const OrderEntry* order =
       hilbert_order(nodes, m.triangle_memory, m.config.vertices_max * bytes_per_vertex_triangles);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const VertexId v{static_cast<IdValue>(order[i].vertex)};
-    if (i + 8 < nodes.size()) __builtin_prefetch(&m.points[order[i + 8].vertex]);
-    m.owner(v) = Owner(Role::node, SectionId::none());
+    if (i + 8 < nodes.size()) __builtin_prefetch(&nodes[order[i + 8].vertex - 1]);
+    m.points[i + 1] = to_point(nodes[order[i].vertex - 1]);
+    m.owners[i + 1] = Owner(Role::node, SectionId{static_cast<IdValue>(order[i].vertex)});
+  }
+  m.vertex_end = static_cast<IdValue>(nodes.size() + 1);
+}
+
+VertexId own_id(const MeshState& m, VertexId v) noexcept {
+  return v == infinite_vertex ? v : VertexId{m.owner(v).section().value};
+}
+
+void number_as_given(MeshState& m, std::span<const Position> nodes) noexcept {
+  m.topology.rename_vertices([&m](VertexId v) { return own_id(m, v); });
+  if (!m.lone.is_none()) m.lone = own_id(m, m.lone);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    m.points[i + 1] = to_point(nodes[i]);
+    m.owners[i + 1] = Owner(Role::node, SectionId::none());
+  }
+}
+
+Status insert_nodes(MeshState& m, std::span<const Position> nodes) noexcept {
+  if (nodes.empty()) return Status::ok;
+  number_along_curve(m, nodes);
+  for (IdValue i = 1; i < m.vertex_end; ++i) {
+    const VertexId v{i};
     const Found found = find(m, m.at(v), m.near);
     if (found.place == Place::on_vertex) {
-      m.trouble.vertex = v < found.vertex ? v : found.vertex;
-      m.trouble.rejected = v < found.vertex ? found.vertex : v;
+      const VertexId one = own_id(m, v), other = own_id(m, found.vertex);
+      m.trouble.vertex = one < other ? one : other;
+      m.trouble.rejected = one < other ? other : one;
       return Status::duplicate_vertex;
     }
     insert_vertex(m, v, found);
     ++m.node_count;
   }
+  number_as_given(m, nodes);
   spread_hints(m, nullptr);
   return Status::ok;
 }
@@ -66,11 +90,10 @@ Status enter_features(MeshState& m, std::span<const FeatureEnds> features,
   return Status::ok;
 }
 
-}  // namespace
-
-Status Mesh::build(std::span<const Position> nodes,
-                   std::span<const FeatureEnds> features) noexcept {
-  MeshState& m = *state_;
+// The nodes of an empty mesh, and its features, not yet laid, as a list.
+Status enter(Mesh& mesh, std::span<const Position> nodes, std::span<const FeatureEnds> features,
+             SectionId& list) noexcept {
+  MeshState& m = state_of(mesh);
   begin(m);
   if (m.vertex_end != 1 || m.section_end != 0) return m.trouble.status = Status::mesh_not_empty;
   if (nodes.size() > m.config.vertices_max) return m.trouble.status = Status::out_of_vertices;
@@ -81,10 +104,84 @@ Status Mesh::build(std::span<const Position> nodes,
     return m.trouble.status = Status::bad_coordinate;
   }
   Status status = insert_nodes(m, nodes);
-  SectionId list{};
   if (status == Status::ok) status = enter_features(m, features, list);
-  if (status != Status::ok) return reject(*this, status);
+  if (status != Status::ok) return reject(mesh, status);
   m.feature_count = static_cast<std::uint32_t>(features.size());
+  return status;
+}
+
+// Lays every feature of the list and marks nothing yet.
+Status lay_all(MeshState& m, SectionId list) noexcept {
+  while (!list.is_none()) {
+    const SectionId root = list;
+    list = m.section(root).next_dirty;
+    m.section(root).next_dirty = not_listed;
+    const Course course = survey(m, root);
+    if (course.status != Status::ok) return course.status;
+    lay(m, root, course.nodes_between);
+    clear_dirty(m);
+  }
+  forget_touched(m);
+  return Status::ok;
+}
+
+// The section of a feature on whose grid p stands, its ends excluded; none where p does not.
+SectionId section_with(const MeshState& m, SectionId root, const Point& p) noexcept {
+  for (SectionId s = root; !s.is_none(); s = m.section(s).next) {
+    const SectionRecord& r = m.section(s);
+    if (!(m.at(r.from) < p && p < m.at(r.to))) continue;
+    // Between the ends in lexicographic order, so the quotient is a parameter.
+    const Point& from = m.at(r.from);
+    const Point& to = m.at(r.to);
+    const bool by_x = from.x != to.x;
+    const std::int64_t length = (by_x ? to.x - from.x : to.y - from.y) / subunits_per_unit;
+    const std::int64_t t = (by_x ? p.x - from.x : p.y - from.y) / length;
+    if (t <= 0 || t >= parameter_end) return SectionId::none();
+    return point_at(m, s, static_cast<Parameter>(t)) == p ? s : SectionId::none();
+  }
+  return SectionId::none();
+}
+
+Status insert_steiner(MeshState& m, const SteinerPlace& place) noexcept {
+  const SectionId s = section_with(m, SectionId{static_cast<IdValue>(place.feature)}, place.point);
+  if (s.is_none()) return Status::bad_coordinate;
+  const Found found = find(m, place.point, edge_near(m, place.point));
+  if (found.place == Place::on_vertex) {
+    m.trouble.vertex = found.vertex;
+    return Status::duplicate_vertex;
+  }
+  const VertexId v = allocate_vertex(m);
+  if (v.is_none()) return Status::out_of_vertices;
+  m.points[v.value] = place.point;
+  m.owner(v) = Owner(Role::steiner, s);
+  insert_vertex(m, v, found);
+  ++m.steiner_count;
+  return Status::ok;
+}
+
+// Marks the pieces of a section whose Steiner vertices all stand.
+Status settle_section(MeshState& m, SectionId s) noexcept {
+  const VertexId end = m.section(s).to;
+  for (VertexId v = m.section(s).from; v != end;) {
+    const Stretch piece = march(m, v, end);
+    if (piece.is_edge && m.topology.is_constrained(piece.edge)) return Status::overlapping_features;
+    const bool is_foreign = piece.tail != end && m.owner(piece.tail).section() != s;
+    if (is_foreign || !piece.constrained.is_none()) return Status::crossing_features;
+    if (!can_be_edge(m, piece)) return Status::mesh_unresolved;
+    settle_piece(m, piece);
+    v = piece.tail;
+  }
+  return Status::ok;
+}
+
+}  // namespace
+
+Status Mesh::build(std::span<const Position> nodes,
+                   std::span<const FeatureEnds> features) noexcept {
+  MeshState& m = *state_;
+  SectionId list{};
+  Status status = enter(*this, nodes, features, list);
+  if (status != Status::ok) return status;
   SectionId pending{};
   m.is_batch = true;
   status = conform_features(m, list, pending);
@@ -106,6 +203,29 @@ Status Mesh::build(std::span<const Position> nodes,
   }
   commit(m);
   return Status::ok;
+}
+
+Status Mesh::restore(std::span<const Position> nodes, std::span<const FeatureEnds> features,
+                     std::span<const SteinerPlace> steiner) noexcept {
+  MeshState& m = *state_;
+  SectionId list{};
+  Status status = enter(*this, nodes, features, list);
+  if (status != Status::ok) return status;
+  status = lay_all(m, list);
+  const std::uint32_t budget = m.config.steiner_max;
+  if (budget != 0 && steiner.size() > budget) status = Status::steiner_budget;
+  for (const SteinerPlace& place : steiner) {
+    if (status != Status::ok) break;
+    m.trouble.feature = FeatureId{static_cast<IdValue>(place.feature)};
+    status = place.feature < features.size() ? insert_steiner(m, place) : Status::unknown_feature;
+  }
+  for (IdValue i = 0; i < m.section_end && status == Status::ok; ++i) {
+    m.trouble.feature = internal::feature_of(m, SectionId{i});
+    status = settle_section(m, SectionId{i});
+  }
+  if (status != Status::ok) return reject(*this, status);
+  m.trouble = Trouble{};
+  return status;
 }
 
 Status Mesh::rebuild() noexcept {

@@ -3,6 +3,7 @@
 // scratch memory to run out of: an insertion cannot fail once its vertex has a place.
 #include "mesh_internal.h"
 #include "predicates_inline.h"
+#include "seen.h"
 
 namespace etcm::internal {
 namespace {
@@ -12,19 +13,6 @@ void give_way(MeshState& m, Edge e) noexcept {
   const SectionId s = section_of_edge(m, u, v);
   touch(m, s, u, v);
   make_dirty(m, s);
-}
-
-// A vertex of the link, as p sees it. What the infinite one has there is never used.
-struct Seen {
-  VertexId id;
-  Offset at;
-  double height;
-};
-
-Seen see(const MeshState& m, VertexId v, const Point& p) noexcept {
-  if (v == infinite_vertex) return {v, {0, 0}, 0};
-  const Offset at = offset(m.at(v), p);
-  return {v, at, lift(at)};
 }
 
 // Goes round the link of the new vertex, of which e is an edge, and turns what must be. Says what

@@ -11,10 +11,30 @@ struct Start {
   Edge edge;  // is_edge: along the line; else opposite the head in the triangle the line enters
 };
 
+// A Steiner vertex's subsegments lie on its section, so they need no test of where they point but
+// one: forwards or backwards.
+bool leave_by_subsegment(const MeshState& m, VertexId head, bool forward, Start& start) noexcept {
+  const Topology& topo = m.topology;
+  const Edge first = topo.edge_at(head);
+  Edge e = first;
+  do {
+    if (topo.is_constrained(e) && (m.at(head) < m.at(topo.target(e))) == forward) {
+      start = {true, e};
+      return true;
+    }
+    e = topo.rotate_ccw(e);
+  } while (e != first);
+  return false;
+}
+
 Start leave(const MeshState& m, VertexId head, const Point& goal) noexcept {
   const Topology& topo = m.topology;
   const Point& origin = m.at(head);
   const bool forward = origin < goal;
+  Start by_subsegment;
+  if (m.owner(head).role() != Role::node && leave_by_subsegment(m, head, forward, by_subsegment)) {
+    return by_subsegment;
+  }
   const auto side_of = [&](VertexId v) {
     return v == infinite_vertex ? 0 : orient2d_fast(origin, goal, m.at(v));
   };

@@ -6,8 +6,8 @@
 // taken in integers, are at most 2^53 and convert to double EXACTLY: the bounds count only the
 // roundings after that, and are tighter than those for rounded differences (Shewchuk, Adaptive
 // Precision Floating-Point Arithmetic, 1997, needs 3u and 10u). Nothing can overflow (values stay
-// below 2^216) or underflow (every product is an integer). On a machine without a floating-point
-// unit this is slow, but as right.
+// below 2^216) or underflow (every product is an integer). Where doubles are computed in software
+// the filters decide nothing: asking the integers at once is faster there, and smaller.
 #pragma once
 
 #include <cmath>
@@ -20,6 +20,14 @@ namespace etcm::internal {
 // The exact stage, with the integers this build uses.
 int orient2d_settle(const Point& a, const Point& b, const Point& c) noexcept;
 int incircle_settle(const Point& a, const Point& b, const Point& c, const Point& d) noexcept;
+
+// Compilers say so of the machines that may lack them: ARM's bit 3 of __ARM_FP is double precision.
+#if (defined(__arm__) && !(defined(__ARM_FP) && (__ARM_FP & 8))) || \
+    (defined(__riscv) && !(defined(__riscv_flen) && __riscv_flen >= 64))
+inline constexpr bool has_double_unit = false;
+#else
+inline constexpr bool has_double_unit = true;
+#endif
 
 inline constexpr double filter_unit = 0x1p-53;
 
@@ -64,6 +72,7 @@ inline Cross cross(const Offset& a, const Offset& b) noexcept {
 
 // The sign of orient2d(a, b, origin) with ab = cross(a, b), or 0 where the double does not decide.
 inline int orient2d_filter(const Cross& ab) noexcept {
+  if constexpr (!has_double_unit) return 0;
   const double bound = orient2d_error * ab.magnitude;
   return (ab.value > bound) - (ab.value < -bound);
 }
@@ -71,6 +80,7 @@ inline int orient2d_filter(const Cross& ab) noexcept {
 // The sign of incircle(a, b, c, origin), or 0 where the double does not decide.
 inline int incircle_filter(double a_lift, const Cross& bc, double b_lift, const Cross& ca,
                            double c_lift, const Cross& ab) noexcept {
+  if constexpr (!has_double_unit) return 0;
   const double determinant = a_lift * bc.value + b_lift * ca.value + c_lift * ab.value;
   const double permanent = a_lift * bc.magnitude + b_lift * ca.magnitude + c_lift * ab.magnitude;
   const double bound = incircle_error * permanent;

@@ -29,8 +29,8 @@ constexpr double middle_bonus = 0.1;
 constexpr double nearest_to_node = 0.003;
 // The march along the piece looks at this many vertices at least, and collects them while they
 // stand beside what can be finished.
-constexpr int vertices_looked_at = 6;
-constexpr int vertices_collected = 10;
+constexpr int vertices_looked_at = 3;
+constexpr int vertices_collected = 6;
 
 // The candidates for one split and what each is worth, in units of the longest part that one split
 // can finish. In double: a choice, not a test, and + - * / sqrt give the same bits everywhere.
@@ -74,8 +74,8 @@ class Choice {
   double per_squared_length_;
   bool overlap_;
   double per_longest_;
-  // Two ends of the reach, 14 fractions of it, and two for each vertex on both ways.
-  static constexpr int capacity = 2 + 14 + 2 * vertices_collected;
+  // Two ends of the reach, at most 8 fractions of it, and one or two for each vertex on both ways.
+  static constexpr int capacity = 2 + 8 + 16;
   int count_ = 0;
   Parameter places_[capacity];
   double gains_[capacity];
@@ -139,7 +139,7 @@ void Choice::add_fractions() noexcept {
   }
   const std::int64_t at_head = site_.reach_head - site_.head;
   const std::int64_t at_tail = site_.tail - site_.reach_tail;
-  for (int tenth = 9; tenth >= 3; --tenth) {
+  for (int tenth = 9; tenth >= 3; tenth -= 2) {
     add(static_cast<Parameter>(site_.head + at_head * tenth / 10), nothing);
     add(static_cast<Parameter>(site_.tail - at_tail * tenth / 10), nothing);
   }
@@ -201,10 +201,11 @@ void Choice::add_vertices(TriangleId triangle, const Point& start, const Point& 
 
 // The candidate with the greatest gain less the subsegments it would break, each of which costs
 // about one more split. The most promising come first, and harm is counted only where the gain
-// could still win, so mostly once.
+// could still win.
 Parameter Choice::least_harmful() noexcept {
   constexpr double used = -1.0;
   constexpr double worst_harm = 100.0;
+  internal::HarmCount harm_count(mesh_);
   double best_score = -1e9;
   Parameter best = site_.head;
   for (;;) {
@@ -224,8 +225,7 @@ Parameter Choice::least_harmful() noexcept {
     const auto enough = best_score < -worst_harm
                             ? static_cast<unsigned>(worst_harm)
                             : static_cast<unsigned>(gains_[next] - best_score) + 1;
-    const unsigned harm =
-        internal::count_harm(mesh_, site_.at(t), Topology::edge(near.value, 0), enough);
+    const unsigned harm = harm_count.at(site_.at(t), Topology::edge(near.value, 0), enough);
     const double score = gains_[next] - harm;
     gains_[next] = used;
     if (score > best_score) {

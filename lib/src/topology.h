@@ -88,6 +88,10 @@ class Topology {
 
   void clear() noexcept { triangle_count_ = 0; }
 
+  // Gives every vertex v the id name(v), each its own; O(triangles).
+  template <class Name>
+  void rename_vertices(Name name) noexcept;
+
   // Turns the edge of the two triangles of e: afterwards it joins e's apex with that of its twin.
   // e then is the first of the two edges that come to face e's apex; the second is returned. The
   // new edge is unconstrained.
@@ -171,6 +175,17 @@ inline Edge Topology::split_triangle(IdValue t, VertexId v) noexcept {
   vertex_edges_[c.value] = edge(s, 0);
   vertex_edges_[v.value] = edge(t, 2);
   return edge(t, 0);
+}
+
+template <class Name>
+void Topology::rename_vertices(Name name) noexcept {
+  for (IdValue t = 0; t < triangle_count_; ++t) {
+    for (unsigned side = 0; side < 3; ++side) {
+      VertexId& corner = triangles_[t].corner[side];
+      corner = name(corner);
+      vertex_edges_[corner.value] = prev(edge(t, side));
+    }
+  }
 }
 
 inline void Topology::set_corners(IdValue t, VertexId a, VertexId b, VertexId c) noexcept {

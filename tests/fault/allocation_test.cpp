@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "etcm/analysis.h"
 #include "etcm/audit.h"
 #include "etcm/domain.h"
 #include "etcm/locate.h"
@@ -68,6 +69,40 @@ TEST(Allocation, IsAbsentFromEveryCall) {
   EXPECT_NE(read, 0u);
   for (const std::size_t good : {0, 1, 2, 3, 6, 7, 8}) EXPECT_EQ(answers[good], Status::ok) << good;
   EXPECT_EQ(answers[9], Status::bad_coordinate);
+}
+
+TEST(Allocation, IsAbsentFromTheAnalysis) {
+  const Graph graph = inputs::random_graph(400, inputs::FeatureLength::any, 5);
+  static MeshStorage<4000, 600> storage;
+  static std::array<Region, 8000> regions;
+  static std::array<TriangleId, 8000> waiting;
+  static std::array<ConnectivityScratch, 4001> scratch;
+  static std::array<std::int32_t, 4001> readings;
+  std::array<Link, 8> link;
+  std::array<Relay, 8> relay;
+  std::array<Gap, 8> gap;
+  std::array<Hole, 8> hole;
+  Connectivity connected;
+  Interpolated reading;
+  Mesh mesh;
+  ASSERT_EQ(mesh.open(storage.bytes(), storage.config()), Status::ok);
+  ASSERT_EQ(mesh.build(graph.nodes, graph.features), Status::ok);
+  ASSERT_EQ(label_domain(mesh, Exterior::automatic, {}, regions, waiting), Status::ok);
+  std::array<std::uint64_t, 5> counts{};
+  std::array<Status, 2> answers{};
+  std::size_t allocations = 1;
+  {
+    AllocationWatch watch;
+    counts = {links(mesh, 0, link), links_at(mesh, VertexId{1}, link), relays(mesh, 10, relay),
+              barrier_gaps(mesh, mesh, 3, gap),
+              coverage_holes(mesh, {.mesh = &mesh, .region = regions}, 3, hole)};
+    answers = {connectivity(mesh, 10, scratch, connected),
+               interpolate(mesh, to_point({500, 500}), readings, reading)};
+    allocations = watch.allocations();
+  }
+  EXPECT_EQ(allocations, 0u);
+  for (const std::uint64_t count : counts) EXPECT_GT(count, 2u);
+  for (const Status answer : answers) EXPECT_EQ(answer, Status::ok);
 }
 
 }  // namespace

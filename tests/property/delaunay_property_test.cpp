@@ -2,41 +2,13 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include <algorithm>
-#include <vector>
-
+#include "any_graph.h"
 #include "etcm/locate.h"
-#include "inputs/placer.h"
 #include "support/meshes.h"
 #include "support/oracle.h"
 
 namespace etcm::test {
 namespace {
-
-// Few enough places that nodes are often collinear or cocircular.
-std::vector<Position> any_nodes() {
-  auto nodes = *rc::gen::container<std::vector<std::pair<std::int32_t, std::int32_t>>>(
-      rc::gen::pair(rc::gen::inRange(-8, 9), rc::gen::inRange(-8, 9)));
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  std::vector<Position> positions;
-  for (const auto& [x, y] : nodes) positions.push_back({x, y});
-  return positions;
-}
-
-Graph any_graph() {
-  Graph graph{"", any_nodes(), {}};
-  const std::uint64_t seed = *rc::gen::inRange<std::uint64_t>(0, 1000);
-  if (graph.nodes.size() < 2) return graph;
-  inputs::Placer placer(graph.nodes, 100);
-  inputs::Random random(seed);
-  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
-    const std::size_t from = random.index(graph.nodes.size());
-    placer.try_add(from, random.index(graph.nodes.size()));
-  }
-  graph.features = placer.features();
-  return graph;
-}
 
 RC_GTEST_PROP(AnyGraph, IsSoundAndIndependentOfOrder, ()) {
   const Graph graph = any_graph();

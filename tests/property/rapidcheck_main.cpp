@@ -2,9 +2,14 @@
 #include <gmock/gmock.h>
 
 #include <cstdlib>
+#include <string>
+
+#include "support/emulated.h"
 
 int main(int argc, char** argv) {
-  setenv("RC_PARAMS", "seed=20150720", 0);
+  const int cases = 100 / etcm::test::thinning_if_emulated;
+  const std::string parameters = "seed=20150720 max_success=" + std::to_string(cases);
+  setenv("RC_PARAMS", parameters.c_str(), 0);
   testing::InitGoogleMock(&argc, argv);
   return RUN_ALL_TESTS();
 }

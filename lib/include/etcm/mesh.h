@@ -50,6 +50,12 @@ struct Trouble {
   Point to{};           //   and grid_exhausted
 };
 
+// A Steiner vertex that stood on a feature: its index in the list given beside it, and its place.
+struct SteinerPlace {
+  std::uint32_t feature = 0;
+  Point point;
+};
+
 struct Neighbour {
   VertexId vertex;
   bool constrained;  // the edge is part of a feature
@@ -85,6 +91,15 @@ class Mesh {
   // step_limit, grid_exhausted and out_of_vertices during conforming leave the valid Delaunay mesh
   // of what is done; unresolved() counts the rest, and changes are refused until clear().
   Status build(std::span<const Position> nodes, std::span<const FeatureEnds> features) noexcept;
+
+  // Makes an empty mesh what another one was, hash included: its nodes and features, given as for
+  // build(), and its Steiner vertices. Splits nothing. Whatever is wrong leaves the mesh empty.
+  // Errors: those of build() for its input; bad_coordinate or duplicate_vertex where a Steiner
+  // vertex stands at no place for one on its feature, unknown_feature where that is none of them,
+  // mesh_unresolved where a feature would not be a union of edges, and steiner_budget and
+  // out_of_vertices where they are too many. O(n log n).
+  Status restore(std::span<const Position> nodes, std::span<const FeatureEnds> features,
+                 std::span<const SteinerPlace> steiner) noexcept;
 
   // Drops every Steiner vertex and conforms afresh: the mesh is the one build() makes of the same
   // nodes and features, whatever the history. All or nothing.

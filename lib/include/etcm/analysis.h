@@ -1,0 +1,158 @@
+// What a mesh tells whoever runs the network: links, relays, holes, gaps, readings in between.
+//
+// Every comparison is exact. Ranges are whole user units, at least 1. Nothing here changes a mesh,
+// takes memory of its own or recurses; the library is etcm::analysis.
+//
+// Who counts. A question about radio or sensing takes each vertex of the mesh it is given for a
+// device. Steiner vertices are only proposed, so there are two answers, and the mesh says which:
+//   the network as it stands: the mesh of the nodes alone (build() with no features);
+//   the network with a device at each Steiner vertex: the conforming mesh itself.
+// The first cannot be read off the second: the nodes' own Delaunay edges are not all in it.
+//
+// A longer range than range_max changes nothing.
+//
+// Lists: a call writes as many entries as fit and returns how many there are.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <span>
+
+#include "etcm/domain.h"
+#include "etcm/locate.h"
+#include "etcm/mesh.h"
+
+namespace etcm {
+
+// No two nodes are farther apart.
+inline constexpr std::uint32_t range_max = 3 * static_cast<std::uint32_t>(position_max);
+
+// The square of a distance, in squared sub-units; exact.
+struct SquaredLength {
+  std::uint64_t high = 0;
+  std::uint64_t low = 0;
+  friend constexpr auto operator<=>(const SquaredLength&, const SquaredLength&) = default;
+};
+
+SquaredLength squared_distance(const Point& a, const Point& b) noexcept;
+
+// The least whole number of units that is not shorter: the range a device needs for that distance.
+std::uint32_t range_for(const SquaredLength& length) noexcept;
+
+// --- Links
+
+// An edge of the mesh. Both subgraphs contain the Euclidean minimum spanning tree, so they keep the
+// network connected with fewer links.
+struct Link {
+  VertexId from;
+  VertexId to;
+  bool constrained;  // part of a feature
+  bool gabriel;      // no other vertex in or on the circle that has the edge as diameter
+  bool urquhart;     // in neither of its triangles longer than both other edges
+};
+
+// The edges longer than a range, each once; 0: all edges. A vertex that leaves them out reaches
+// whom it can. O(n).
+std::uint32_t links(const Mesh& mesh, std::uint32_t longer_than, std::span<Link> out) noexcept;
+
+// The links of one vertex, from it to each neighbour, in the order of Mesh::neighbours().
+// O(degree).
+std::uint32_t links_at(const Mesh& mesh, VertexId vertex, std::span<Link> out) noexcept;
+
+// How a network of all vertices hangs together.
+struct Connectivity {
+  // The longest edge of the minimum spanning tree: radios that reach this far, and no less, make
+  // the network one. 0 with fewer than two vertices.
+  SquaredLength least;
+  VertexId from{};  // that edge (with several as long, any)
+  VertexId to{};
+  // The parts into which it falls when the radios reach `radio_range`, whoever may talk to whom.
+  std::uint32_t parts = 0;
+};
+
+struct ConnectivityScratch {
+  VertexId part;
+  IdValue edge;
+};
+
+// The answer holds for links between any two vertices, not only along edges of the mesh.
+// `scratch` needs vertex_id_end() elements; else buffer_too_small. O(n log n).
+Status connectivity(const Mesh& mesh, std::uint32_t radio_range,
+                    std::span<ConnectivityScratch> scratch, Connectivity& out) noexcept;
+
+// --- Along features
+
+// A place for a relay.
+struct Relay {
+  Point place;
+  FeatureId feature;
+  VertexId vertex{};  // the Steiner vertex that stands there; none: one of those between vertices
+};
+
+// Each Steiner vertex, and on each piece of a feature that is longer than the range as many more,
+// evenly spaced, that no hop is: ceil(length / range) - 1. The latter are rounded down to the
+// sub-unit. O(n + entries written).
+std::uint64_t relays(const Mesh& mesh, std::uint32_t radio_range, std::span<Relay> out) noexcept;
+
+// Two neighbouring sensors on a feature more than twice the sensing range apart: between them
+// somebody may cross the feature without coming within range of either.
+struct Gap {
+  FeatureId feature;
+  VertexId from;  // ids of the mesh that has the features
+  VertexId to;
+  bool watched;  // sensors beside the feature see every place between them all the same
+};
+
+// The gaps along the features of `mesh`. The vertices of `sensors` sense; it has a vertex wherever
+// `mesh` has a node, and may be the same mesh. O(n) plus the triangles that gaps pass.
+std::uint32_t barrier_gaps(const Mesh& mesh, const Mesh& sensors, std::uint32_t sensing_range,
+                           std::span<Gap> out) noexcept;
+
+// --- Coverage
+
+// Where coverage is asked for: the triangles of a conforming mesh that are labelled inside
+// (label_domain). Without a mesh, or where its vertices are collinear: the hull of the sensors.
+struct Domain {
+  const Mesh* mesh = nullptr;
+  std::span<const Region> region{};
+};
+
+// A place of the domain farther than the sensing range from every sensor, and no nearer to one than
+// the places around it: where one more sensor would see most. A hole may have several.
+struct Hole {
+  Point place;       // rounded to the nearest sub-unit
+  Point sensor;      // the nearest (one of them)
+  bool on_boundary;  // on the boundary of the domain; else inside
+};
+
+// None, exactly if each place of the domain, boundary included, is within the sensing range of a
+// sensor. The vertices of `sensors` sense; it has a vertex wherever domain.mesh has a node, no
+// vertex outside its hull, and may be the same mesh.
+//
+// Why that is all: where the distance to the nearest sensor is greatest inside the domain, at least
+// three sensors are equally near and the place is in their midst, so it is the circumcentre of a
+// Delaunay triangle that is not obtuse. (An obtuse triangle's circumcentre lies beyond its longest
+// edge, where the next triangle's circle is greater still: such triangles lead to another one, or
+// to the boundary.) On the boundary it is where two sensors take turns in being the nearest, and
+// these places are visited one by one. O(n) plus the triangles that long stretches of the boundary
+// pass.
+std::uint32_t coverage_holes(const Mesh& sensors, const Domain& domain, std::uint32_t sensing_range,
+                             std::span<Hole> out) noexcept;
+
+// --- Readings
+
+// A reading at any place within the hull, linear in the triangle there. `readings` has one for each
+// node, by vertex id; it needs vertex_id_end() elements, those of other ids are not looked at. A
+// Steiner vertex takes the value that is linear between the two nodes of its stretch of feature.
+// `value` is in 2^-28 of the unit of the readings, rounded to the nearest, halves up.
+// `place` says whether there is any: with Place::outside, value is 0.
+struct Interpolated {
+  Place place = Place::outside;
+  std::int64_t value = 0;
+};
+
+// Errors: buffer_too_small. Costs one locate().
+Status interpolate(const Mesh& mesh, const Point& place, std::span<const std::int32_t> readings,
+                   Interpolated& out) noexcept;
+
+}  // namespace etcm

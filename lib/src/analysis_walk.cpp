@@ -1,0 +1,66 @@
+// Along a line from vertex to vertex, through their Voronoi cells. A cell is left across the
+// bisector with a Delaunay neighbour, the first one the line comes to; each step goes to a vertex
+// that lies farther in the direction of the line, so the walk ends.
+#include "analysis_internal.h"
+
+namespace etcm::internal {
+
+// |along * t - before|^2 = |along * t - after|^2 is linear in t. With coordinates seen from the
+// origin, differences are at most 2^53, so step is below 2^108 and scale below 2^109.
+Handover NearestWalk::candidate(VertexId after) const noexcept {
+  const Vector before = between(origin_, m_.at(here_.after));
+  const Vector beyond = between(origin_, m_.at(after));
+  return {here_.after, after, dot(beyond, beyond) - dot(before, before),
+          twice(dot(along_, between(m_.at(here_.after), m_.at(after))))};
+}
+
+bool NearestWalk::next() noexcept {
+  if (here_.after == to_) return false;
+  Handover first;
+  const Edge start = m_.topology.edge_at(here_.after);
+  Edge e = start;
+  do {
+    const VertexId v = m_.topology.target(e);
+    e = m_.topology.rotate_ccw(e);
+    if (v == infinite_vertex) continue;
+    const Handover other = candidate(v);
+    if (Wide::sign(other.scale) <= 0) continue;
+    if (first.after.is_none() || Wide::sign(Wide::product(other.step, first.scale) -
+                                            Wide::product(first.step, other.scale)) < 0) {
+      first = other;
+    }
+  } while (e != start);
+  ETCM_CHECK(!first.after.is_none());
+  here_ = first;
+  return true;
+}
+
+// Both sides times scale^2: below 2^332 and 2^340.
+bool NearestWalk::is_beyond(std::uint32_t range) const noexcept {
+  const Vector before = between(origin_, m_.at(here_.before));
+  const Int256 x =
+      Wide::product(here_.step, widened(along_.x)) - Wide::product(here_.scale, widened(before.x));
+  const Int256 y =
+      Wide::product(here_.step, widened(along_.y)) - Wide::product(here_.scale, widened(before.y));
+  const Int512 limit = Wide::product(Wide::product(here_.scale, here_.scale),
+                                     widened(limbs(squared_range(range, 0))));
+  return Wide::sign(Wide::product(x, x) + Wide::product(y, y) - limit) > 0;
+}
+
+int NearestWalk::sign_ahead_of(VertexId v) const noexcept {
+  return Wide::sign(Wide::product(here_.step, dot(along_, along_)) -
+                    Wide::product(here_.scale, dot(along_, between(origin_, m_.at(v)))));
+}
+
+// Where several vertices hand over at one place, the one in their middle may have its foot there;
+// then the first of those handovers counts.
+bool NearestWalk::is_peak() const noexcept {
+  return sign_ahead_of(here_.before) > 0 && sign_ahead_of(here_.after) <= 0;
+}
+
+Point NearestWalk::place() const noexcept {
+  return {origin_.x + rounded_quotient(Wide::product(here_.step, widened(along_.x)), here_.scale),
+          origin_.y + rounded_quotient(Wide::product(here_.step, widened(along_.y)), here_.scale)};
+}
+
+}  // namespace etcm::internal

@@ -1,0 +1,330 @@
+// etcm/analysis.h against brute force, on small graphs where much is collinear and cocircular, and
+// on the same graphs far out and far apart, where the numbers are longest.
+#include "etcm/analysis.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <vector>
+
+#include "analysis_oracle.h"
+#include "any_graph.h"
+#include "support/big_integer.h"
+#include "support/meshes.h"
+
+namespace etcm::test {
+namespace {
+
+// any_graph() as it is, or blown up to the limits of the coordinates.
+Graph any_graph_of_any_size() {
+  Graph graph = any_graph();
+  const std::int32_t scale = *rc::gen::element(1, 1, 1000, position_max / 8);
+  for (Position& node : graph.nodes) {
+    node = {node.x * scale, node.y * scale};
+    // Off the lattice by a little, so that few things are equal but many almost are.
+    if (scale == 1000 && node.x > 0) node.x -= node.y / 1000 % 3;
+  }
+  if (scale == 1000 && !graph.features.empty()) {
+    inputs::Placer placer(graph.nodes, 100);
+    for (const FeatureEnds& feature : graph.features) {
+      placer.try_add(inputs::node_index_of(feature.from), inputs::node_index_of(feature.to));
+    }
+    graph.features = placer.features();
+  }
+  return graph;
+}
+
+// A range that some of the distances are just within and some just beyond.
+std::uint32_t any_range(const std::vector<Point>& points) {
+  if (points.size() < 2 || *rc::gen::inRange(0, 8) == 0) return *rc::gen::inRange(1u, 1u << 26);
+  const auto a = *rc::gen::elementOf(points), b = *rc::gen::elementOf(points);
+  const std::uint32_t range = range_for(squared_distance(a, b));
+  return std::max(1u, range / *rc::gen::inRange(1u, 4u) - *rc::gen::inRange(0u, 2u));
+}
+
+template <class Entry, class Call>
+std::vector<Entry> listed(Call call) {
+  std::vector<Entry> entries(static_cast<std::size_t>(call(std::span<Entry>{})));
+  RC_ASSERT(call(std::span(entries)) == entries.size());
+  return entries;
+}
+
+bool is_vertex(const std::vector<Point>& points, const Point& p) {
+  return std::find(points.begin(), points.end(), p) != points.end();
+}
+
+RC_GTEST_PROP(Analysis, LinksHaveTheirFlagsByDefinition, ()) {
+  const auto mesh = built(any_graph_of_any_size());
+  const auto points = points_of(**mesh);
+  const std::uint32_t limit = *rc::gen::inRange(0, 2) == 0 ? 0 : any_range(points);
+  const auto found = listed<Link>([&](std::span<Link> out) { return links(**mesh, limit, out); });
+  std::size_t expected = 0;
+  for (IdValue value = 1; value < (*mesh)->vertex_id_end(); ++value) {
+    const VertexId from{value};
+    if ((*mesh)->kind(from) == VertexKind::none) continue;
+    std::vector<Neighbour> around((*mesh)->neighbours(from, {}));
+    (*mesh)->neighbours(from, around);
+    for (const Neighbour& to : around) {
+      const mpq_class length =
+          squared(rational((*mesh)->point(from)), rational((*mesh)->point(to.vertex)));
+      if (from < to.vertex && length > squared_range(limit)) ++expected;
+    }
+  }
+  RC_ASSERT(found.size() == expected);
+  for (const Link& link : found) {
+    const Point from = (*mesh)->point(link.from), to = (*mesh)->point(link.to);
+    const mpq_class length = squared(rational(from), rational(to));
+    const bool is_gabriel = std::none_of(points.begin(), points.end(), [&](const Point& p) {
+      return p != from && p != to &&
+             squared(rational(from), rational(p)) + squared(rational(to), rational(p)) <= length;
+    });
+    RC_ASSERT(link.gabriel == is_gabriel);
+    bool is_urquhart = true;
+    for (IdValue t = 0; t < (*mesh)->triangle_count(); ++t) {
+      const Triangle triangle = (*mesh)->triangle(TriangleId{t});
+      if (triangle.is_ghost()) continue;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const VertexId a = triangle.corner[(i + 1) % 3], b = triangle.corner[(i + 2) % 3];
+        if (!((a == link.from && b == link.to) || (a == link.to && b == link.from))) continue;
+        const RationalPoint apex = rational((*mesh)->point(triangle.corner[i]));
+        RC_ASSERT(triangle.constrained[i] == link.constrained);
+        if (squared(rational(from), apex) < length && squared(rational(to), apex) < length) {
+          is_urquhart = false;
+        }
+      }
+    }
+    RC_ASSERT(link.urquhart == is_urquhart);
+  }
+}
+
+RC_GTEST_PROP(Analysis, ConnectivityIsThatOfAllPairs, ()) {
+  const auto mesh = built(any_graph_of_any_size());
+  const auto points = points_of(**mesh);
+  const std::uint32_t range = any_range(points);
+  std::vector<ConnectivityScratch> scratch((*mesh)->vertex_id_end());
+  Connectivity found;
+  RC_ASSERT(connectivity(**mesh, range, scratch, found) == Status::ok);
+  RC_ASSERT(integer(found.least) == least_range_squared(points));
+  RC_ASSERT(found.parts == parts_at(points, range));
+  if (points.size() > 1) {
+    const Point from = (*mesh)->point(found.from), to = (*mesh)->point(found.to);
+    RC_ASSERT(squared_distance(from, to) == found.least);
+    const std::uint32_t enough = range_for(found.least);
+    RC_ASSERT(connectivity(**mesh, enough, scratch, found) == Status::ok);
+    RC_ASSERT(found.parts == 1u);
+    RC_ASSERT(connectivity(**mesh, enough - 1, scratch, found) == Status::ok);
+    RC_ASSERT(found.parts > 1u);
+  }
+}
+
+RC_GTEST_PROP(Analysis, RelaysAreAsFewAsTheRangeAllows, ()) {
+  const auto mesh = built(any_graph_of_any_size());
+  const std::uint32_t range = std::max(any_range(points_of(**mesh)), 4u);
+  std::uint64_t expected = (*mesh)->steiner_count();
+  for (IdValue value = 0; value < (*mesh)->feature_id_end(); ++value) {
+    if (!(*mesh)->is_feature(FeatureId{value})) continue;
+    const auto chain = chain_of(**mesh, FeatureId{value});
+    for (std::size_t i = 1; i < chain.size(); ++i) {
+      const mpz_class length =
+          squared(rational((*mesh)->point(chain[i - 1])), rational((*mesh)->point(chain[i])))
+              .get_num();
+      const mpz_class step = squared_range(range).get_num();
+      mpz_class hops = sqrt(mpz_class(length / step));
+      while (hops * hops * step < length) ++hops;
+      expected += hops.get_ui() - 1;
+    }
+  }
+  RC_PRE(expected < 200'000u);
+  const auto found =
+      listed<Relay>([&](std::span<Relay> out) { return relays(**mesh, range, out); });
+  RC_ASSERT(found.size() == expected);
+  // With them no hop is longer than the range, but for the rounding to sub-units.
+  for (IdValue value = 0; value < (*mesh)->feature_id_end(); ++value) {
+    const FeatureId feature{value};
+    if (!(*mesh)->is_feature(feature)) continue;
+    std::vector<Point> places;
+    for (const VertexId v : chain_of(**mesh, feature)) places.push_back((*mesh)->point(v));
+    for (const Relay& relay : found) {
+      if (relay.feature != feature) continue;
+      if (relay.vertex.is_none()) {
+        places.push_back(relay.place);
+      } else {
+        RC_ASSERT(relay.place == (*mesh)->point(relay.vertex));
+      }
+    }
+    // Along the feature: by the coordinate that changes most.
+    const FeatureEnds ends = (*mesh)->ends(feature);
+    const Point from = (*mesh)->point(ends.from), to = (*mesh)->point(ends.to);
+    const bool by_x = std::abs(to.x - from.x) >= std::abs(to.y - from.y);
+    std::sort(places.begin(), places.end(),
+              [&](const Point& a, const Point& b) { return by_x ? a.x < b.x : a.y < b.y; });
+    const mpz_class reach = (mpz_class(range) << subunit_bits) + 2;
+    for (std::size_t i = 1; i < places.size(); ++i) {
+      RC_ASSERT(squared(rational(places[i - 1]), rational(places[i])) <= mpq_class(reach * reach));
+    }
+  }
+}
+
+RC_GTEST_PROP(Analysis, GapsAreBetweenNeighbouringSensors, ()) {
+  const Graph graph = any_graph_of_any_size();
+  const auto mesh = built(graph);
+  const bool nodes_alone = *rc::gen::arbitrary<bool>();
+  const auto nodes = built({"", graph.nodes, {}});
+  const Mesh& sensors = nodes_alone ? **nodes : **mesh;
+  const auto points = points_of(sensors);
+  const std::uint32_t range = any_range(points);
+  const auto found =
+      listed<Gap>([&](std::span<Gap> out) { return barrier_gaps(**mesh, sensors, range, out); });
+  std::size_t expected = 0;
+  for (IdValue value = 0; value < (*mesh)->feature_id_end(); ++value) {
+    if (!(*mesh)->is_feature(FeatureId{value})) continue;
+    std::vector<Point> chain;
+    for (const VertexId v : chain_of(**mesh, FeatureId{value})) {
+      if (is_vertex(points, (*mesh)->point(v))) chain.push_back((*mesh)->point(v));
+    }
+    for (std::size_t i = 1; i < chain.size(); ++i) {
+      const bool is_gap =
+          squared(rational(chain[i - 1]), rational(chain[i])) > 4 * squared_range(range);
+      if (is_gap) ++expected;
+    }
+  }
+  RC_ASSERT(found.size() == expected);
+  for (const Gap& gap : found) {
+    const Segment segment{(*mesh)->point(gap.from), (*mesh)->point(gap.to)};
+    RC_ASSERT(squared(rational(segment.first), rational(segment.second)) >
+              4 * squared_range(range));
+    const auto places = candidates_on(segment, points);
+    const bool watched = std::all_of(places.begin(), places.end(), [&](const RationalPoint& p) {
+      return squared_distance_to(points, p) <= squared_range(range);
+    });
+    RC_ASSERT(gap.watched == watched);
+  }
+}
+
+// The greatest distance from a place of the domain to its nearest sensor decides, exactly.
+RC_GTEST_PROP(Analysis, NoHolesExactlyIfAllIsCovered, ()) {
+  Graph graph = any_graph_of_any_size();
+  if (graph.nodes.size() > 12) {
+    graph.nodes.resize(12);
+    std::erase_if(graph.features, [](const FeatureEnds& feature) {
+      return feature.from.value > 12 || feature.to.value > 12;
+    });
+  }
+  const auto mesh = built(graph);
+  const auto nodes = built({"", graph.nodes, {}});
+  const bool nodes_alone = *rc::gen::arbitrary<bool>();
+  const bool whole_hull = *rc::gen::arbitrary<bool>();
+  const Mesh& sensors = nodes_alone ? **nodes : **mesh;
+  const auto points = points_of(sensors);
+  std::vector<Region> region((*mesh)->triangle_count());
+  std::vector<TriangleId> waiting(region.size());
+  std::vector<Point> seeds;
+  if (!whole_hull && (*mesh)->node_count() > 3) {
+    seeds.push_back(to_point({*rc::gen::inRange(-8, 9), *rc::gen::inRange(-8, 9)}));
+  }
+  RC_ASSERT(label_domain(**mesh, whole_hull ? Exterior::hull : Exterior::features, seeds, region,
+                         waiting) == Status::ok);
+  Domain domain;
+  if (!whole_hull) domain = {.mesh = &**mesh, .region = region};
+  mpq_class greatest = 0;
+  for (const RationalPoint& place : candidates_in(**mesh, region, points)) {
+    greatest = std::max(greatest, squared_distance_to(points, place));
+  }
+  RC_PRE((*mesh)->finite_triangle_count() > 0u);
+
+  const auto holes_at = [&](std::uint32_t range) {
+    return listed<Hole>(
+        [&](std::span<Hole> out) { return coverage_holes(sensors, domain, range, out); });
+  };
+  // The least whole range that covers everything.
+  mpz_class exact = sqrt(mpz_class(greatest.get_num() / greatest.get_den())) >> subunit_bits;
+  auto enough = static_cast<std::uint32_t>(exact.get_ui());
+  while (squared_range(enough) < greatest) ++enough;
+  if (enough > 0) RC_ASSERT(holes_at(enough).empty());
+  if (enough > 1) {
+    const auto holes = holes_at(enough - 1);
+    RC_ASSERT(!holes.empty());
+    mpq_class worst = 0;
+    for (const Hole& hole : holes) {
+      RC_ASSERT(is_vertex(points, hole.sensor));
+      worst = std::max(worst, squared(rational(hole.place), rational(hole.sensor)));
+    }
+    // The worst of them is the worst place there is, up to the rounding of its coordinates.
+    const mpz_class seen = sqrt(mpz_class(worst.get_num() / worst.get_den()));
+    const mpz_class true_one = sqrt(mpz_class(greatest.get_num() / greatest.get_den()));
+    RC_ASSERT(abs(seen - true_one) <= 2);
+  }
+  const std::uint32_t range = any_range(points);
+  for (const Hole& hole : holes_at(range)) {
+    // Nobody is nearer than the sensor it names, and that one is out of range.
+    const mpq_class nearest = squared_distance_to(points, rational(hole.place));
+    const mpz_class distance = sqrt(mpz_class(nearest.get_num()));
+    const mpz_class named =
+        sqrt(mpz_class(squared(rational(hole.place), rational(hole.sensor)).get_num()));
+    RC_ASSERT(abs(named - distance) <= 2);
+    RC_ASSERT(distance + 2 >= (mpz_class(range) << subunit_bits));
+  }
+}
+
+RC_GTEST_PROP(Analysis, ReadingsAreLinearBetweenTheCorners, ()) {
+  const auto mesh = built(any_graph_of_any_size());
+  std::vector<std::int32_t> readings((*mesh)->vertex_id_end());
+  for (std::int32_t& reading : readings) reading = *rc::gen::arbitrary<std::int32_t>();
+  // The value at a vertex: at a Steiner vertex between the neighbouring nodes on the feature.
+  std::vector<mpq_class> values(readings.begin(), readings.end());
+  for (IdValue value = 0; value < (*mesh)->feature_id_end(); ++value) {
+    if (!(*mesh)->is_feature(FeatureId{value})) continue;
+    const auto chain = chain_of(**mesh, FeatureId{value});
+    for (std::size_t i = 0, from = 0; i < chain.size(); ++i) {
+      if ((*mesh)->kind(chain[i]) != VertexKind::node) continue;
+      const RationalPoint start = rational((*mesh)->point(chain[from]));
+      const RationalPoint end = rational((*mesh)->point(chain[i]));
+      for (std::size_t k = from + 1; k < i; ++k) {
+        const RationalPoint p = rational((*mesh)->point(chain[k]));
+        const mpq_class t = start.x != end.x ? mpq_class((p.x - start.x) / (end.x - start.x))
+                                             : mpq_class((p.y - start.y) / (end.y - start.y));
+        values[chain[k].value] =
+            readings[chain[from].value] +
+            t * (mpq_class(readings[chain[i].value]) - mpq_class(readings[chain[from].value]));
+      }
+      from = i;
+    }
+  }
+  const auto check = [&](const Point& place, const mpq_class& expected) {
+    Interpolated found;
+    RC_ASSERT(interpolate(**mesh, place, readings, found) == Status::ok);
+    RC_ASSERT(found.place != Place::outside);
+    const mpq_class scaled = expected * (mpz_class(1) << subunit_bits) + mpq_class(1, 2);
+    mpz_class rounded;
+    mpz_fdiv_q(rounded.get_mpz_t(), scaled.get_num_mpz_t(), scaled.get_den_mpz_t());
+    RC_ASSERT(integer(found.value) == rounded);
+  };
+  for (IdValue t = 0; t < (*mesh)->triangle_count(); ++t) {
+    const Triangle triangle = (*mesh)->triangle(TriangleId{t});
+    if (triangle.is_ghost()) continue;
+    std::array<Point, 3> corner;
+    for (std::size_t i = 0; i < 3; ++i) corner[i] = (*mesh)->point(triangle.corner[i]);
+    const Point place{(corner[0].x + corner[1].x + corner[2].x) / 3,
+                      (corner[0].y + corner[1].y + corner[2].y) / 3};
+    mpq_class total = 0, weights = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const RationalPoint p = rational(place), a = rational(corner[(i + 1) % 3]),
+                          b = rational(corner[(i + 2) % 3]);
+      const mpq_class weight = (a.x - p.x) * (b.y - p.y) - (a.y - p.y) * (b.x - p.x);
+      RC_PRE(weight >= 0);  // a triangle so thin that no point of the grid is in it
+      weights += weight;
+      total += weight * values[triangle.corner[i].value];
+    }
+    check(place, mpq_class(total / weights));
+  }
+  for (IdValue value = 1; value < (*mesh)->vertex_id_end(); ++value) {
+    if ((*mesh)->kind(VertexId{value}) == VertexKind::none) continue;
+    check((*mesh)->point(VertexId{value}), values[value]);
+  }
+}
+
+}  // namespace
+}  // namespace etcm::test

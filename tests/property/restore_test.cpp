@@ -1,0 +1,174 @@
+// Mesh::restore(): the mesh of another mesh's nodes, features and Steiner vertices is that mesh,
+// whatever its life was; anything else is refused and leaves nothing.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "support/history.h"
+#include "support/meshes.h"
+#include "support/oracle.h"
+
+namespace etcm::test {
+namespace {
+
+struct Kept {
+  std::vector<Position> nodes;
+  std::vector<FeatureEnds> features;
+  std::vector<SteinerPlace> steiner;
+
+  Status restore(Mesh& mesh) const { return mesh.restore(nodes, features, steiner); }
+};
+
+Kept kept_of(const Mesh& mesh) {
+  Kept kept;
+  std::map<VertexId, VertexId> places;
+  for (IdValue id = 1; id < mesh.vertex_id_end(); ++id) {
+    if (mesh.kind(VertexId{id}) != VertexKind::node) continue;
+    places[VertexId{id}] = vertex_of(kept.nodes.size());
+    kept.nodes.push_back(mesh.position(VertexId{id}));
+  }
+  std::map<FeatureId, std::uint32_t> numbers;
+  for (IdValue id = 0; id < mesh.feature_id_end(); ++id) {
+    if (!mesh.is_feature(FeatureId{id})) continue;
+    const FeatureEnds ends = mesh.ends(FeatureId{id});
+    numbers[FeatureId{id}] = static_cast<std::uint32_t>(kept.features.size());
+    kept.features.push_back({places.at(ends.from), places.at(ends.to)});
+  }
+  for (const VertexId v : steiner_vertices(mesh)) {
+    kept.steiner.push_back({numbers.at(mesh.feature_of(v)), mesh.point(v)});
+  }
+  return kept;
+}
+
+// As long as a mesh lives, what it is can be had again, and lives on.
+void expect_restorable(std::int32_t side, std::size_t crowd, int events) {
+  const MeshConfig config{.vertices_max = 400, .features_max = 200};
+  std::size_t with_steiner = 0;
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    OwnedMesh mesh(config);
+    ASSERT_EQ(mesh.opened(), Status::ok);
+    History history(*mesh, side, crowd, seed);
+    for (int event = 1; event <= events; ++event) {
+      ASSERT_TRUE(history.step());
+      if (event % 50 != 0) continue;
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", event " << event);
+      const Kept kept = kept_of(*mesh);
+      with_steiner += kept.steiner.empty() ? 0 : 1;
+      OwnedMesh again(config);
+      ASSERT_EQ(again.opened(), Status::ok);
+      ASSERT_EQ(kept.restore(*again), Status::ok);
+      ASSERT_EQ(again->hash(), mesh->hash());
+      ASSERT_EQ(again->feature_count(), mesh->feature_count());
+      ASSERT_TRUE(passes_audit(*again));
+      if (event % 500 != 0) continue;
+      ASSERT_TRUE(passes_oracle(*again));
+      for (IdValue id = again->feature_id_end(); id-- > 0;) {
+        if (again->is_feature(FeatureId{id})) {
+          ASSERT_EQ(again->remove_feature(FeatureId{id}), Status::ok);
+        }
+      }
+      ASSERT_EQ(again->steiner_count(), 0u);
+      for (IdValue id = 1; id <= kept.nodes.size(); ++id) {
+        ASSERT_EQ(again->leave(VertexId{id}), Status::ok);
+      }
+      ASSERT_TRUE(passes_audit(*again));
+    }
+  }
+  EXPECT_GT(with_steiner, 0u);
+}
+
+TEST(Restore, GivesTheMeshOfACrowdedLifeAgain) { expect_restorable(12, 40, 1000); }
+TEST(Restore, GivesTheMeshOfAWideLifeAgain) { expect_restorable(1000, 60, 1000); }
+TEST(Restore, GivesTheMeshAtTheEdgeOfTheRangeAgain) { expect_restorable(position_max, 60, 500); }
+
+TEST(Restore, OfNothingIsTheEmptyMesh) {
+  const auto mesh = empty_mesh();
+  EXPECT_EQ((*mesh)->restore({}, {}, {}), Status::ok);
+  EXPECT_EQ((*mesh)->hash(), (*empty_mesh())->hash());
+}
+
+class RestoreRefuses : public testing::Test {
+ protected:
+  RestoreRefuses() {
+    // A fence with posts close by on both sides needs Steiner vertices.
+    const Graph graph{"", {{0, 0}, {1000, 10}, {480, 90}, {520, -60}}, {between_nodes(0, 1)}};
+    kept_ = kept_of(**built(graph));
+  }
+  void expect(Status status, const Kept& kept,
+              MeshConfig config = {.vertices_max = 50, .features_max = 10}) {
+    OwnedMesh mesh(config);
+    ASSERT_EQ(mesh.opened(), Status::ok);
+    EXPECT_EQ(kept.restore(*mesh), status);
+    EXPECT_EQ(mesh->trouble().status, status);
+    EXPECT_EQ(mesh->node_count() + mesh->steiner_count() + mesh->feature_count(), 0u);
+    EXPECT_TRUE(passes_audit(*mesh));
+    EXPECT_EQ(kept_.restore(*mesh), Status::ok) << "an empty mesh is as good as a new one";
+  }
+  Kept kept_;
+};
+
+TEST_F(RestoreRefuses, WhatIsNoUnionOfEdges) {
+  ASSERT_GT(kept_.steiner.size(), 0u);
+  Kept kept = kept_;
+  kept.steiner.pop_back();
+  expect(Status::mesh_unresolved, kept);
+}
+
+TEST_F(RestoreRefuses, SteinerVerticesBesideTheirFeature) {
+  const Point at = kept_.steiner.front().point;
+  constexpr std::int64_t far = std::int64_t{1} << 62;
+  for (const Point wrong : {Point{at.x, at.y + 1}, Point{at.x + 1, at.y}, Point{-far, far},
+                            Point{far, -far}, Point{0, 1}, Point{at.x, -far}}) {
+    Kept kept = kept_;
+    kept.steiner.front().point = wrong;
+    expect(Status::bad_coordinate, kept);
+  }
+}
+
+TEST_F(RestoreRefuses, TwoSteinerVerticesOnOnePlace) {
+  Kept kept = kept_;
+  kept.steiner.push_back(kept.steiner.front());
+  expect(Status::duplicate_vertex, kept);
+}
+
+TEST_F(RestoreRefuses, SteinerVerticesOfNoFeature) {
+  for (const std::uint32_t number : {1u, 9u, 0xffffffffu}) {
+    Kept kept = kept_;
+    kept.steiner.front().feature = number;
+    expect(Status::unknown_feature, kept);
+  }
+}
+
+TEST_F(RestoreRefuses, FeaturesThatCross) {
+  Kept kept = kept_;
+  kept.features.push_back({vertex_of(2), vertex_of(3)});
+  expect(Status::crossing_features, kept);
+}
+
+TEST_F(RestoreRefuses, AFeatureTwice) {
+  Kept kept = kept_;
+  kept.features.push_back({vertex_of(1), vertex_of(0)});
+  expect(Status::overlapping_features, kept);
+}
+
+TEST_F(RestoreRefuses, MoreThanThereIsRoomFor) {
+  Kept kept;
+  kept.nodes = {{0, 0}, {16, 0}};
+  kept.features = {{vertex_of(0), vertex_of(1)}};
+  for (std::int64_t i = 1; i <= 8; ++i) {
+    kept.steiner.push_back({0, {i * subunits_per_unit, 0}});
+  }
+  OwnedMesh mesh({.vertices_max = 9, .features_max = 1});
+  ASSERT_EQ(mesh.opened(), Status::ok);
+  EXPECT_EQ(kept.restore(*mesh), Status::out_of_vertices);
+  OwnedMesh budget({.vertices_max = 50, .features_max = 1, .steiner_max = 7});
+  ASSERT_EQ(budget.opened(), Status::ok);
+  EXPECT_EQ(kept.restore(*budget), Status::steiner_budget);
+  kept.steiner.pop_back();
+  EXPECT_EQ(kept.restore(*budget), Status::ok);
+}
+
+}  // namespace
+}  // namespace etcm::test

@@ -1,0 +1,75 @@
+"""Programs run for real: started, waited for by what they say, and always stopped.
+
+Nothing here depends on how fast the machine is: every wait is for a condition.
+"""
+import pathlib
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+import unittest
+
+PATIENCE_S = 40
+
+
+def wait_for(what, condition):
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        found = condition()
+        if found:
+            return found
+        time.sleep(0.05)
+    raise AssertionError(f"waited {PATIENCE_S} s for {what}")
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Program:
+    """A running program with its output in a file."""
+
+    def __init__(self, folder, name, command):
+        self.log_path = folder / f"{name}.log"
+        self.log_file = open(self.log_path, "w")
+        self.process = subprocess.Popen(command, stdout=self.log_file, stderr=subprocess.STDOUT,
+                                        cwd=folder)
+
+    def log(self):
+        return self.log_path.read_text()
+
+    def wait_for_line(self, pattern):
+        return wait_for(f"'{pattern}' in {self.log_path}:\n", lambda: re.search(pattern, self.log()))
+
+    def stop(self, number=signal.SIGTERM):
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+        status = self.process.wait(PATIENCE_S)
+        self.log_file.close()
+        return status
+
+
+class ProgramCase(unittest.TestCase):
+    """A test with a folder of its own and programs that run in it."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="etcm_test_"))
+        self.programs = []
+
+    def tearDown(self):
+        for program in self.programs:
+            if program.process.poll() is None:
+                program.process.kill()
+            program.process.wait()
+            program.log_file.close()
+        shutil.rmtree(self.folder)
+
+    def start(self, name, command):
+        program = Program(self.folder, name, [str(part) for part in command])
+        self.programs.append(program)
+        return program

@@ -1,0 +1,279 @@
+// etcm/analysis.h on meshes small enough to be seen: what the answers mean, and what short lists
+// get. That the answers are right for any mesh is shown in tests/property.
+#include "etcm/analysis.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <initializer_list>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "support/meshes.h"
+
+namespace etcm::test {
+namespace {
+
+std::unique_ptr<OwnedMesh> mesh_of(std::initializer_list<Position> nodes,
+                                   std::initializer_list<FeatureEnds> features = {}) {
+  return built({"", nodes, features});
+}
+
+Connectivity connectivity_of(const Mesh& mesh, std::uint32_t range) {
+  std::vector<ConnectivityScratch> scratch(mesh.vertex_id_end());
+  Connectivity result;
+  EXPECT_EQ(connectivity(mesh, range, scratch, result), Status::ok);
+  return result;
+}
+
+SquaredLength units_squared(std::uint32_t units) {
+  return squared_distance({0, 0}, {units * subunits_per_unit, 0});
+}
+
+constexpr std::int32_t far = position_max;
+
+TEST(Lengths, AreExactAtTheLimits) {
+  const Point one = to_point({-far, -far}), other = to_point({far, far});
+  // Twice the square of 2^25 units: 2^51 * 2^56.
+  EXPECT_EQ(squared_distance(one, other), (SquaredLength{std::uint64_t{1} << 43, 0}));
+  EXPECT_EQ(range_for(squared_distance(one, other)), 47453133u);
+  EXPECT_EQ(range_for({}), 0u);
+  EXPECT_EQ(range_for({0, 1}), 1u);
+  EXPECT_EQ(range_for(units_squared(5)), 5u);
+  EXPECT_EQ(range_for(squared_distance({0, 0}, {5 * subunits_per_unit, 1})), 6u);
+}
+
+TEST(Analysis, HasNothingToSayAboutAnEmptyMesh) {
+  const auto mesh = empty_mesh();
+  EXPECT_EQ(links(**mesh, 0, {}), 0u);
+  EXPECT_EQ(relays(**mesh, 1, {}), 0u);
+  EXPECT_EQ(barrier_gaps(**mesh, **mesh, 1, {}), 0u);
+  EXPECT_EQ(coverage_holes(**mesh, {}, 1, {}), 0u);
+  const Connectivity found = connectivity_of(**mesh, 1);
+  EXPECT_EQ(found.parts, 0u);
+  EXPECT_EQ(found.least, SquaredLength{});
+  Interpolated reading{Place::on_vertex, 7};
+  const std::array<std::int32_t, 1> readings{5};
+  EXPECT_EQ(interpolate(**mesh, {0, 0}, readings, reading), Status::ok);
+  EXPECT_EQ(reading.place, Place::outside);
+  EXPECT_EQ(reading.value, 0);
+}
+
+TEST(Analysis, OfASingleNode) {
+  const auto mesh = mesh_of({{far, -far}});
+  EXPECT_EQ(links(**mesh, 0, {}), 0u);
+  EXPECT_EQ(links_at(**mesh, vertex_of(0), {}), 0u);
+  EXPECT_EQ(coverage_holes(**mesh, {}, 1, {}), 0u);
+  EXPECT_EQ(connectivity_of(**mesh, 1).parts, 1u);
+  Interpolated reading;
+  const std::array<std::int32_t, 2> readings{0, -3};
+  EXPECT_EQ(interpolate(**mesh, to_point({far, -far}), readings, reading), Status::ok);
+  EXPECT_EQ(reading.place, Place::on_vertex);
+  EXPECT_EQ(reading.value, -3 * subunits_per_unit);
+}
+
+TEST(Analysis, OfNodesOnALine) {
+  const auto mesh = mesh_of({{0, 0}, {10, 10}, {40, 40}}, {between_nodes(0, 2)});
+  std::array<Link, 2> link;
+  ASSERT_EQ(links(**mesh, 0, link), 2u);
+  for (const Link& each : link) EXPECT_TRUE(each.gabriel && each.urquhart && each.constrained);
+  EXPECT_EQ(links(**mesh, 15, {}), 1u);
+  const Connectivity found = connectivity_of(**mesh, 42);
+  EXPECT_EQ(range_for(found.least), 43u);
+  EXPECT_EQ(found.parts, 2u);
+  std::array<Hole, 2> hole;
+  ASSERT_EQ(coverage_holes(**mesh, {}, 21, hole), 1u);
+  EXPECT_EQ(hole[0].place, to_point({25, 25}));
+  EXPECT_TRUE(hole[0].on_boundary);
+  EXPECT_EQ(coverage_holes(**mesh, {}, 22, hole), 0u);
+  std::array<Gap, 1> gap;
+  ASSERT_EQ(barrier_gaps(**mesh, **mesh, 21, gap), 1u);
+  EXPECT_EQ(gap[0].from, vertex_of(1));
+  EXPECT_EQ(gap[0].to, vertex_of(2));
+  EXPECT_FALSE(gap[0].watched);
+  Interpolated reading;
+  const std::array<std::int32_t, 4> readings{0, 100, 200, -100};
+  EXPECT_EQ(interpolate(**mesh, to_point({30, 30}), readings, reading), Status::ok);
+  EXPECT_EQ(reading.place, Place::on_edge);
+  EXPECT_EQ(reading.value, 0);
+  EXPECT_EQ(interpolate(**mesh, to_point({30, 31}), readings, reading), Status::ok);
+  EXPECT_EQ(reading.place, Place::outside);
+}
+
+TEST(Links, OfASquareDoNotDependOnItsDiagonal) {
+  const auto mesh = mesh_of({{0, 0}, {10, 0}, {10, 10}, {0, 10}});
+  std::array<Link, 5> link;
+  ASSERT_EQ(links(**mesh, 0, link), 5u);
+  for (const Link& each : link) {
+    const bool is_side =
+        squared_distance((*mesh)->point(each.from), (*mesh)->point(each.to)) == units_squared(10);
+    EXPECT_EQ(each.gabriel, is_side);
+    EXPECT_EQ(each.urquhart, is_side);
+  }
+  EXPECT_EQ(links(**mesh, 10, link), 1u);
+}
+
+TEST(Links, AreAllKeptWhereSidesAreEquallyLong) {
+  const auto mesh = mesh_of({{0, 0}, {6, 0}, {3, 7}});
+  std::array<Link, 3> link;
+  ASSERT_EQ(links(**mesh, 0, link), 3u);
+  // The two long sides are equal: neither is the longest.
+  for (const Link& each : link) EXPECT_TRUE(each.urquhart);
+}
+
+TEST(Links, OfAVertexStandInTheOrderOfItsNeighbours) {
+  const auto mesh = mesh_of({{0, 0}, {10, 0}, {0, 10}, {3, 3}}, {between_nodes(0, 3)});
+  for (IdValue value = 1; value < (*mesh)->vertex_id_end(); ++value) {
+    const VertexId vertex{value};
+    std::array<Neighbour, 3> around;
+    std::array<Link, 3> link;
+    ASSERT_EQ((*mesh)->neighbours(vertex, around), 3u);
+    ASSERT_EQ(links_at(**mesh, vertex, link), 3u);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(link[i].from, vertex);
+      EXPECT_EQ(link[i].to, around[i].vertex);
+      EXPECT_EQ(link[i].constrained, around[i].constrained);
+    }
+    // A list that is too short gets what fits.
+    std::array<Link, 2> part{};
+    EXPECT_EQ(links_at(**mesh, vertex, std::span(part).first(1)), 3u);
+    EXPECT_EQ(part[0].to, link[0].to);
+    EXPECT_TRUE(part[1].to.is_none());
+  }
+}
+
+// The nodes' shortest way across is not in the conforming mesh: there Steiner vertices are nearer.
+TEST(Connectivity, IsOfTheVerticesItIsGiven) {
+  const std::initializer_list<Position> nodes = {{-1000, 0}, {1000, 0}, {0, 90}, {0, -90}};
+  const auto conforming = mesh_of(nodes, {between_nodes(0, 1)});
+  ASSERT_GT((*conforming)->steiner_count(), 0u);
+  const Connectivity alone = connectivity_of(**mesh_of(nodes), 500);
+  EXPECT_EQ(range_for(alone.least), 1005u);
+  EXPECT_EQ(alone.parts, 3u);
+  EXPECT_EQ(range_for(connectivity_of(**conforming, 500).least), 1000u);
+}
+
+TEST(Connectivity, NeedsItsScratch) {
+  const auto mesh = mesh_of({{0, 0}, {1, 0}, {0, 1}});
+  std::array<ConnectivityScratch, 3> scratch;
+  Connectivity out{.least = {}, .from = {}, .to = {}, .parts = 77};
+  EXPECT_EQ(connectivity(**mesh, 1, scratch, out), Status::buffer_too_small);
+  EXPECT_EQ(out.parts, 77u);
+}
+
+TEST(Relays, StandEvenlyOnALongPiece) {
+  const auto mesh = mesh_of({{0, 0}, {100, 0}, {50, 400}}, {between_nodes(0, 1)});
+  EXPECT_EQ(relays(**mesh, 100, {}), 0u);
+  std::array<Relay, 3> relay;
+  ASSERT_EQ(relays(**mesh, 25, relay), 3u);
+  EXPECT_EQ(relay[0].place, to_point({25, 0}));
+  EXPECT_EQ(relay[2].place, to_point({75, 0}));
+  EXPECT_TRUE(relay[1].vertex.is_none());
+  EXPECT_EQ(relay[1].feature, FeatureId{0});
+  EXPECT_EQ(relays(**mesh, 24, relay), 4u);
+}
+
+TEST(Relays, AreCountedWithoutBeingVisited) {
+  const auto mesh = mesh_of({{-far, -far}, {far, far}}, {between_nodes(0, 1)});
+  std::array<Relay, 2> relay;
+  EXPECT_EQ(relays(**mesh, 1, relay), 47453132u);
+  EXPECT_LT(relay[0].place, relay[1].place);
+  EXPECT_EQ(relays(**mesh, 0xffffffffu, relay), 0u);
+}
+
+TEST(Gaps, MayBeWatchedFromBeside) {
+  // Sensors beside the middle of a feature: its ends are far apart, yet all of it is in sight.
+  const auto mesh = mesh_of({{0, 0}, {40, 0}, {20, 4}, {20, -4}}, {between_nodes(0, 1)});
+  const auto nodes = mesh_of({{0, 0}, {40, 0}, {20, 4}, {20, -4}});
+  std::array<Gap, 1> gap;
+  ASSERT_EQ(barrier_gaps(**mesh, **nodes, 11, gap), 1u);
+  EXPECT_TRUE(gap[0].watched);
+  ASSERT_EQ(barrier_gaps(**mesh, **nodes, 10, gap), 1u);
+  EXPECT_FALSE(gap[0].watched);
+  EXPECT_EQ(barrier_gaps(**mesh, **nodes, 20, gap), 0u);
+}
+
+TEST(Holes, AreAtTheCentreOfAnAcuteTriangle) {
+  const auto mesh = mesh_of({{0, 0}, {8, 0}, {4, 8}});
+  std::array<Hole, 4> hole;
+  // Its circumradius is 5, and the longest sides, sqrt(80), are covered at 5.
+  EXPECT_EQ(coverage_holes(**mesh, {}, 5, hole), 0u);
+  ASSERT_EQ(coverage_holes(**mesh, {}, 4, hole), 3u);
+  EXPECT_EQ(hole[0].place, to_point({4, 3}));
+  EXPECT_FALSE(hole[0].on_boundary);
+  EXPECT_TRUE(hole[1].on_boundary && hole[2].on_boundary);
+}
+
+TEST(Holes, OfAnObtuseTriangleAreOnItsLongestSide) {
+  // The circumradius is 10100, but the middle corner sees most of the long side: its bisectors with
+  // the others meet that side 1010 from each.
+  const auto mesh = mesh_of({{-2000, 0}, {2000, 0}, {0, 200}});
+  std::array<Hole, 2> hole;
+  EXPECT_EQ(coverage_holes(**mesh, {}, 1010, hole), 0u);
+  ASSERT_EQ(coverage_holes(**mesh, {}, 1009, hole), 2u);
+  for (const Hole& each : hole) {
+    EXPECT_TRUE(each.on_boundary);
+    EXPECT_EQ(std::abs(each.place.x), 990 * subunits_per_unit);
+    EXPECT_EQ(each.place.y, 0);
+  }
+}
+
+TEST(Holes, OfASquareAreOneInItsMidst) {
+  const auto mesh = mesh_of({{0, 0}, {10, 0}, {10, 10}, {0, 10}});
+  std::array<Hole, 2> hole;
+  ASSERT_EQ(coverage_holes(**mesh, {}, 7, hole), 1u);
+  EXPECT_EQ(hole[0].place, to_point({5, 5}));
+  EXPECT_EQ(coverage_holes(**mesh, {}, 8, hole), 0u);
+}
+
+TEST(Holes, OutsideTheDomainDoNotCount) {
+  // A square field beside a far node: the way there is not in the domain.
+  const auto mesh =
+      mesh_of({{0, 0}, {10, 0}, {10, 10}, {0, 10}, {1000, 5}},
+              {between_nodes(0, 1), between_nodes(1, 2), between_nodes(2, 3), between_nodes(3, 0)});
+  std::vector<Region> region((*mesh)->triangle_count());
+  std::vector<TriangleId> scratch(region.size());
+  ASSERT_EQ(label_domain(**mesh, Exterior::features, {}, region, scratch), Status::ok);
+  EXPECT_EQ(coverage_holes(**mesh, {.mesh = &**mesh, .region = region}, 8, {}), 0u);
+  EXPECT_EQ(coverage_holes(**mesh, {.mesh = &**mesh, .region = region}, 7, {}), 1u);
+  EXPECT_GT(coverage_holes(**mesh, {}, 8, {}), 0u);
+}
+
+TEST(Holes, AreFoundAtTheLimitsOfTheCoordinates) {
+  const auto mesh = mesh_of({{-far, -far}, {far, -far}, {far, far}, {-far, far}});
+  std::array<Hole, 1> hole;
+  // Half the diagonal is 23726566.4 units.
+  ASSERT_EQ(coverage_holes(**mesh, {}, 23726566, hole), 1u);
+  EXPECT_EQ(hole[0].place, (Point{0, 0}));
+  EXPECT_EQ(coverage_holes(**mesh, {}, 23726567, hole), 0u);
+  EXPECT_EQ(coverage_holes(**mesh, {}, 0xffffffffu, hole), 0u);
+}
+
+TEST(Readings, AreLinearInTheTriangle) {
+  const auto mesh = mesh_of({{0, 0}, {10, 0}, {0, 10}});
+  const std::array<std::int32_t, 4> readings{0, 0, 100, 1000};
+  Interpolated reading;
+  ASSERT_EQ(interpolate(**mesh, to_point({2, 3}), readings, reading), Status::ok);
+  EXPECT_EQ(reading.place, Place::inside_triangle);
+  EXPECT_EQ(reading.value, 320 * subunits_per_unit);
+  EXPECT_EQ(interpolate(**mesh, to_point({2, 3}), std::span(readings).first(3), reading),
+            Status::buffer_too_small);
+}
+
+TEST(Readings, OfTheGreatestNumbersDoNotOverflow) {
+  const auto mesh = mesh_of({{-far, -far}, {far, -far}, {-far, far}});
+  constexpr std::int32_t low = std::numeric_limits<std::int32_t>::min();
+  constexpr std::int32_t high = std::numeric_limits<std::int32_t>::max();
+  const std::array<std::int32_t, 4> readings{0, low, high, high};
+  Interpolated reading;
+  ASSERT_EQ(interpolate(**mesh, to_point({0, 0}), readings, reading), Status::ok);
+  EXPECT_EQ(reading.value, high * subunits_per_unit);
+  ASSERT_EQ(interpolate(**mesh, to_point({-far, 0}), readings, reading), Status::ok);
+  EXPECT_EQ(reading.value, -subunits_per_unit / 2);
+}
+
+}  // namespace
+}  // namespace etcm::test
