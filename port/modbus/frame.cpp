@@ -11,11 +11,16 @@ namespace etcm::port {
 static_assert(frame_bytes_max == MODBUS_TCP_MAX_ADU_LENGTH);
 static_assert(read_holding_registers == MODBUS_FC_READ_HOLDING_REGISTERS);
 static_assert(read_input_registers == MODBUS_FC_READ_INPUT_REGISTERS);
+static_assert(write_holding_registers == MODBUS_FC_WRITE_MULTIPLE_REGISTERS);
 static_assert(read_registers_max == MODBUS_MAX_READ_REGISTERS);
+static_assert(write_registers_max == MODBUS_MAX_WRITE_REGISTERS);
 
 namespace {
 
 constexpr std::uint8_t exception_bit = 0x80;
+
+// Function, first register, count and the count of the bytes that follow.
+constexpr std::size_t write_request_head = 6;
 
 std::uint16_t load(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint16_t>(bytes[at] << 8 | bytes[at + 1]);
@@ -116,6 +121,59 @@ ReadAnswer parse_read_answer(std::span<const std::uint8_t> pdu, std::uint8_t fun
   }
   for (std::size_t i = 0; i < registers.size(); ++i) registers[i] = load(pdu, 2 + 2 * i);
   return ReadAnswer::registers;
+}
+
+std::size_t write_write_request(std::span<std::uint8_t> pdu, std::uint16_t first,
+                                std::span<const std::uint16_t> values) {
+  pdu[0] = write_holding_registers;
+  store(pdu, 1, first);
+  store(pdu, 3, static_cast<std::uint16_t>(values.size()));
+  pdu[5] = static_cast<std::uint8_t>(2 * values.size());
+  std::size_t at = write_request_head;
+  for (const std::uint16_t value : values) {
+    store(pdu, at, value);
+    at += 2;
+  }
+  return at;
+}
+
+std::size_t write_write_answer(std::span<std::uint8_t> pdu, RegisterRange range) {
+  pdu[0] = write_holding_registers;
+  store(pdu, 1, range.first);
+  store(pdu, 3, range.count);
+  return 5;
+}
+
+std::optional<RegisterRange> parse_write_request(std::span<const std::uint8_t> pdu,
+                                                 std::span<std::uint16_t> values,
+                                                 std::uint8_t& exception) {
+  if (pdu[0] != write_holding_registers) {
+    exception = MODBUS_EXCEPTION_ILLEGAL_FUNCTION;
+    return std::nullopt;
+  }
+  exception = MODBUS_EXCEPTION_ILLEGAL_DATA_VALUE;
+  if (pdu.size() < write_request_head) return std::nullopt;
+  const RegisterRange range{.first = load(pdu, 1), .count = load(pdu, 3)};
+  if (range.count == 0 || range.count > write_registers_max) return std::nullopt;
+  const std::size_t bytes = 2u * range.count;
+  if (pdu[5] != bytes || pdu.size() != write_request_head + bytes) return std::nullopt;
+  for (std::size_t i = 0; i < range.count; ++i) {
+    values[i] = load(pdu, write_request_head + 2 * i);
+  }
+  return range;
+}
+
+WriteAnswer parse_write_answer(std::span<const std::uint8_t> pdu, RegisterRange range,
+                               std::uint8_t& exception) {
+  if (pdu.size() == 2 && pdu[0] == (write_holding_registers | exception_bit)) {
+    exception = pdu[1];
+    return WriteAnswer::exception;
+  }
+  if (pdu.size() != 5 || pdu[0] != write_holding_registers || load(pdu, 1) != range.first ||
+      load(pdu, 3) != range.count) {
+    return WriteAnswer::malformed;
+  }
+  return WriteAnswer::written;
 }
 
 }  // namespace etcm::port

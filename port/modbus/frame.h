@@ -1,4 +1,4 @@
-// Modbus TCP framing, and the PDUs of reading registers, whatever carries them.
+// Modbus TCP framing, and the PDUs of reading and writing registers, whatever carries them.
 //
 // Own framing, because libmodbus reads a socket until a frame is whole: it blocks, and one client
 // that sends three stray bytes would hold up all others.
@@ -14,6 +14,7 @@ namespace etcm::port {
 
 inline constexpr std::uint8_t read_holding_registers = 3;
 inline constexpr std::uint8_t read_input_registers = 4;
+inline constexpr std::uint8_t write_holding_registers = 16;
 
 inline constexpr std::size_t pdu_bytes_max = 253;
 inline constexpr std::size_t mbap_header_bytes = 7;
@@ -77,5 +78,22 @@ std::size_t write_read_answer(std::span<std::uint8_t> pdu, std::uint8_t function
 enum class ReadAnswer : std::uint8_t { registers, exception, malformed };
 ReadAnswer parse_read_answer(std::span<const std::uint8_t> pdu, std::uint8_t function,
                              std::span<std::uint16_t> registers, std::uint8_t& exception);
+
+// The request to write registers (FC 16) and the answer to it; each returns the bytes written to
+// `pdu`.
+std::size_t write_write_request(std::span<std::uint8_t> pdu, std::uint16_t first,
+                                std::span<const std::uint16_t> values);
+std::size_t write_write_answer(std::span<std::uint8_t> pdu, RegisterRange range);
+
+// The range an FC 16 request writes, its values in the front of `values` (at least
+// write_registers_max). Otherwise nothing, and `exception` is the code to answer with.
+std::optional<RegisterRange> parse_write_request(std::span<const std::uint8_t> pdu,
+                                                 std::span<std::uint16_t> values,
+                                                 std::uint8_t& exception);
+
+// What an answer to write_write_request() of this range says.
+enum class WriteAnswer : std::uint8_t { written, exception, malformed };
+WriteAnswer parse_write_answer(std::span<const std::uint8_t> pdu, RegisterRange range,
+                               std::uint8_t& exception);
 
 }  // namespace etcm::port

@@ -8,11 +8,9 @@
 
 namespace etcm::port {
 
-namespace {
+static_assert(report_server_id == MODBUS_FC_REPORT_SLAVE_ID);
 
-constexpr std::uint8_t report_server_id = MODBUS_FC_REPORT_SLAVE_ID;
-constexpr std::uint8_t encapsulated = 43;
-constexpr std::uint8_t read_device_identification = 14;
+namespace {
 
 constexpr std::uint8_t is_running = 0xff;
 constexpr std::uint8_t more_follows = 0xff;
@@ -54,15 +52,15 @@ std::size_t write_identification_answer(std::span<std::uint8_t> answer,
   const std::uint8_t category = request[2];
   std::size_t object = request[3];
   if (category < category_basic || category > one_object) {
-    return write_exception(answer, encapsulated, MODBUS_EXCEPTION_ILLEGAL_DATA_VALUE);
+    return write_exception(answer, encapsulated_interface, MODBUS_EXCEPTION_ILLEGAL_DATA_VALUE);
   }
   if (object >= identity.objects.size()) {
     if (category == one_object) {
-      return write_exception(answer, encapsulated, MODBUS_EXCEPTION_ILLEGAL_DATA_ADDRESS);
+      return write_exception(answer, encapsulated_interface, MODBUS_EXCEPTION_ILLEGAL_DATA_ADDRESS);
     }
     object = 0;
   }
-  answer[0] = encapsulated;
+  answer[0] = encapsulated_interface;
   answer[1] = read_device_identification;
   answer[2] = category;
   answer[3] = conformity;
@@ -94,7 +92,7 @@ std::size_t write_identity_answer(std::span<std::uint8_t> answer,
                ? write_server_id_answer(answer, identity)
                : write_exception(answer, request[0], MODBUS_EXCEPTION_ILLEGAL_DATA_VALUE);
   }
-  if (request[0] != encapsulated || request.size() < 2 ||
+  if (request[0] != encapsulated_interface || request.size() < 2 ||
       request[1] != read_device_identification) {
     return 0;
   }
@@ -115,7 +113,7 @@ std::optional<std::span<const std::uint8_t>> parse_server_id_answer(
 }
 
 std::size_t write_identification_request(std::span<std::uint8_t> pdu, std::uint8_t first) {
-  pdu[0] = encapsulated;
+  pdu[0] = encapsulated_interface;
   pdu[1] = read_device_identification;
   pdu[2] = category_basic;
   pdu[3] = first;
@@ -124,7 +122,7 @@ std::size_t write_identification_request(std::span<std::uint8_t> pdu, std::uint8
 
 std::optional<std::uint8_t> parse_identification_answer(std::span<const std::uint8_t> pdu,
                                                         Identity& identity) {
-  if (pdu.size() < identification_header_bytes || pdu[0] != encapsulated ||
+  if (pdu.size() < identification_header_bytes || pdu[0] != encapsulated_interface ||
       pdu[1] != read_device_identification || pdu[2] > category_extended) {
     return std::nullopt;
   }

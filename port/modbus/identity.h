@@ -10,6 +10,10 @@
 
 namespace etcm::port {
 
+inline constexpr std::uint8_t report_server_id = 17;
+inline constexpr std::uint8_t encapsulated_interface = 43;
+inline constexpr std::uint8_t read_device_identification = 14;  // in the encapsulated interface
+
 // The objects of the basic category of FC 43/14, by their number.
 struct Identity {
   std::array<std::string_view, 3> objects;  // vendor, product, version

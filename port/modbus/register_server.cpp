@@ -12,6 +12,22 @@ RegisterServer::RegisterServer(EventLoop& loop, const SocketAddress& address,
       pinned_(clients_max),
       listener_(loop, *this, address, clients_max) {}
 
+void RegisterServer::allow(std::vector<Network> networks, Log& log) {
+  log_ = &log;
+  listener_.allow(std::move(networks));
+}
+
+void RegisterServer::refused(const SocketAddress& peer, bool is_full) {
+  if (log_ == nullptr) return;
+  std::string host = to_string(peer);
+  host.erase(host.rfind(':'));
+  log_->write(Level::warning,
+              "a client at " + host + " is turned away: " +
+                  (is_full ? "all places are taken; raise clients_max in [server]"
+                           : "its network is not in allow of [server]; add it there if it may read "
+                             "the mesh"));
+}
+
 std::size_t RegisterServer::answer(std::size_t client, std::uint8_t unit,
                                    std::span<const std::uint8_t> request,
                                    std::span<std::uint8_t> answer) {

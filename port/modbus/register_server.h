@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "etcm/port/log.h"
 #include "etcm/port/mesh_server.h"
 #include "modbus/identity.h"
 #include "modbus/tcp_listener.h"
@@ -18,17 +19,22 @@ class RegisterServer final : public MeshServer, private RequestHandler {
                  const Identity& identity, std::shared_ptr<const RegisterImage> first);
 
   void publish(std::shared_ptr<const RegisterImage> image) override { image_ = std::move(image); }
+  // As TcpListener has it. `log`, which must outlive this, hears who is turned away.
+  void allow(std::vector<Network> networks, Log& log);
   SocketAddress address() const { return listener_.address(); }
+  const ServiceCounters& counters() const { return listener_.counters(); }
 
  private:
   void connected(std::size_t client) override { pinned_[client] = image_; }
   void disconnected(std::size_t client) override { pinned_[client].reset(); }
+  void refused(const SocketAddress& peer, bool is_full) override;
   std::size_t answer(std::size_t client, std::uint8_t unit, std::span<const std::uint8_t> request,
                      std::span<std::uint8_t> answer) override;
 
   const Identity identity_;
   std::shared_ptr<const RegisterImage> image_;
   std::vector<std::shared_ptr<const RegisterImage>> pinned_;  // by client
+  Log* log_ = nullptr;
   TcpListener listener_;
 };
 

@@ -22,21 +22,44 @@ RtuBus::~RtuBus() {
 }
 
 void RtuBus::start_read(const RegisterRead& read, Instant now) {
+  std::array<std::uint8_t, rtu_frame_bytes_max> frame;
+  const Request request{.unit = read.unit,
+                        .function = units_[read.unit].function,
+                        .range = {.first = read.first, .count = read.count},
+                        .ticket = read.ticket};
+  const std::size_t pdu =
+      write_read_request(std::span(frame).subspan(rtu_unit_bytes), request.function, request.range);
+  send(request, frame, pdu, rtu_read_answer_bytes(read.count), read.timeout, now);
+}
+
+void RtuBus::start_write(const RegisterWrite& write, Instant now) {
+  std::array<std::uint8_t, rtu_frame_bytes_max> frame;
+  const auto count = static_cast<std::uint16_t>(write.values.size());
+  const std::size_t pdu =
+      write_write_request(std::span(frame).subspan(rtu_unit_bytes), write.first, write.values);
+  send({.unit = write.unit,
+        .function = write_holding_registers,
+        .range = {.first = write.first, .count = count},
+        .ticket = write.ticket},
+       frame, pdu, rtu_write_answer_bytes, write.timeout, now);
+}
+
+void RtuBus::discard_received() {
   receive();
   heard_count_ = 0;
   is_new_ = heard_wrong_ = false;
   discard_input(port_.get());
-  request_ = read;
-  function_ = units_[read.unit].function;
+}
 
-  std::array<std::uint8_t, rtu_frame_bytes_max> frame;
-  const std::size_t pdu = write_read_request(std::span(frame).subspan(rtu_unit_bytes), function_,
-                                             {.first = read.first, .count = read.count});
-  const std::size_t size = wrap_rtu(frame, read.unit, pdu);
+// The PDU stands in the frame, behind the place of the unit.
+void RtuBus::send(const Request& request, std::span<std::uint8_t> frame, std::size_t pdu_bytes,
+                  std::size_t answer_bytes, Duration timeout, Instant now) {
+  discard_received();
+  request_ = request;
+  const std::size_t size = wrap_rtu(frame, request.unit, pdu_bytes);
   phase_ = Phase::waiting;
   sent_at_ = now + static_cast<std::int64_t>(size) * character_;
-  deadline_ = sent_at_ + read.timeout + silence_ +
-              static_cast<std::int64_t>(rtu_read_answer_bytes(read.count)) * character_;
+  deadline_ = sent_at_ + timeout + silence_ + static_cast<std::int64_t>(answer_bytes) * character_;
   set_send_enable(true);
   const ssize_t sent = ::write(port_.get(), frame.data(), size);
   if (sent != static_cast<ssize_t>(size)) {
@@ -111,7 +134,7 @@ bool RtuBus::receive() {
 void RtuBus::listen(Instant now) {
   while (const auto found = find_rtu_answer(std::span(heard_).first(heard_count_))) {
     if (phase_ == Phase::waiting && found->unit == request_.unit &&
-        (found->pdu[0] & 0x7f) == function_) {
+        (found->pdu[0] & 0x7f) == request_.function) {
       settle(*found);
       if (phase_ != Phase::waiting) return be_silent(now + silence_, now + silence_);
     }
@@ -134,13 +157,19 @@ void RtuBus::listen(Instant now) {
   }
 }
 
-// Takes the answer of the unit that was asked, if it has the length that was asked for.
+// Takes the answer of the unit that was asked, if it is one to what was asked.
 void RtuBus::settle(const RtuAnswer& found) {
+  request_.function == write_holding_registers ? settle_write(found) : settle_read(found);
+}
+
+void RtuBus::settle_read(const RtuAnswer& found) {
   std::uint8_t exception = 0;
-  switch (parse_read_answer(found.pdu, function_, std::span(registers_).first(request_.count),
-                            exception)) {
+  switch (parse_read_answer(found.pdu, request_.function,
+                            std::span(registers_).first(request_.range.count), exception)) {
     case ReadAnswer::registers:
-      return complete(BusResult::ok);
+      complete(BusResult::ok);
+      answer_.registers = std::span(registers_).first(request_.range.count);
+      return;
     case ReadAnswer::exception:
       complete(BusResult::exception);
       answer_.exception = exception;
@@ -148,6 +177,20 @@ void RtuBus::settle(const RtuAnswer& found) {
       units_[request_.unit].function = read_input_registers;
       return;
     case ReadAnswer::malformed:
+      return;
+  }
+}
+
+void RtuBus::settle_write(const RtuAnswer& found) {
+  std::uint8_t exception = 0;
+  switch (parse_write_answer(found.pdu, request_.range, exception)) {
+    case WriteAnswer::written:
+      return complete(BusResult::ok);
+    case WriteAnswer::exception:
+      complete(BusResult::exception);
+      answer_.exception = exception;
+      return;
+    case WriteAnswer::malformed:
       return;
   }
 }
@@ -171,7 +214,10 @@ void RtuBus::give_up(Instant now) {
   Unit& unit = units_[request_.unit];
   unit.owes_answer = true;
   unit.asked_at = sent_at_;
-  unit.function = function_ == read_input_registers ? read_holding_registers : read_input_registers;
+  if (request_.function != write_holding_registers) {
+    unit.function =
+        request_.function == read_input_registers ? read_holding_registers : read_input_registers;
+  }
   complete(heard_wrong_ || heard_count_ > 0 ? BusResult::bad_answer : BusResult::timeout);
   const Instant until = std::max(now + options_.quiet, unit.asked_at + unit.slowest_late);
   be_silent(until, until + static_cast<std::int64_t>(heard_.size()) * character_);
@@ -179,11 +225,8 @@ void RtuBus::give_up(Instant now) {
 
 void RtuBus::complete(BusResult result) {
   has_answer_ = true;
-  answer_ = {.unit = request_.unit, .result = result, .registers = {}};
-  if (result == BusResult::ok) {
-    answer_.registers = std::span(registers_).first(request_.count);
-    units_[request_.unit].owes_answer = false;
-  }
+  answer_ = {.unit = request_.unit, .ticket = request_.ticket, .result = result, .registers = {}};
+  if (result == BusResult::ok) units_[request_.unit].owes_answer = false;
   phase_ = Phase::idle;
 }
 

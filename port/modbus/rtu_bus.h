@@ -1,14 +1,16 @@
-// Units on a serial line (Modbus RTU), read without blocking, one request at a time.
+// Units on a serial line (Modbus RTU), read and written without blocking, one request at a time.
 //
 // RTU frames carry no number that tells to which request an answer belongs. So that a late answer
 // never becomes another request's data:
 // - what has arrived is thrown away before a request is sent;
-// - an answer counts only with the unit, function and length that were asked for and the right
-//   checksum; other bytes (noise, an echo, another unit's late answer) do not end the wait;
+// - an answer counts only with the unit, function and length that were asked for (of a write: the
+//   unit and the range) and the right checksum; other bytes (noise, an echo, another unit's late
+//   answer) do not end the wait;
 // - after a wait in vain the line stays silent for as long as that unit may still begin to answer:
 //   `quiet`, or longer where it once was slower; less once its late answer has passed;
 // - the unit that was waited for in vain is next asked with the other function that reads the same
-//   registers (FC 3 after FC 4, FC 4 after FC 3), so that even a later answer does not match.
+//   registers (FC 3 after FC 4, FC 4 after FC 3), so that even a later answer does not match. There
+//   is no other function that writes: node_bus.h says what follows from that.
 #pragma once
 
 #include <array>
@@ -43,6 +45,7 @@ class RtuBus final : public NodeBus, private EventHandler {
 
   bool ready() const override { return phase_ == Phase::idle && !has_answer_; }
   void start_read(const RegisterRead& read, Instant now) override;
+  void start_write(const RegisterWrite& write, Instant now) override;
   void advance(Instant now) override;
   bool take_answer(BusAnswer& answer) override;
   Instant next_deadline() const override;
@@ -55,9 +58,16 @@ class RtuBus final : public NodeBus, private EventHandler {
     silent,   // until silent_until_
   };
 
+  struct Request {
+    std::uint8_t unit = 0;
+    std::uint8_t function = read_input_registers;
+    RegisterRange range;
+    std::uint32_t ticket = 0;
+  };
+
   // What is remembered of a unit, by its address.
   struct Unit {
-    std::uint8_t function = read_input_registers;  // for the next request
+    std::uint8_t function = read_input_registers;  // for the next read
     bool owes_answer = false;                      // to the request that was sent at asked_at
     bool is_reported_late = false;
     Instant asked_at{};
@@ -65,9 +75,14 @@ class RtuBus final : public NodeBus, private EventHandler {
   };
 
   void on_ready(bool can_read, bool can_write) override;
+  void discard_received();
+  void send(const Request& request, std::span<std::uint8_t> frame, std::size_t pdu_bytes,
+            std::size_t answer_bytes, Duration timeout, Instant now);
   bool receive();
   void listen(Instant now);
   void settle(const RtuAnswer& found);
+  void settle_read(const RtuAnswer& found);
+  void settle_write(const RtuAnswer& found);
   bool note_late(const RtuAnswer& found, Instant now);
   void give_up(Instant now);
   void complete(BusResult result);
@@ -89,8 +104,7 @@ class RtuBus final : public NodeBus, private EventHandler {
   bool is_sending_ = false;
   Instant next_attempt_{};
 
-  RegisterRead request_;
-  std::uint8_t function_ = read_input_registers;
+  Request request_;
   Instant sent_at_{};   // when its last bit is on the line
   Instant deadline_{};  // of its answer
   Instant silent_until_{};

@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include "modbus/identity.h"
+
 namespace etcm::port {
 
 static_assert(rtu_frame_bytes_max == MODBUS_RTU_MAX_ADU_LENGTH);
@@ -26,15 +28,44 @@ constexpr std::array<std::uint16_t, 256> make_checksum_table() {
 
 constexpr std::array<std::uint16_t, 256> checksum_table = make_checksum_table();
 
-// How long the answer to a read would be that starts with these bytes; 0 where none starts so.
-std::size_t answer_bytes(std::span<const std::uint8_t> bytes) {
+// How long the PDU of FC 43/14 is that starts with these bytes; 0 while its texts are not all
+// there.
+std::size_t identification_bytes(std::span<const std::uint8_t> pdu) {
+  constexpr std::size_t header_bytes = 7;
+  constexpr std::size_t object_header_bytes = 2;
+  if (pdu.size() < header_bytes || pdu[1] != read_device_identification) return 0;
+  std::size_t end = header_bytes;
+  for (int left = pdu[6]; left > 0; --left) {
+    if (end + object_header_bytes > pdu.size()) return 0;
+    end += object_header_bytes + pdu[end + 1];
+  }
+  return end;
+}
+
+// How long the PDU of an answer would be that starts with these two bytes or more; 0 where none
+// starts so, or more are needed to tell.
+std::size_t answer_pdu_bytes(std::span<const std::uint8_t> pdu) {
   constexpr std::uint8_t exception_bit = 0x80;
-  const std::uint8_t function = bytes[1];
-  const std::uint8_t plain = function & static_cast<std::uint8_t>(~exception_bit);
-  if (plain != read_input_registers && plain != read_holding_registers) return 0;
-  if (function != plain) return rtu_unit_bytes + 2 + rtu_checksum_bytes;
-  const std::uint8_t data_bytes = bytes[2];
-  return data_bytes % 2 == 0 ? rtu_read_answer_bytes(data_bytes / 2u) : 0;
+  const std::uint8_t function = pdu[0] & static_cast<std::uint8_t>(~exception_bit);
+  std::size_t size = 0;
+  switch (function) {
+    case read_holding_registers:
+    case read_input_registers:
+      size = pdu[1] % 2 == 0 ? 2u + pdu[1] : 0u;
+      break;
+    case write_holding_registers:
+      size = 5;
+      break;
+    case report_server_id:
+      size = 2u + pdu[1];
+      break;
+    case encapsulated_interface:
+      size = identification_bytes(pdu);
+      break;
+    default:
+      return 0;
+  }
+  return function == pdu[0] ? size : 2;
 }
 
 }  // namespace
@@ -65,12 +96,11 @@ std::size_t wrap_rtu(std::span<std::uint8_t> frame, std::uint8_t unit, std::size
 std::optional<RtuAnswer> find_rtu_answer(std::span<const std::uint8_t> bytes, std::size_t from) {
   for (std::size_t begin = from; begin + 3 <= bytes.size(); ++begin) {
     const std::span<const std::uint8_t> rest = bytes.subspan(begin);
-    const std::size_t size = answer_bytes(rest);
-    if (size == 0 || size > rest.size() || !is_rtu_frame(rest.first(size))) continue;
+    const std::size_t pdu = answer_pdu_bytes(rest.subspan(rtu_unit_bytes));
+    const std::size_t size = rtu_unit_bytes + pdu + rtu_checksum_bytes;
+    if (pdu == 0 || size > rest.size() || !is_rtu_frame(rest.first(size))) continue;
     return RtuAnswer{
-        .unit = rest[0],
-        .pdu = rest.subspan(rtu_unit_bytes, size - rtu_unit_bytes - rtu_checksum_bytes),
-        .end = begin + size};
+        .unit = rest[0], .pdu = rest.subspan(rtu_unit_bytes, pdu), .end = begin + size};
   }
   return std::nullopt;
 }

@@ -21,6 +21,12 @@ constexpr std::size_t rtu_read_answer_bytes(std::size_t register_count) {
   return rtu_unit_bytes + 2 + 2 * register_count + rtu_checksum_bytes;
 }
 
+// The whole frame of a request to write registers, and of the answer to it.
+constexpr std::size_t rtu_write_request_bytes(std::size_t register_count) {
+  return rtu_unit_bytes + 6 + 2 * register_count + rtu_checksum_bytes;
+}
+inline constexpr std::size_t rtu_write_answer_bytes = rtu_unit_bytes + 5 + rtu_checksum_bytes;
+
 std::uint16_t rtu_checksum(std::span<const std::uint8_t> bytes);
 
 // Whether these bytes are one frame: long enough, with the right checksum.
@@ -30,7 +36,8 @@ bool is_rtu_frame(std::span<const std::uint8_t> bytes);
 // length of the whole frame.
 std::size_t wrap_rtu(std::span<std::uint8_t> frame, std::uint8_t unit, std::size_t pdu_bytes);
 
-// A frame that looks like an answer to reading registers, inside of received bytes.
+// A frame inside of received bytes that looks like an answer: to reading registers (FC 3, FC 4), to
+// writing them (FC 16), or to asking who is there (FC 17, FC 43/14).
 struct RtuAnswer {
   std::uint8_t unit = 0;
   std::span<const std::uint8_t> pdu;

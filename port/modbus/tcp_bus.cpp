@@ -22,25 +22,44 @@ bool TcpBus::ready() const {
 }
 
 void TcpBus::start_read(const RegisterRead& read, Instant now) {
+  std::array<std::uint8_t, frame_bytes_max> frame;
+  const RegisterRange range{.first = read.first, .count = read.count};
+  const std::size_t pdu =
+      write_read_request(std::span(frame).subspan(mbap_header_bytes), read_input_registers, range);
+  send({.unit = read.unit,
+        .function = read_input_registers,
+        .range = range,
+        .ticket = read.ticket,
+        .deadline = now + read.timeout},
+       frame, pdu);
+}
+
+void TcpBus::start_write(const RegisterWrite& write, Instant now) {
+  std::array<std::uint8_t, frame_bytes_max> frame;
+  const std::size_t pdu =
+      write_write_request(std::span(frame).subspan(mbap_header_bytes), write.first, write.values);
+  send({.unit = write.unit,
+        .function = write_holding_registers,
+        .range = {.first = write.first, .count = static_cast<std::uint16_t>(write.values.size())},
+        .ticket = write.ticket,
+        .deadline = now + write.timeout},
+       frame, pdu);
+}
+
+// The PDU stands in the frame, behind the place of its header.
+void TcpBus::send(Request request, std::span<std::uint8_t> frame, std::size_t pdu_bytes) {
   // With nothing under way, whatever lies in the reader is the start of an answer that came too
   // late; its end would be taken for the start of the next one.
   if (requests_.empty() && !reader_.empty()) {
     receive();
     reader_.clear();
   }
-  const std::uint16_t transaction = ++last_transaction_;
-  requests_.push_back({.transaction = transaction,
-                       .unit = read.unit,
-                       .count = read.count,
-                       .deadline = now + read.timeout});
+  request.transaction = ++last_transaction_;
+  requests_.push_back(request);
   if (link_ != Link::up) return drop_link("connection closed by the other side");
-  std::array<std::uint8_t, frame_bytes_max> frame;
-  const std::size_t pdu =
-      write_read_request(std::span(frame).subspan(mbap_header_bytes), read_input_registers,
-                         {.first = read.first, .count = read.count});
-  const std::size_t size = write_header(frame, transaction, read.unit, pdu);
-  // A few requests of twelve bytes always fit the socket's buffer, unless the peer has stopped
-  // reading altogether; then the link is as good as gone.
+  const std::size_t size = write_header(frame, request.transaction, request.unit, pdu_bytes);
+  // A few requests always fit the socket's buffer, unless the peer has stopped reading altogether;
+  // then the link is as good as gone.
   const ssize_t sent = ::send(socket_.get(), frame.data(), size, MSG_NOSIGNAL);
   if (sent != static_cast<ssize_t>(size)) {
     drop_link(sent < 0 ? std::strerror(errno) : "the other side does not read");
@@ -58,6 +77,7 @@ bool TcpBus::take_answer(BusAnswer& answer) {
   if (completed_count_ == 0) return false;
   const Completed& oldest = completed_[completed_begin_];
   answer = {.unit = oldest.unit,
+            .ticket = oldest.ticket,
             .result = oldest.result,
             .exception = oldest.exception,
             .registers = std::span(oldest.registers).first(oldest.count)};
@@ -109,8 +129,19 @@ void TcpBus::settle(const Frame& frame) {
   const auto index = static_cast<std::size_t>(found - requests_.begin());
   if (frame.unit != found->unit) return complete(index, BusResult::bad_answer);
   Completed& place = completed_[(completed_begin_ + completed_count_) % completed_.size()];
-  switch (parse_read_answer(frame.pdu, read_input_registers,
-                            std::span(place.registers).first(found->count), place.exception)) {
+  if (found->function == write_holding_registers) {
+    switch (parse_write_answer(frame.pdu, found->range, place.exception)) {
+      case WriteAnswer::written:
+        return complete(index, BusResult::ok);
+      case WriteAnswer::exception:
+        return complete(index, BusResult::exception);
+      case WriteAnswer::malformed:
+        return complete(index, BusResult::bad_answer);
+    }
+  }
+  switch (parse_read_answer(frame.pdu, found->function,
+                            std::span(place.registers).first(found->range.count),
+                            place.exception)) {
     case ReadAnswer::registers:
       return complete(index, BusResult::ok);
     case ReadAnswer::exception:
@@ -122,9 +153,12 @@ void TcpBus::settle(const Frame& frame) {
 
 void TcpBus::complete(std::size_t request, BusResult result) {
   Completed& place = completed_[(completed_begin_ + completed_count_) % completed_.size()];
-  place.unit = requests_[request].unit;
+  const Request& done = requests_[request];
+  place.unit = done.unit;
+  place.ticket = done.ticket;
   place.result = result;
-  place.count = result == BusResult::ok ? requests_[request].count : std::uint16_t{0};
+  const bool has_registers = result == BusResult::ok && done.function == read_input_registers;
+  place.count = has_registers ? done.range.count : std::uint16_t{0};
   if (result != BusResult::exception) place.exception = 0;
   ++completed_count_;
   requests_.erase(requests_.begin() + static_cast<std::ptrdiff_t>(request));

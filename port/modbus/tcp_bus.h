@@ -1,4 +1,5 @@
-// Units behind one Modbus TCP connection, read without blocking, several requests at a time.
+// Units behind one Modbus TCP connection, read and written without blocking, several requests at a
+// time.
 //
 // A late answer can never become another request's data: each request has its own transaction
 // number, and an answer whose number is not under way is thrown away.
@@ -33,6 +34,7 @@ class TcpBus final : public NodeBus, private EventHandler {
 
   bool ready() const override;
   void start_read(const RegisterRead& read, Instant now) override;
+  void start_write(const RegisterWrite& write, Instant now) override;
   void advance(Instant now) override;
   bool take_answer(BusAnswer& answer) override;
   Instant next_deadline() const override;
@@ -43,19 +45,23 @@ class TcpBus final : public NodeBus, private EventHandler {
   struct Request {
     std::uint16_t transaction = 0;
     std::uint8_t unit = 0;
-    std::uint16_t count = 0;
+    std::uint8_t function = 0;
+    RegisterRange range;
+    std::uint32_t ticket = 0;
     Instant deadline{};
   };
 
   struct Completed {
     std::uint8_t unit = 0;
+    std::uint32_t ticket = 0;
     BusResult result = BusResult::ok;
     std::uint8_t exception = 0;
-    std::uint16_t count = 0;
+    std::uint16_t count = 0;  // of registers that were read
     std::array<std::uint16_t, read_registers_max> registers;
   };
 
   void on_ready(bool can_read, bool can_write) override;
+  void send(Request request, std::span<std::uint8_t> frame, std::size_t pdu_bytes);
   void receive();
   void settle(const Frame& frame);
   void complete(std::size_t request, BusResult result);

@@ -10,15 +10,18 @@ namespace etcm::port {
 
 class TcpListener::Client final : private EventHandler {
  public:
-  Client(EventLoop& loop, RequestHandler& handler, std::size_t index)
-      : loop_(loop), handler_(handler), index_(index) {}
+  Client(EventLoop& loop, RequestHandler& handler, ServiceCounters& counters, std::size_t index)
+      : loop_(loop), handler_(handler), counters_(counters), index_(index) {}
 
   bool is_free() const { return !socket_.is_open(); }
+  const SocketAddress& peer() const { return peer_; }
 
-  void open(FileDescriptor socket) {
+  void open(FileDescriptor socket, const SocketAddress& peer) {
+    peer_ = peer;
     socket_ = std::move(socket);
     reader_.clear();
     unsent_begin_ = unsent_end_ = 0;
+    ++counters_.clients;
     loop_.add(socket_.get(), *this, true, false);
     handler_.connected(index_);
   }
@@ -27,6 +30,7 @@ class TcpListener::Client final : private EventHandler {
     if (is_free()) return;
     loop_.remove(socket_.get());
     socket_.close();
+    --counters_.clients;
     handler_.disconnected(index_);
   }
 
@@ -54,11 +58,13 @@ class TcpListener::Client final : private EventHandler {
     Frame request;
     FrameReader::Next next = reader_.next(request);
     for (; next == FrameReader::Next::frame; next = reader_.next(request)) {
+      ++counters_.requests;
       const std::span<std::uint8_t> out = std::span(unsent_).subspan(unsent_end_, frame_bytes_max);
       const std::size_t pdu =
           handler_.answer(index_, request.unit, request.pdu, out.subspan(mbap_header_bytes));
       if (pdu > 0) unsent_end_ += write_header(out, request.transaction, request.unit, pdu);
     }
+    if (next == FrameReader::Next::broken) ++counters_.refused;
     return next != FrameReader::Next::broken;
   }
 
@@ -75,8 +81,10 @@ class TcpListener::Client final : private EventHandler {
 
   EventLoop& loop_;
   RequestHandler& handler_;
+  ServiceCounters& counters_;
   std::size_t index_;
   FileDescriptor socket_;
+  SocketAddress peer_;
   FrameReader reader_;
   // Room for the answers to all requests the reader can hold: one with registers in it needs a
   // request of 12 bytes, and an exception is hardly longer than its request.
@@ -89,7 +97,7 @@ TcpListener::TcpListener(EventLoop& loop, RequestHandler& handler, const SocketA
                          std::size_t clients_max)
     : loop_(loop), handler_(handler), socket_(listen_tcp(address)) {
   for (std::size_t i = 0; i < clients_max; ++i) {
-    clients_.push_back(std::make_unique<Client>(loop, handler, i));
+    clients_.push_back(std::make_unique<Client>(loop, handler, counters_, i));
   }
   loop_.add(socket_.get(), *this, true, false);
 }
@@ -101,12 +109,30 @@ TcpListener::~TcpListener() {
 
 void TcpListener::on_ready(bool, bool) {
   while (true) {
-    FileDescriptor socket = accept_tcp(socket_.get());
+    SocketAddress peer;
+    FileDescriptor socket = accept_tcp(socket_.get(), &peer);
     if (!socket.is_open()) return;
     const auto place = std::find_if(clients_.begin(), clients_.end(),
                                     [](const auto& client) { return client->is_free(); });
-    if (place != clients_.end()) (*place)->open(std::move(socket));
+    const bool is_full = place == clients_.end();
+    if (is_full || !is_allowed(peer)) {
+      ++counters_.refused;
+      handler_.refused(peer, is_full);
+    } else {
+      (*place)->open(std::move(socket), peer);
+    }
   }
+}
+
+void TcpListener::allow(std::vector<Network> networks) {
+  allowed_ = std::move(networks);
+  for (const auto& client : clients_) {
+    if (!client->is_free() && !is_allowed(client->peer())) client->close();
+  }
+}
+
+bool TcpListener::is_allowed(const SocketAddress& peer) const {
+  return any_contains(allowed_, peer.host);
 }
 
 }  // namespace etcm::port

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "etcm/port/service_counters.h"
 #include "modbus/frame.h"
 #include "posix/event_loop.h"
 #include "posix/tcp_socket.h"
@@ -20,6 +21,11 @@ class RequestHandler {
   // A client took place `client`, below clients_max; whoever had it before is gone.
   virtual void connected(std::size_t client) = 0;
   virtual void disconnected(std::size_t client) = 0;
+  // Somebody was turned away: there was no place left, or `peer` may not connect.
+  virtual void refused(const SocketAddress& peer, bool is_full) {
+    static_cast<void>(peer);
+    static_cast<void>(is_full);
+  }
 
   // Writes the answer to a request of at least one byte into `answer` (pdu_bytes_max bytes) and
   // returns its length; 0 to stay silent, as a unit that is not there does.
@@ -41,17 +47,25 @@ class TcpListener final : private EventHandler {
   TcpListener(const TcpListener&) = delete;
   TcpListener& operator=(const TcpListener&) = delete;
 
+  // From now on only clients in these networks may connect, and others are hung up on. Until this
+  // is called everybody may.
+  void allow(std::vector<Network> networks);
+
   SocketAddress address() const { return bound_address(socket_.get()); }
+  const ServiceCounters& counters() const { return counters_; }
 
  private:
   class Client;
 
   void on_ready(bool can_read, bool can_write) override;
+  bool is_allowed(const SocketAddress& peer) const;
 
   EventLoop& loop_;
   RequestHandler& handler_;
   FileDescriptor socket_;
   std::vector<std::unique_ptr<Client>> clients_;
+  std::vector<Network> allowed_{everybody};
+  ServiceCounters counters_;
 };
 
 }  // namespace etcm::port

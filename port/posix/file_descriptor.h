@@ -23,6 +23,8 @@ class FileDescriptor {
 
   int get() const { return value_; }
   bool is_open() const { return value_ >= 0; }
+  // Whoever takes it closes it.
+  int release() { return std::exchange(value_, -1); }
   void close() {
     if (value_ >= 0) ::close(std::exchange(value_, -1));
   }

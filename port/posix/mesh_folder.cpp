@@ -1,6 +1,7 @@
 #include "posix/mesh_folder.h"
 
 #include <filesystem>
+#include <limits>
 
 #include "etcm/files/error.h"
 #include "etcm/files/file_set.h"
@@ -22,7 +23,10 @@ bool MeshFolder::write(const Mesh& mesh, std::span<const std::uint32_t> serials,
     image.attribute_count = 1;
     for (std::uint32_t id = 1; id < mesh.vertex_id_end(); ++id) {
       const bool is_node = mesh.kind(VertexId{static_cast<IdValue>(id)}) == VertexKind::node;
-      if (is_node) image.attributes.push_back(std::to_string(serials[id]));
+      if (!is_node) continue;
+      // An anchor has no serial.
+      const bool has_serial = serials[id] != std::numeric_limits<std::uint32_t>::max();
+      image.attributes.push_back(has_serial ? std::to_string(serials[id]) : "-1");
     }
     image.attributes.resize(image.vertices.size(), "-1");
 

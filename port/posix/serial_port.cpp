@@ -53,7 +53,14 @@ bool set_raw(int descriptor, const SerialLine& line) {
   if (line.parity != Parity::none) settings.c_iflag |= INPCK;
   ::cfsetispeed(&settings, speed_of(line.baud));
   ::cfsetospeed(&settings, speed_of(line.baud));
-  return ::tcsetattr(descriptor, TCSANOW, &settings) == 0;
+  if (::tcsetattr(descriptor, TCSANOW, &settings) == 0) return true;
+  // A pseudo terminal has no parity. The C library calls that an error when all the rest stands as
+  // it should from the last time.
+  termios found{};
+  constexpr tcflag_t parity = PARENB | PARODD;
+  return errno == EINVAL && ::tcgetattr(descriptor, &found) == 0 &&
+         (found.c_cflag | parity) == (settings.c_cflag | parity) &&
+         found.c_iflag == settings.c_iflag && found.c_lflag == settings.c_lflag;
 }
 
 bool switch_by_kernel(int descriptor) {
@@ -67,13 +74,15 @@ bool switch_by_kernel(int descriptor) {
 FileDescriptor open_serial(const SerialLine& line, std::string& why) {
   FileDescriptor port(::open(line.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!port.is_open()) {
-    why = std::strerror(errno);
-    if (errno == EACCES) why += "; let the gateway's user into the group dialout";
+    const int error = errno;
+    why = std::strerror(error);
+    if (error == EACCES) why += "; whoever runs this must be in the group dialout";
+    if (error == ENOENT) why += "; ls /dev/serial/by-path lists the ports there are";
     return {};
   }
   // Two programs on one line would take each other's answers.
   if (::flock(port.get(), LOCK_EX | LOCK_NB) != 0) {
-    why = "another program has it; end that one";
+    why = "another program has it; end that one (fuser -v names it)";
     return {};
   }
   if (!set_raw(port.get(), line)) {

@@ -1,27 +1,19 @@
 // SIGTERM and SIGINT as an event: the loop ends where it is safe to.
 #pragma once
 
-#include "posix/event_loop.h"
+#include "posix/signal_watch.h"
 
 namespace etcm::port {
 
-class StopSignal final : private EventHandler {
+class StopSignal {
  public:
-  // Blocks the two signals for the whole process and watches for them in `loop`, which must outlive
-  // this.
+  // As SignalWatch; and a client that hangs up is an error of write(), not the end of the process.
   explicit StopSignal(EventLoop& loop);
-  ~StopSignal();
-  StopSignal(const StopSignal&) = delete;
-  StopSignal& operator=(const StopSignal&) = delete;
 
-  bool received() const { return received_; }
+  bool received() const { return watch_.received(); }
 
  private:
-  void on_ready(bool can_read, bool can_write) override;
-
-  EventLoop& loop_;
-  FileDescriptor descriptor_;
-  bool received_ = false;
+  SignalWatch watch_;
 };
 
 }  // namespace etcm::port

@@ -1,8 +1,13 @@
-// Log lines to a C stream, one write each, with the journal's priority prefix where it is read by
-// the journal.
+// Log lines to a descriptor, such as standard error, one write each.
+//
+// Read by the journal, a line has its priority before it (sd-daemon(3)). On a terminal or in a file
+// it has the time; to anybody else, such as a pipe, it goes without.
+//
+// Nothing waits for the reader: a line that would have to is left out, and so many are told when
+// there is room again.
 #pragma once
 
-#include <cstdio>
+#include <cstdint>
 
 #include "etcm/port/log.h"
 
@@ -10,12 +15,21 @@ namespace etcm::port {
 
 class StreamLog final : public Log {
  public:
-  explicit StreamLog(std::FILE* stream);
+  // A longer line is cut.
+  static constexpr std::size_t line_max = 1000;
+
+  // The descriptor stays the caller's.
+  explicit StreamLog(int descriptor);
+  // A line end or another control character in it becomes a "?".
   void write(Level level, std::string_view line) override;
 
  private:
-  std::FILE* stream_;
-  bool journal_;
+  enum class Reader : std::uint8_t { journal, person, program };
+  bool try_write(Level level, std::string_view line);
+
+  int descriptor_;
+  Reader reader_;
+  std::uint32_t left_out_ = 0;
 };
 
 }  // namespace etcm::port

@@ -19,6 +19,10 @@ sockaddr_in to_native(const SocketAddress& address) {
   return native;
 }
 
+SocketAddress from_native(const sockaddr_in& native) {
+  return {.host = ntohl(native.sin_addr.s_addr), .port = ntohs(native.sin_port)};
+}
+
 // Requests and answers are single small packets: waiting to fill one only adds delay.
 void send_at_once(int descriptor) {
   const int on = 1;
@@ -48,7 +52,7 @@ SocketAddress bound_address(int descriptor) {
   sockaddr_in native{};
   socklen_t size = sizeof native;
   ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&native), &size);
-  return {.host = ntohl(native.sin_addr.s_addr), .port = ntohs(native.sin_port)};
+  return from_native(native);
 }
 
 FileDescriptor connect_tcp(const SocketAddress& address) {
@@ -69,9 +73,20 @@ int connect_error(int descriptor) {
   return error;
 }
 
-FileDescriptor accept_tcp(int listener) {
-  FileDescriptor socket(::accept4(listener, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
-  if (socket.is_open()) send_at_once(socket.get());
+FileDescriptor accept_tcp(int listener, SocketAddress* peer) {
+  sockaddr_in native{};
+  socklen_t size = sizeof native;
+  FileDescriptor socket(::accept4(listener, reinterpret_cast<sockaddr*>(&native), &size,
+                                  SOCK_NONBLOCK | SOCK_CLOEXEC));
+  if (socket.is_open()) {
+    if (peer != nullptr) *peer = from_native(native);
+    send_at_once(socket.get());
+    const int on = 1;
+    const int idle_s = 60;
+    ::setsockopt(socket.get(), SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+    ::setsockopt(socket.get(), IPPROTO_TCP, TCP_KEEPIDLE, &idle_s, sizeof idle_s);
+    ::setsockopt(socket.get(), IPPROTO_TCP, TCP_KEEPINTVL, &idle_s, sizeof idle_s);
+  }
   return socket;
 }
 

@@ -16,7 +16,8 @@ SocketAddress bound_address(int descriptor);
 FileDescriptor connect_tcp(const SocketAddress& address);
 int connect_error(int descriptor);
 
-// Not open when there is nobody to accept.
-FileDescriptor accept_tcp(int listener);
+// Not open when there is nobody to accept. Sets `peer` to who connected. A peer that vanishes
+// without a word is found out within minutes.
+FileDescriptor accept_tcp(int listener, SocketAddress* peer = nullptr);
 
 }  // namespace etcm::port

@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <random>
 
+#include "etcm/port/node_bus.h"
+#include "modbus/identity.h"
+#include "mutation.h"
 #include "peer.h"
 
 namespace etcm::port {
@@ -61,23 +64,69 @@ INSTANTIATE_TEST_SUITE_P(Rows, FrameReaderRefuses,
                                          BrokenHeader{"text", {'G', 'E', 'T', ' ', '/', ' ', 'H'}}),
                          [](const auto& row) { return std::string(row.param.name); });
 
+// Whatever can be asked of a PDU, on bytes that end where it does.
+void parse_as_everything(const Frame& frame) {
+  const Bytes pdu(frame.pdu.begin(), frame.pdu.end());
+  std::uint8_t exception = 0;
+  std::array<std::uint16_t, write_registers_max> values;
+  const auto range = parse_read_request(pdu, exception);
+  ASSERT_TRUE(!range || (range->count > 0 && range->count <= read_registers_max));
+  const auto written = parse_write_request(pdu, values, exception);
+  ASSERT_TRUE(!written || (written->count > 0 && written->count <= write_registers_max));
+  static_cast<void>(
+      parse_read_answer(pdu, read_input_registers, std::span(values).first(2), exception));
+  static_cast<void>(parse_write_answer(pdu, {.first = 0, .count = 2}, exception));
+  Bytes answer(pdu_bytes_max);
+  ASSERT_LE(write_identity_answer(answer, pdu, {{"Maker", "thing", "1.0"}}), pdu_bytes_max);
+}
+
+// Feeds a stream in pieces of any size, as far as it can be followed; the number of frames.
+std::size_t frames_in(const Bytes& stream, std::mt19937& chance) {
+  FrameReader reader;
+  std::size_t frames = 0;
+  for (std::size_t at = 0; at < stream.size();) {
+    const std::size_t piece =
+        std::min<std::size_t>({1 + chance() % 300, stream.size() - at, reader.free_space().size()});
+    EXPECT_GT(piece, 0u) << "no room for more";
+    feed(reader, std::span(stream).subspan(at, piece));
+    at += piece;
+    Frame frame;
+    FrameReader::Next next = reader.next(frame);
+    for (; next == FrameReader::Next::frame; next = reader.next(frame)) {
+      ++frames;
+      EXPECT_GE(frame.pdu.size(), 1u);
+      EXPECT_LE(frame.pdu.size(), pdu_bytes_max);
+      parse_as_everything(frame);
+    }
+    if (next == FrameReader::Next::broken || testing::Test::HasFailure()) break;
+  }
+  return frames;
+}
+
 TEST(FrameReader, NoiseNeverGivesAFrameBeyondItsBytes) {
   std::mt19937 chance(1);
-  for (int round = 0; round < 20000; ++round) {
-    FrameReader reader;
+  for (int round = 0; round < 20000 && !HasFailure(); ++round) {
     Bytes noise(chance() % 600);
     for (auto& byte : noise) byte = static_cast<std::uint8_t>(chance() % 4 == 0 ? chance() : 0);
-    feed(reader, noise);
-    Frame frame;
-    while (reader.next(frame) == FrameReader::Next::frame) {
-      ASSERT_GE(frame.pdu.size(), 1u);
-      ASSERT_LE(frame.pdu.size(), pdu_bytes_max);
-      std::uint8_t exception = 0;
-      std::array<std::uint16_t, 12> registers;
-      static_cast<void>(parse_read_request(frame.pdu, exception));
-      static_cast<void>(parse_read_answer(frame.pdu, read_input_registers, registers, exception));
-    }
+    frames_in(noise, chance);
   }
+}
+
+TEST(FrameReader, MutatedStreamsNeverGiveAFrameBeyondTheirBytes) {
+  std::mt19937 chance(2);
+  unsigned broken = 0;
+  for (int round = 0; round < 20000 && !HasFailure(); ++round) {
+    const std::size_t requests = 1 + chance() % 20;
+    Bytes stream = request_stream(requests, chance);
+    const std::size_t changes = chance() % 4;
+    mutate(stream, changes, chance);
+    const std::size_t frames = frames_in(stream, chance);
+    if (changes == 0) {
+      ASSERT_EQ(frames, requests);
+    }
+    broken += frames < requests ? 1 : 0;
+  }
+  EXPECT_GT(broken, 2000u) << "the changes must matter";
 }
 
 struct RequestRow {
@@ -118,6 +167,68 @@ TEST(ReadAnswer, MustHaveExactlyWhatWasAsked) {
                              Bytes{4, 2, 1, 2, 3, 4}, Bytes{0x83, 2}, Bytes{4}}) {
     EXPECT_EQ(parse_read_answer(wrong, read_input_registers, registers, exception),
               ReadAnswer::malformed);
+  }
+}
+
+class WriteRequest : public testing::TestWithParam<RequestRow> {};
+TEST_P(WriteRequest, IsReadOrRefused) {
+  std::uint8_t exception = 0;
+  std::array<std::uint16_t, write_registers_max> values{};
+  const auto range = parse_write_request(GetParam().pdu, values, exception);
+  EXPECT_EQ(range.has_value(), GetParam().exception == 0);
+  if (!range) {
+    EXPECT_EQ(exception, GetParam().exception);
+  } else {
+    EXPECT_EQ(range->first, 0x0100);
+    EXPECT_EQ(values[range->count - 1u], 0x0708);
+  }
+}
+Bytes write_of(std::uint8_t count) {
+  Bytes pdu{16, 1, 0, 0, count, static_cast<std::uint8_t>(2 * count)};
+  for (int i = 0; i < count; ++i) {
+    pdu.push_back(7);
+    pdu.push_back(8);
+  }
+  return pdu;
+}
+INSTANTIATE_TEST_SUITE_P(
+    Rows, WriteRequest,
+    testing::Values(RequestRow{"one", write_of(1), 0}, RequestRow{"most", write_of(123), 0},
+                    RequestRow{"too_many", write_of(124), 3}, RequestRow{"none", write_of(0), 3},
+                    RequestRow{"cut", {16, 1, 0, 0, 1, 2, 7}, 3},
+                    RequestRow{"long", {16, 1, 0, 0, 1, 2, 7, 8, 9}, 3},
+                    RequestRow{"bytes", {16, 1, 0, 0, 1, 4, 7, 8}, 3},
+                    RequestRow{"head", {16, 1, 0, 0, 1}, 3}, RequestRow{"function", {16}, 3},
+                    RequestRow{"single", {6, 1, 0, 7, 8}, 1}),
+    [](const auto& row) { return std::string(row.param.name); });
+
+TEST(WritePdu, AsManyRegistersAsMayBeFitAPdu) {
+  std::array<std::uint8_t, pdu_bytes_max> pdu{};
+  std::array<std::uint16_t, write_registers_max> values{};
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<std::uint16_t>(i * 257);
+  const std::size_t size = write_write_request(pdu, 200, values);
+  EXPECT_EQ(size, 252u);
+  std::array<std::uint16_t, write_registers_max> parsed{};
+  std::uint8_t exception = 0;
+  const auto range = parse_write_request(std::span(pdu).first(size), parsed, exception);
+  ASSERT_TRUE(range);
+  EXPECT_EQ(range->first, 200);
+  EXPECT_EQ(parsed, values);
+}
+
+TEST(WriteAnswer, MustNameTheRangeThatWasWritten) {
+  const RegisterRange range{.first = 0x0102, .count = 3};
+  std::uint8_t exception = 0;
+  Bytes answer(5);
+  EXPECT_EQ(write_write_answer(answer, range), 5u);
+  EXPECT_EQ(answer, (Bytes{16, 1, 2, 0, 3}));
+  EXPECT_EQ(parse_write_answer(answer, range, exception), WriteAnswer::written);
+  EXPECT_EQ(parse_write_answer(Bytes{0x90, 4}, range, exception), WriteAnswer::exception);
+  EXPECT_EQ(exception, 4);
+  for (const Bytes& wrong :
+       {Bytes{16, 1, 2, 0, 2}, Bytes{16, 1, 3, 0, 3}, Bytes{16, 1, 2, 0}, Bytes{16, 1, 2, 0, 3, 0},
+        Bytes{6, 1, 2, 0, 3}, Bytes{0x84, 4}, Bytes{16}}) {
+    EXPECT_EQ(parse_write_answer(wrong, range, exception), WriteAnswer::malformed);
   }
 }
 

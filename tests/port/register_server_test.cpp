@@ -8,6 +8,7 @@
 #include <memory>
 #include <thread>
 
+#include "mutation.h"
 #include "peer.h"
 
 namespace etcm::port {
@@ -121,6 +122,18 @@ TEST_F(Server, StrayBytesAndDrippedRequestsHoldUpNobody) {
   }));
 }
 
+TEST_F(Server, NoMutationOfAStreamHoldsUpAnybody) {
+  const FileDescriptor polite = connect();
+  std::mt19937 chance(3);
+  for (int round = 0; round < 300; ++round) {
+    const FileDescriptor rude = connect();
+    Bytes stream = request_stream(1 + chance() % 10, chance);
+    mutate(stream, chance() % 5, chance);
+    send_bytes(rude.get(), stream);
+    ASSERT_EQ(ask(polite, 1, 0), 1) << "round " << round;
+  }
+}
+
 TEST_F(Server, WhatIsNoModbusIsHungUpOn) {
   const FileDescriptor rude = connect();
   send_bytes(rude.get(), Bytes(20, 'x'));
@@ -175,6 +188,46 @@ TEST_F(Server, OneClientTooManyIsTurnedAway) {
   for (int turn = 0; turn < 5; ++turn) loop_.wait(std::chrono::milliseconds(2));
   const FileDescriptor e = connect();
   EXPECT_EQ(ask(e, 1, 0), 1);
+}
+
+class Lines final : public Log {
+ public:
+  void write(Level, std::string_view line) override { lines.emplace_back(line); }
+  std::vector<std::string> lines;
+};
+
+TEST_F(Server, OnlyWhoIsAllowedIsServed) {
+  Lines log;
+  const FileDescriptor early = connect();
+  server_.allow({{.host = 0x0a000000, .prefix = 8}, this_machine}, log);
+  EXPECT_EQ(ask(early, 1, 0), 1);
+  server_.allow({{.host = 0x0a000000, .prefix = 8}, {.host = 0x7f000002, .prefix = 32}}, log);
+  EXPECT_TRUE(turn_until(loop_, [&] { return is_closed(early.get()); })) << "no longer allowed";
+  const FileDescriptor stranger = connect_tcp(server_.address());
+  EXPECT_TRUE(turn_until(loop_, [&] { return is_closed(stranger.get()); }));
+  ASSERT_EQ(log.lines.size(), 1u);
+  EXPECT_EQ(log.lines[0],
+            "a client at 127.0.0.1 is turned away: its network is not in allow of [server]; add it "
+            "there if it may read the mesh");
+  EXPECT_EQ(server_.counters().refused, 1u);
+  EXPECT_EQ(server_.counters().clients, 0u);
+  server_.allow({everybody}, log);
+  EXPECT_EQ(ask(connect(), 1, 0), 1);
+}
+
+TEST(Networks, AreReadAndCompared) {
+  const auto network = parse_network("10.1.0.0/16");
+  ASSERT_TRUE(network);
+  EXPECT_TRUE(network->contains(0x0a01ffff));
+  EXPECT_FALSE(network->contains(0x0a020000));
+  EXPECT_EQ(to_string(*network), "10.1.0.0/16");
+  EXPECT_TRUE(parse_network("192.168.1.7")->contains(0xc0a80107));
+  EXPECT_FALSE(parse_network("192.168.1.7")->contains(0xc0a80106));
+  EXPECT_TRUE(parse_network("0.0.0.0/0")->contains(0xffffffff));
+  for (const char* text : {"", "/8", "10.0.0.0/", "10.0.0.0/33", "10.0.0.0/-1", "10.0.0/8",
+                           "10.0.0.0/8 ", "10.0.0.0/256", "localhost", "::1/128"}) {
+    EXPECT_FALSE(parse_network(text)) << text;
+  }
 }
 
 TEST_F(Server, LibmodbusReadsIt) {

@@ -84,14 +84,29 @@ class SerialBus : public testing::Test {
   void request(std::uint8_t unit, std::uint8_t function = read_input_registers) {
     become_ready();
     bus().start_read({.unit = unit, .first = 0, .count = 2, .timeout = timeout}, now_);
+    EXPECT_EQ(take(rtu_read_request_bytes), rtu_of(unit, {function, 0, 0, 0, 2}));
+  }
+
+  // Sends a write of two registers and takes it at the other end.
+  void write(std::uint8_t unit, std::uint16_t first = 200) {
+    become_ready();
+    const std::array<std::uint16_t, 2> values{7, 8};
+    bus().start_write(
+        {.unit = unit, .first = first, .values = values, .timeout = timeout, .ticket = 99}, now_);
+    EXPECT_EQ(take(rtu_write_request_bytes(2)),
+              rtu_of(unit, {16, 0, static_cast<std::uint8_t>(first), 0, 2, 4, 0, 7, 0, 8}));
+  }
+
+  // What came out at the other end, when it is so many bytes.
+  Bytes take(std::size_t count) {
     Bytes bytes;
     EXPECT_TRUE(turn_until(loop_, [&] {
       std::uint8_t chunk[64];
-      const ssize_t count = ::read(cable_->descriptor(), chunk, sizeof chunk);
-      if (count > 0) bytes.insert(bytes.end(), chunk, chunk + count);
-      return bytes.size() >= rtu_read_request_bytes;
+      const ssize_t got = ::read(cable_->descriptor(), chunk, sizeof chunk);
+      if (got > 0) bytes.insert(bytes.end(), chunk, chunk + got);
+      return bytes.size() >= count;
     }));
-    EXPECT_EQ(bytes, rtu_of(unit, {function, 0, 0, 0, 2}));
+    return bytes;
   }
 
   // Puts bytes on the line and lets the bus hear them: the terminal hands them over when the kernel
@@ -113,6 +128,7 @@ class SerialBus : public testing::Test {
     if (!bus().take_answer(found)) return std::nullopt;
     value_ = found.registers.empty() ? -1 : found.registers[1];
     exception_ = found.exception;
+    ticket_ = found.ticket;
     return found.result;
   }
 
@@ -141,6 +157,7 @@ class SerialBus : public testing::Test {
   Instant now_{1h};
   int value_ = -1;
   int exception_ = 0;
+  std::uint32_t ticket_ = 0;
 };
 
 TEST_F(SerialBus, ReadsRegisters) {
@@ -267,8 +284,14 @@ class SerialBusSurvives : public SerialBus, public testing::WithParamInterface<M
 TEST_P(SerialBusSurvives, ItsOwnTimeOnly) {
   expect_health();
   request(7);
+  const Instant asked = now_;
   say(GetParam().bytes);
-  EXPECT_EQ(wait_in_vain(), GetParam().bytes.empty() ? BusResult::timeout : BusResult::bad_answer);
+  std::optional<BusResult> found;
+  while (!(found = result()) && now_ < asked + 1s) pass(1ms);
+  EXPECT_EQ(found, GetParam().bytes.empty() ? BusResult::timeout : BusResult::bad_answer);
+  const Duration on_the_line =
+      17 * character_time({.path = {}, .baud = 9600}) + frame_silence({.path = {}, .baud = 9600});
+  EXPECT_LE(now_ - asked, on_the_line + timeout + 1ms) << "waited for once";
   const Instant over = now_;
   become_ready();
   EXPECT_LE(now_ - over, quiet + 5ms);
@@ -293,6 +316,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Misbehaviour{"wrong_length", rtu_of(7, {4, 2, 0, 1})},
                     Misbehaviour{"wrong_function", two_registers(7, 1, read_holding_registers)},
                     Misbehaviour{"noise", Bytes(300, 0x55)},
+                    Misbehaviour{"identity", rtu_of(7, {43, 14, 1, 1, 0, 0, 1, 0, 2, 'A', 'B'})},
+                    Misbehaviour{"diagnostics", rtu_of(7, {8, 0, 0, 1, 2})},
                     Misbehaviour{"all_zero", Bytes(40, 0)}),
     [](const auto& row) { return std::string(row.param.name); });
 
@@ -386,6 +411,134 @@ TEST_F(SerialBus, ALineSwitchesTheTransceiverWhileBytesGoOut) {
   say(two_registers(7, 1));
   EXPECT_EQ(result(), BusResult::ok);
   EXPECT_FALSE(lines_.active);
+}
+
+Bytes written(std::uint8_t unit, std::uint8_t first = 200, std::uint8_t count = 2) {
+  return rtu_of(unit, {16, 0, first, 0, count});
+}
+
+TEST_F(SerialBus, WritesRegisters) {
+  write(7);
+  say(written(7));
+  EXPECT_EQ(result(), BusResult::ok);
+  EXPECT_EQ(value_, -1);
+  EXPECT_EQ(ticket_, 99u);
+  expect_health(7);
+  EXPECT_EQ(ticket_, 0u);
+}
+
+TEST_F(SerialBus, TimeOfTheBytesOfAWriteIsNotTheUnits) {
+  write(7);
+  const Duration bytes = (rtu_write_request_bytes(2) + rtu_write_answer_bytes) *
+                         character_time({.path = {}, .baud = 9600});
+  pass(bytes + timeout);
+  EXPECT_EQ(result(), std::nullopt);
+  pass(5ms);
+  EXPECT_EQ(result(), BusResult::timeout);
+  EXPECT_EQ(bus().next_deadline(), now_ + quiet);
+}
+
+TEST_F(SerialBus, ALateAnswerToAWriteIsNoAnswerToAReadOrToAnotherWrite) {
+  write(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  request(7);  // with the same function as ever: a write says nothing about reading
+  say(written(7));
+  EXPECT_EQ(result(), std::nullopt);
+  say(two_registers(7, 5));
+  EXPECT_EQ(result(), BusResult::ok);
+  write(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  write(7, 210);
+  say(written(7, 200));
+  EXPECT_EQ(result(), std::nullopt);
+  say(written(7, 210));
+  EXPECT_EQ(result(), BusResult::ok);
+}
+
+TEST_F(SerialBus, ALateAnswerToAReadIsNoAnswerToAWrite) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  write(7);
+  say(two_registers(7, 5));
+  EXPECT_EQ(result(), std::nullopt);
+  say(written(7));
+  EXPECT_EQ(result(), BusResult::ok);
+}
+
+TEST_F(SerialBus, AnExceptionToAWriteSaysNothingAboutReading) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  write(7);
+  say(rtu_of(7, {0x90, 2}));
+  EXPECT_EQ(result(), BusResult::exception);
+  EXPECT_EQ(exception_, 2);
+  request(7, read_holding_registers);
+  say(two_registers(7, 5, read_holding_registers));
+  EXPECT_EQ(result(), BusResult::ok);
+}
+
+class SerialBusSurvivesToAWrite : public SerialBus,
+                                  public testing::WithParamInterface<Misbehaviour> {};
+
+TEST_P(SerialBusSurvivesToAWrite, ItsOwnTimeOnly) {
+  expect_health();
+  write(7);
+  say(GetParam().bytes);
+  EXPECT_EQ(wait_in_vain(), BusResult::bad_answer);
+  expect_health();
+  write(7, 210);
+  say(written(7, 210));
+  EXPECT_EQ(result(), BusResult::ok);
+}
+
+Bytes garbled_answer() {
+  Bytes bytes = written(7);
+  bytes[3] ^= 0x10;
+  return bytes;
+}
+INSTANTIATE_TEST_SUITE_P(Rows, SerialBusSurvivesToAWrite,
+                         testing::Values(Misbehaviour{"garbled", garbled_answer()},
+                                         Misbehaviour{"truncated", {7, 16, 0, 200, 0}},
+                                         Misbehaviour{"wrong_unit", written(8)},
+                                         Misbehaviour{"wrong_first", written(7, 201)},
+                                         Misbehaviour{"wrong_count", written(7, 200, 1)},
+                                         Misbehaviour{"a_read", two_registers(7, 1)},
+                                         Misbehaviour{"single_write", rtu_of(7, {6, 0, 200, 0, 7})},
+                                         Misbehaviour{
+                                             "echo", rtu_of(7, {16, 0, 200, 0, 2, 4, 0, 7, 0, 8})}),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+TEST_F(SerialBus, ALineSwitchesTheTransceiverForAllBytesOfAWrite) {
+  send_enable_ = Line{0};
+  write(7);
+  EXPECT_TRUE(lines_.active);
+  const Duration sending = rtu_write_request_bytes(2) * character_time({.path = {}, .baud = 9600});
+  pass(sending - 1us);
+  EXPECT_TRUE(lines_.active);
+  pass(1us);
+  EXPECT_FALSE(lines_.active);
+  say(written(7));
+  EXPECT_EQ(result(), BusResult::ok);
+}
+
+TEST_F(SerialBus, TheMostRegistersGoOutInOneFrame) {
+  become_ready();
+  std::array<std::uint16_t, write_registers_max> values{};
+  bus().start_write({.unit = 7, .first = 200, .values = values, .timeout = timeout}, now_);
+  const Bytes bytes = take(rtu_write_request_bytes(write_registers_max));
+  EXPECT_EQ(bytes.size(), 255u);
+  EXPECT_TRUE(is_rtu_frame(bytes));
+  say(written(7, 200, write_registers_max));
+  EXPECT_EQ(result(), BusResult::ok);
+}
+
+TEST_F(SerialBus, AnUnpluggedPortEndsAWrite) {
+  write(7);
+  unplug();
+  EXPECT_TRUE(turn_until(loop_, [&] {
+    bus().advance(now_);
+    return result() == BusResult::link_lost;
+  }));
 }
 
 }  // namespace

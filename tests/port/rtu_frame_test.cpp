@@ -6,6 +6,7 @@
 #include <random>
 
 #include "etcm/port/serial_line.h"
+#include "mutation.h"
 #include "peer.h"
 
 namespace etcm::port {
@@ -43,25 +44,14 @@ TEST(RtuFrame, MutatedAnswersAreFoundWholeOrNotAtAll) {
     std::array<std::uint16_t, 12> registers;
     for (auto& value : registers) value = static_cast<std::uint16_t>(chance());
     Bytes frame(rtu_frame_bytes_max);
-    const std::size_t pdu = write_read_answer(std::span(frame).subspan(rtu_unit_bytes),
-                                              read_input_registers, registers);
+    const auto body = std::span(frame).subspan(rtu_unit_bytes);
+    const std::size_t pdu =
+        round % 4 == 0 ? write_write_answer(body, {.first = registers[0], .count = registers[1]})
+                       : write_read_answer(body, read_input_registers, registers);
     frame.resize(wrap_rtu(frame, static_cast<std::uint8_t>(chance()), pdu));
     bytes.insert(bytes.end(), frame.begin(), frame.end());
-    const unsigned changes = chance() % 4;
-    for (unsigned change = 0; change < changes; ++change) {
-      switch (chance() % 3) {
-        case 0:
-          bytes[chance() % bytes.size()] ^= static_cast<std::uint8_t>(1 << chance() % 8);
-          break;
-        case 1:
-          bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(chance() % bytes.size()));
-          break;
-        case 2:
-          bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(chance() % bytes.size()),
-                       static_cast<std::uint8_t>(chance()));
-          break;
-      }
-    }
+    const std::size_t changes = chance() % 4;
+    mutate(bytes, changes, chance);
     const auto found = find_rtu_answer(bytes);
     if (changes == 0) {
       ASSERT_TRUE(found && found->end == bytes.size()) << begin;
@@ -77,6 +67,42 @@ TEST(RtuFrame, MutatedAnswersAreFoundWholeOrNotAtAll) {
     static_cast<void>(parse_read_answer(found->pdu, read_input_registers, parsed, exception));
   }
   EXPECT_GT(whole, 25000);
+}
+
+Bytes rtu_frame_of(std::uint8_t unit, const Bytes& pdu) {
+  Bytes frame(rtu_frame_bytes_max);
+  std::copy(pdu.begin(), pdu.end(), frame.begin() + rtu_unit_bytes);
+  frame.resize(wrap_rtu(frame, unit, pdu.size()));
+  return frame;
+}
+
+TEST(RtuFrame, EveryKindOfAnswerIsFoundBehindNoiseAndOnlyWhole) {
+  const Bytes pdus[] = {
+      {3, 2, 0x12, 0x34},
+      {0x83, 2},
+      {16, 0, 100, 0, 3},
+      {0x90, 4},
+      {17, 3, 'E', 0xff, '!'},
+      {0x91, 1},
+      {43, 14, 1, 0x81, 0, 0, 2, 0, 1, 'A', 1, 0},
+      {43, 14, 1, 0x81, 0, 0, 0},
+      {0xab, 1},
+  };
+  for (const Bytes& pdu : pdus) {
+    const Bytes frame = rtu_frame_of(7, pdu);
+    Bytes bytes{0x00, 0xff, 0x2b};
+    const std::size_t noise = bytes.size();
+    bytes.insert(bytes.end(), frame.begin(), frame.end());
+    for (std::size_t heard = 0; heard < bytes.size(); ++heard) {
+      EXPECT_FALSE(find_rtu_answer(Bytes(bytes.begin(), bytes.begin() + static_cast<int>(heard))))
+          << int{pdu[0]} << " of " << heard << " bytes";
+    }
+    const auto found = find_rtu_answer(bytes);
+    ASSERT_TRUE(found) << int{pdu[0]};
+    EXPECT_EQ(found->unit, 7);
+    EXPECT_EQ(Bytes(found->pdu.begin(), found->pdu.end()), pdu);
+    EXPECT_EQ(found->end, noise + frame.size());
+  }
 }
 
 TEST(SerialLine, TimesAreThoseOfTheSpecification) {

@@ -42,6 +42,21 @@ class Bus : public testing::Test {
     return static_cast<std::uint16_t>(bytes[0] << 8 | bytes[1]);
   }
 
+  // The transaction number of a write of 7 and 8 from register 258, which arrives whole.
+  std::uint16_t write(std::uint8_t unit) {
+    const std::array<std::uint16_t, 2> values{7, 8};
+    bus_->start_write(
+        {.unit = unit, .first = 0x0102, .values = values, .timeout = 50ms, .ticket = 99}, now_);
+    Bytes bytes;
+    EXPECT_TRUE(turn_until(loop_, [&] {
+      receive_available(peer_.get(), bytes);
+      return bytes.size() >= 17;
+    }));
+    EXPECT_EQ(Bytes(bytes.begin() + 2, bytes.end()),
+              (Bytes{0, 0, 0, 11, unit, 16, 1, 2, 0, 2, 4, 0, 7, 0, 8}));
+    return static_cast<std::uint16_t>(bytes[0] << 8 | bytes[1]);
+  }
+
   BusAnswer answer() {
     BusAnswer found;
     EXPECT_TRUE(turn_until(loop_, [&] { return bus_->take_answer(found); }));
@@ -190,6 +205,59 @@ TEST_F(Bus, ARefusedConnectionIsTriedAgainAndSaidOnce) {
   EXPECT_EQ(log_.lines.size(), 1u);
   listener_ = listen_tcp(address);
   connect();
+}
+
+TEST_F(Bus, WritesRegisters) {
+  connect();
+  send_bytes(peer_.get(), frame_of(write(7), 7, {16, 1, 2, 0, 2}));
+  const BusAnswer found = answer();
+  EXPECT_EQ(found.unit, 7);
+  EXPECT_EQ(found.ticket, 99u);
+  EXPECT_EQ(found.result, BusResult::ok);
+  EXPECT_TRUE(found.registers.empty());
+}
+
+TEST_F(Bus, ALateAnswerToAWriteIsNeverTheNextOnes) {
+  connect();
+  const std::uint16_t late = write(7);
+  now_ += 50ms;
+  bus_->advance(now_);
+  EXPECT_EQ(answer().result, BusResult::timeout);
+  const std::uint16_t next = write(7);
+  send_bytes(peer_.get(), frame_of(late, 7, {16, 1, 2, 0, 2}));
+  expect_no_answer();
+  send_bytes(peer_.get(), frame_of(next, 7, {0x90, 4}));
+  const BusAnswer found = answer();
+  EXPECT_EQ(found.result, BusResult::exception);
+  EXPECT_EQ(found.exception, 4);
+}
+
+TEST_F(Bus, AWriteAndAReadOfOneUnitKeepTheirAnswersApart) {
+  connect();
+  const std::uint16_t written = write(7);
+  const std::uint16_t read = request(7);
+  reply(read, 7, 42);
+  BusAnswer found = answer();
+  EXPECT_EQ(found.ticket, 0u);
+  EXPECT_EQ(found.registers[0], 42);
+  send_bytes(peer_.get(), frame_of(written, 7, {16, 1, 2, 0, 2}));
+  found = answer();
+  EXPECT_EQ(found.ticket, 99u);
+  EXPECT_EQ(found.result, BusResult::ok);
+}
+
+TEST_F(Bus, AnAnswerToAnotherWriteIsABadAnswer) {
+  connect();
+  for (const Bytes& pdu : {Bytes{16, 1, 2, 0, 1}, Bytes{16, 1, 3, 0, 2}, Bytes{16, 1, 2, 0, 2, 0},
+                           Bytes{6, 1, 2, 0, 2}, Bytes{4, 4, 0, 1, 0, 1}}) {
+    send_bytes(peer_.get(), frame_of(write(7), 7, pdu));
+    EXPECT_EQ(answer().result, BusResult::bad_answer);
+  }
+  send_bytes(peer_.get(), frame_of(write(7), 8, {16, 1, 2, 0, 2}));
+  EXPECT_EQ(answer().result, BusResult::bad_answer);
+  write(7);
+  peer_.close();
+  EXPECT_EQ(answer().result, BusResult::link_lost);
 }
 
 }  // namespace

@@ -30,6 +30,9 @@ constexpr const char* edge_colour = "#8fa9c2";
 constexpr const char* feature_colour = "#16324f";
 constexpr const char* node_colour = "#1f6fb2";
 constexpr const char* steiner_colour = "#d9480f";
+constexpr const char* unseen_fill = "#f6c9bd";
+constexpr const char* hole_colour = "#b3261e";
+constexpr const char* relay_colour = "#6d3fc0";
 constexpr const char* unresolved_colour = "#c2185b";
 
 // Thin spaces between groups of three digits.
@@ -208,8 +211,8 @@ struct Strokes {
 
 class Picture {
  public:
-  Picture(const MeshImage& image, const PictureText& words)
-      : image_(image), words_(words), map_(image) {
+  Picture(const MeshImage& image, const PictureText& words, const PictureMarks& marks)
+      : image_(image), words_(words), marks_(marks), map_(image) {
     spots_.reserve(image.vertices.size());
     for (const ImageVertex& vertex : image.vertices) spots_.push_back(map_.spot(vertex.point));
     strokes_ = choose_strokes();
@@ -230,6 +233,7 @@ class Picture {
     add_edges();
     add_features();
     add_vertices();
+    add_marks();
     text_ += "</g>\n</g>\n";
     add_legend();
     add_scale_bar();
@@ -309,7 +313,44 @@ class Picture {
       for (std::size_t i = 1; i < loop.size(); ++i) path.line_to(spots_[loop[i]]);
       path.close();
     }
-    add_path(path, std::string("fill=\"") + domain_fill + "\" fill-rule=\"evenodd\"");
+    const bool has_unseen = marks_.sensing_range > 0 && !path.empty();
+    add_path(path, std::string("fill=\"") + (has_unseen ? unseen_fill : domain_fill) +
+                       "\" fill-rule=\"evenodd\"");
+    if (!has_unseen) return;
+    text_ += "<clipPath id=\"domain\">";
+    add_path(path, "clip-rule=\"evenodd\"");
+    text_ +=
+        "</clipPath>\n<g clip-path=\"url(#domain)\" fill=\"" + std::string(domain_fill) + "\">\n";
+    const std::string radius =
+        std::to_string(std::llround(marks_.sensing_range * map_.px_per_unit() * 100));
+    for (const Point& sensor : marks_.sensors) {
+      const Spot spot = map_.spot(sensor);
+      text_ += "<circle cx=\"" + std::to_string(spot.x) + "\" cy=\"" + std::to_string(spot.y) +
+               "\" r=\"" + radius + "\"/>\n";
+    }
+    text_ += "</g>\n";
+  }
+
+  // Relays are rings, holes crosses; both as large as is readable.
+  void add_marks() {
+    const double size = std::max(strokes_.node, 5.0) * 100;
+    const auto reach = std::llround(size * 0.7);
+    PathData rings;
+    for (const Point& relay : marks_.relays) {
+      if (map_.shows(relay)) rings.dot(map_.spot(relay));
+    }
+    add_path(rings, stroke(relay_colour, size / 100 * 1.3));
+    add_path(rings, stroke("#fff", size / 100 * 0.7));
+    PathData crosses;
+    for (const Point& hole : marks_.holes) {
+      if (!map_.shows(hole)) continue;
+      const Spot spot = map_.spot(hole);
+      crosses.move_to({spot.x - reach, spot.y - reach});
+      crosses.line_to({spot.x + reach, spot.y + reach});
+      crosses.move_to({spot.x - reach, spot.y + reach});
+      crosses.line_to({spot.x + reach, spot.y - reach});
+    }
+    add_path(crosses, stroke(hole_colour, size / 100 * 0.35));
   }
 
   void add_edges() {
@@ -395,7 +436,17 @@ class Picture {
       text_ += "<rect x=\"" + px(x) + "\" y=\"" + px(y - 8) +
                "\" width=\"22\" height=\"16\" fill=\"" + domain_fill + "\" stroke=\"" +
                edge_colour + "\" stroke-width=\".5\"/>\n";
-      label("domain", 70);
+      label(marks_.sensing_range > 0 ? "seen" : "domain", 70);
+    }
+    if (!marks_.relays.empty()) {
+      text_ += "<circle cx=\"" + px(x + 11) + "\" cy=\"" + px(y) +
+               "\" r=\"4.5\" fill=\"#fff\" stroke=\"" + relay_colour + "\" stroke-width=\"2\"/>\n";
+      label("relay", 58);
+    }
+    if (!marks_.holes.empty()) {
+      text_ += "<path d=\"M" + px(x + 6) + " " + px(y - 5) + "l10 10m0-10l-10 10\" stroke=\"" +
+               hole_colour + "\" stroke-width=\"2.4\"/>\n";
+      label("hole", 54);
     }
   }
 
@@ -422,6 +473,7 @@ class Picture {
 
   const MeshImage& image_;
   const PictureText& words_;
+  const PictureMarks& marks_;
   Map map_;
   std::vector<Spot> spots_;
   Strokes strokes_{};
@@ -430,8 +482,8 @@ class Picture {
 
 }  // namespace
 
-std::string svg_text(const MeshImage& image, const PictureText& words) {
-  return Picture(image, words).make();
+std::string svg_text(const MeshImage& image, const PictureText& words, const PictureMarks& marks) {
+  return Picture(image, words, marks).make();
 }
 
 }  // namespace etcm::files

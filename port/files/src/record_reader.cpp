@@ -31,7 +31,7 @@ bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' |
 
 }  // namespace
 
-std::string read_bytes(const std::string& path) {
+std::string read_bytes(const std::string& path, std::size_t most) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (file.get() < 0) {
     throw InputError(path, 0, std::string("cannot be opened: ") + std::strerror(errno));
@@ -43,6 +43,11 @@ std::string read_bytes(const std::string& path) {
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) throw InputError(path, 0, std::string("cannot be read: ") + std::strerror(errno));
     if (got == 0) return text;
+    if (static_cast<std::size_t>(got) > most - text.size()) {
+      throw InputError(
+          path, 0,
+          "has more than " + std::to_string(most) + " bytes; split it, or simplify what it draws");
+    }
     text.append(buffer.data(), static_cast<std::size_t>(got));
   }
 }

@@ -1,10 +1,12 @@
-// A bus with units to read registers from: a Modbus TCP connection or a serial line.
+// A bus with units whose registers are read and written: a Modbus TCP connection or a serial line.
 //
-// Nothing here blocks. start_read() sends a request, advance() lets time pass, take_answer() hands
-// over what is complete; each read started gives exactly one answer, at the latest when its timeout
-// has passed. Bytes arrive between the calls (the adapter waits for them with its own event loop).
+// Nothing here blocks. start_read() and start_write() send a request, advance() lets time pass,
+// take_answer() hands over what is complete; each request started gives exactly one answer, at the
+// latest when its timeout has passed. Bytes arrive between the calls (the adapter waits for them
+// with its own event loop).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -14,6 +16,8 @@ namespace etcm::port {
 
 // The most registers one read may ask for (Modbus: 125).
 inline constexpr std::uint16_t read_registers_max = 125;
+// The most registers one write may carry (Modbus: 123).
+inline constexpr std::uint16_t write_registers_max = 123;
 
 enum class BusResult : std::uint8_t {
   ok,
@@ -22,6 +26,7 @@ enum class BusResult : std::uint8_t {
   bad_answer,  // an answer of the wrong unit, function or length, or a garbled one
   link_lost,   // the connection or the line went away
 };
+inline constexpr std::size_t bus_result_count = 5;
 
 struct RegisterRead {
   std::uint8_t unit = 0;
@@ -29,23 +34,41 @@ struct RegisterRead {
   std::uint16_t count = 0;
   Duration
       timeout{};  // how long the unit may take; the time of bytes on a serial line is not counted
+  std::uint32_t ticket = 0;  // comes back with the answer
+};
+
+struct RegisterWrite {
+  std::uint8_t unit = 0;
+  std::uint16_t first = 0;                // holding register, 0-based
+  std::span<const std::uint16_t> values;  // 1 to write_registers_max; needed during the call only
+  Duration timeout{};                     // as above
+  std::uint32_t ticket = 0;               // comes back with the answer
 };
 
 struct BusAnswer {
   std::uint8_t unit = 0;
+  std::uint32_t ticket = 0;  // of the request
   BusResult result = BusResult::ok;
-  std::uint8_t exception = 0;                // the code, with BusResult::exception
-  std::span<const std::uint16_t> registers;  // with BusResult::ok; valid until the next call
+  std::uint8_t exception = 0;  // the code, with BusResult::exception
+  // Of a read, with BusResult::ok; valid until the next call.
+  std::span<const std::uint16_t> registers;
 };
 
 class NodeBus {
  public:
-  // Whether start_read() would take a request now: the link is up and has room for one more.
+  // Whether a request would be taken now: the link is up and has room for one more.
   virtual bool ready() const = 0;
 
   // Sends a request for input registers (FC 4; a bus may take FC 3, where nodes serve the same).
-  // REQUIRES: ready(), no read of this unit under way.
+  // REQUIRES: ready().
   virtual void start_read(const RegisterRead& read, Instant now) = 0;
+
+  // Sends a request to write holding registers (FC 16). BusResult::ok: the unit says it has them.
+  // On a serial line, which does not number its requests, that may be what it says of an earlier
+  // write of as many registers at the same place that was waited for in vain: to be sure, write
+  // another range, or read back.
+  // REQUIRES: ready().
+  virtual void start_write(const RegisterWrite& write, Instant now) = 0;
 
   // Expires what is overdue and brings a lost link back.
   virtual void advance(Instant now) = 0;

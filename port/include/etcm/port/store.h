@@ -1,19 +1,43 @@
 // Keeps one piece of state over a restart and over a power failure.
+//
+// A disk may be slow, full, read-only or dead, so saving does not wait for it: start_save() hands
+// the bytes over, take_result() tells later how that ended. Loading is for the start, and may wait.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace etcm::port {
 
+enum class Copy : std::uint8_t {
+  last,      // what was saved last
+  previous,  // what was saved before that
+};
+
+struct SaveResult {
+  bool ok = false;
+  std::string_view why;  // what failed, and the cure; valid until the next call
+};
+
 class Store {
  public:
-  // Replaces what is kept: after a crash at any moment, load() gives the old bytes or the new ones.
-  // False when that failed; the old bytes then stay.
-  virtual bool save(std::span<const std::byte> bytes) = 0;
+  // What is kept, or empty where there is nothing sound. Valid until the next call.
+  virtual std::span<const std::byte> load(Copy copy) = 0;
 
-  // Copies what is kept into `out`, as much as fits, and returns how much there is; 0 for nothing.
-  virtual std::size_t load(std::span<std::byte> out) = 0;
+  // Moves a copy that the caller cannot use out of the way, where no save replaces it and a person
+  // may look at it. Returns the name it has then, valid until the next call.
+  virtual std::string_view set_aside(Copy copy) = 0;
+
+  // Starts to replace what is kept by a copy of `bytes`. After a crash at any moment load() gives
+  // the old bytes or the new ones; the old ones also stay where saving fails. REQUIRES: no save
+  // under way, and no more bytes than the store was made for.
+  virtual void start_save(std::span<const std::byte> bytes) = 0;
+  virtual bool is_saving() const = 0;
+
+  // How the save that has ended went; false when there is nothing to tell. Each is told once.
+  virtual bool take_result(SaveResult& result) = 0;
 
  protected:
   ~Store() = default;

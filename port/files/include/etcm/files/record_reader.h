@@ -12,8 +12,8 @@
 
 namespace etcm::files {
 
-// The bytes of a file (or pipe). Throws InputError when it cannot be read.
-std::string read_bytes(const std::string& path);
+// The bytes of a file (or pipe). Throws InputError when it cannot be read, or has more than `most`.
+std::string read_bytes(const std::string& path, std::size_t most = std::string::npos);
 
 class RecordReader {
  public:

@@ -1,0 +1,269 @@
+#include "http/web_server.h"
+
+#include <arpa/inet.h>
+#include <microhttpd.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstring>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+namespace etcm::port {
+
+namespace {
+
+constexpr Duration overdue_check_interval = std::chrono::seconds(1);
+constexpr std::size_t piece_size = 8192;
+
+// "\"0123456789abcdef\"", and its end.
+using Tag = std::array<char, 20>;
+
+Tag tag_of(std::uint64_t version) {
+  Tag tag{'"'};
+  char* const end = std::to_chars(tag.data() + 1, tag.data() + tag.size() - 2, version, 16).ptr;
+  *end = '"';
+  return tag;
+}
+
+std::uint32_t host_of(const sockaddr* address) {
+  sockaddr_in internet{};
+  std::memcpy(&internet, address, sizeof internet);
+  return ntohl(internet.sin_addr.s_addr);
+}
+
+struct DestroyResponse {
+  void operator()(MHD_Response* response) const { MHD_destroy_response(response); }
+};
+using Response = std::unique_ptr<MHD_Response, DestroyResponse>;
+
+Response empty_response() {
+  return Response(MHD_create_response_from_buffer(0, nullptr, MHD_RESPMEM_PERSISTENT));
+}
+
+// What every answer says: nothing is kept without asking again, and a page has nothing but what
+// comes from here.
+bool add_common_headers(MHD_Response* response) {
+  constexpr std::array<std::pair<const char*, const char*>, 4> headers{{
+      {MHD_HTTP_HEADER_CACHE_CONTROL, "no-cache"},
+      {"X-Content-Type-Options", "nosniff"},
+      {"Referrer-Policy", "no-referrer"},
+      {"Content-Security-Policy",
+       "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"},
+  }};
+  return std::all_of(headers.begin(), headers.end(), [&](const auto& header) {
+    return MHD_add_response_header(response, header.first, header.second) == MHD_YES;
+  });
+}
+
+}  // namespace
+
+// Where something cannot be had, MHD_NO closes the connection and nothing else.
+class WebServer::Callbacks {
+ public:
+  static MHD_Result accepts(void* self, const sockaddr* address, socklen_t) {
+    auto& server = *static_cast<WebServer*>(self);
+    if (any_contains(server.allowed_, host_of(address))) return MHD_YES;
+    ++server.counters_.refused;
+    return MHD_NO;
+  }
+
+  static MHD_Result request(void* self, MHD_Connection* connection, const char* path,
+                            const char* method, const char*, const char*, std::size_t* upload_size,
+                            void** has_begun) {
+    auto& server = *static_cast<WebServer*>(self);
+    Client* const client = client_of(connection);
+    if (client == nullptr || client->is_reading || *upload_size > 0) return MHD_NO;
+    const std::string_view verb = method;
+    const bool is_read = verb == MHD_HTTP_METHOD_GET || verb == MHD_HTTP_METHOD_HEAD;
+    // The first call comes with the headers: who is answered then is not listened to any more.
+    if (is_read && *has_begun == nullptr) {
+      *has_begun = client;
+      return MHD_YES;
+    }
+    ++server.counters_.requests;
+    client->overdue = server.now_ + server.options_.answer_time_max;
+    if (!is_read) {
+      ++server.counters_.refused;
+      const Response response = empty_response();
+      if (!response || !add_common_headers(response.get()) ||
+          MHD_add_response_header(response.get(), MHD_HTTP_HEADER_ALLOW, "GET, HEAD") != MHD_YES) {
+        return MHD_NO;
+      }
+      return MHD_queue_response(connection, MHD_HTTP_METHOD_NOT_ALLOWED, response.get());
+    }
+    return answer_by_site(server, *client, connection, path);
+  }
+
+  static void connection_changed(void* self, MHD_Connection* connection, void** context,
+                                 MHD_ConnectionNotificationCode what) {
+    auto& server = *static_cast<WebServer*>(self);
+    if (what == MHD_CONNECTION_NOTIFY_STARTED) {
+      const auto place =
+          std::find_if(server.clients_.begin(), server.clients_.end(),
+                       [](const Client& client) { return client.is_free && !client.is_reading; });
+      if (place == server.clients_.end()) return;
+      place->is_free = false;
+      place->descriptor =
+          MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
+      place->host = host_of(
+          MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS)->client_addr);
+      place->overdue = server.now_ + server.options_.request_time_max;
+      *context = &*place;
+      ++server.counters_.clients;
+    } else if (auto* const client = static_cast<Client*>(*context)) {
+      client->is_free = true;
+      client->descriptor = -1;
+      --server.counters_.clients;
+      // A daemon that was full listens again in its next turn, and no event announces that.
+      server.is_ready_ = true;
+    }
+  }
+
+  // The next request of the connection has its own time.
+  static void completed(void* self, MHD_Connection* connection, void**,
+                        MHD_RequestTerminationCode) {
+    auto& server = *static_cast<WebServer*>(self);
+    if (Client* const client = client_of(connection)) {
+      client->overdue = server.now_ + server.options_.request_time_max;
+    }
+  }
+
+ private:
+  static std::size_t place_of(const WebServer& server, const Client& client) {
+    return static_cast<std::size_t>(&client - server.clients_.data());
+  }
+
+  static Client* client_of(MHD_Connection* connection) {
+    const MHD_ConnectionInfo* const info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+    return info == nullptr ? nullptr : static_cast<Client*>(info->socket_context);
+  }
+
+  static MHD_Result answer_by_site(WebServer& server, Client& client, MHD_Connection* connection,
+                                   const char* path) {
+    const WebAnswer answer = server.site_.begin(place_of(server, client), path);
+    client.is_reading = true;
+    if (answer.status >= 400) ++server.counters_.refused;
+    const Tag tag = tag_of(answer.version);
+    const char* const known =
+        MHD_lookup_connection_value(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_IF_NONE_MATCH);
+    const bool is_known =
+        answer.version != 0 && known != nullptr && std::strcmp(known, tag.data()) == 0;
+    if (is_known) end_reading(&client);
+    const Response response = is_known
+                                  ? empty_response()
+                                  : Response(MHD_create_response_from_callback(
+                                        MHD_SIZE_UNKNOWN, piece_size, read, &client, end_reading));
+    if (!response) {
+      if (!is_known) end_reading(&client);
+      return MHD_NO;
+    }
+    // From here on the response ends the reading when it goes, whatever happens.
+    if (!add_common_headers(response.get()) ||
+        (answer.version != 0 &&
+         MHD_add_response_header(response.get(), MHD_HTTP_HEADER_ETAG, tag.data()) != MHD_YES) ||
+        MHD_add_response_header(response.get(), MHD_HTTP_HEADER_CONTENT_TYPE, answer.media_type) !=
+            MHD_YES) {
+      return MHD_NO;
+    }
+    return MHD_queue_response(connection, is_known ? MHD_HTTP_NOT_MODIFIED : answer.status,
+                              response.get());
+  }
+
+  static ssize_t read(void* self, std::uint64_t, char* out, std::size_t room) {
+    auto& client = *static_cast<Client*>(self);
+    WebServer& server = *client.server;
+    const std::size_t count = server.site_.read(place_of(server, client), {out, room});
+    return count == 0 ? ssize_t{MHD_CONTENT_READER_END_OF_STREAM} : static_cast<ssize_t>(count);
+  }
+
+  static void end_reading(void* self) {
+    auto& client = *static_cast<Client*>(self);
+    client.server->site_.end(place_of(*client.server, client));
+    client.is_reading = false;
+  }
+};
+
+void WebServer::StopDaemon::operator()(MHD_Daemon* daemon) const { MHD_stop_daemon(daemon); }
+
+WebServer::WebServer(EventLoop& loop, WebSite& site, const WebServerOptions& options,
+                     ServiceCounters& counters)
+    : loop_(loop),
+      site_(site),
+      options_(options),
+      counters_(counters),
+      clients_(options.clients_max) {
+  for (Client& client : clients_) client.server = this;
+  FileDescriptor listener = listen_tcp(options.listen);
+  address_ = bound_address(listener.get());
+  daemon_.reset(MHD_start_daemon(
+      MHD_USE_EPOLL, 0, &Callbacks::accepts, this, &Callbacks::request, this,
+      MHD_OPTION_LISTEN_SOCKET, listener.get(), MHD_OPTION_CONNECTION_LIMIT,
+      static_cast<unsigned>(options.clients_max), MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+      connection_memory, MHD_OPTION_NOTIFY_CONNECTION, &Callbacks::connection_changed, this,
+      MHD_OPTION_NOTIFY_COMPLETED, &Callbacks::completed, this, MHD_OPTION_END));
+  if (!daemon_) throw std::runtime_error("cannot start the web server on " + to_string(address_));
+  listener.release();
+  descriptor_ = MHD_get_daemon_info(daemon_.get(), MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
+  loop_.add(descriptor_, *this, true, false);
+}
+
+WebServer::~WebServer() { loop_.remove(descriptor_); }
+
+void WebServer::allow(std::vector<Network> networks) {
+  allowed_ = std::move(networks);
+  for (Client& client : clients_) {
+    if (!client.is_free && !any_contains(allowed_, client.host)) hang_up(client);
+  }
+}
+
+void WebServer::on_ready(bool, bool) { is_ready_ = true; }
+
+void WebServer::advance(Instant now) {
+  now_ = now;
+  if (overdue_check_ <= now) {
+    close_overdue();
+    overdue_check_ = now + overdue_check_interval;
+  }
+  MHD_UNSIGNED_LONG_LONG timeout_ms = 0;
+  const bool is_due = MHD_get_timeout(daemon_.get(), &timeout_ms) == MHD_YES && timeout_ms == 0;
+  if (!is_ready_ && !is_due) return;
+  is_ready_ = false;
+  MHD_run(daemon_.get());
+}
+
+Instant WebServer::next_deadline() const {
+  MHD_UNSIGNED_LONG_LONG timeout_ms = 0;
+  const bool is_due = MHD_get_timeout(daemon_.get(), &timeout_ms) == MHD_YES && timeout_ms == 0;
+  if (is_ready_ || is_due) return now_;
+  return counters_.clients > 0 ? overdue_check_ : never;
+}
+
+// Went away before it had said what it wants, of which the daemon may hear nothing.
+bool WebServer::has_gone(const Client& client) {
+  char byte;
+  return !client.is_reading &&
+         ::recv(client.descriptor, &byte, sizeof byte, MSG_PEEK | MSG_DONTWAIT) == 0;
+}
+
+void WebServer::close_overdue() {
+  for (Client& client : clients_) {
+    if (client.is_free || (client.overdue > now_ && !has_gone(client))) continue;
+    hang_up(client);
+  }
+}
+
+// The daemon finds its end of the connection shut, and closes it as it does for any client that
+// went away.
+void WebServer::hang_up(Client& client) {
+  ::shutdown(client.descriptor, SHUT_RDWR);
+  client.overdue = never;
+  ++counters_.refused;
+}
+
+}  // namespace etcm::port

@@ -1,0 +1,90 @@
+// Serves a WebSite over HTTP, read-only: GET and HEAD, anything else is status 405.
+//
+// libmicrohttpd reads requests and writes answers, in turns taken by the event loop: no thread, and
+// no client that is slow, silent or malicious holds up anybody. Each has so long for a request and
+// so long to take an answer, whatever it does meanwhile; then its connection is closed.
+//
+// Memory: what a connection needs is bounded by connection_memory and given back when it closes;
+// there are at most clients_max. libmicrohttpd allocates it, and a small description of each
+// answer.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "etcm/port/service_counters.h"
+#include "etcm/port/web_site.h"
+#include "posix/event_loop.h"
+#include "posix/tcp_socket.h"
+
+struct MHD_Connection;
+struct MHD_Daemon;
+
+namespace etcm::port {
+
+struct WebServerOptions {
+  SocketAddress listen;
+  std::uint32_t clients_max = 0;  // connections; further ones wait until one closes
+  Duration request_time_max = std::chrono::seconds(15);  // idle before a request included
+  Duration answer_time_max = std::chrono::seconds(60);
+};
+
+class WebServer final : private EventHandler {
+ public:
+  // A request line with all its headers has to fit, and what an answer's next bytes go through.
+  static constexpr std::size_t connection_memory = 16384;
+
+  // Listens at once; throws std::system_error where it cannot. `loop` and `site` must outlive this.
+  // Counts in `counters`, which must outlive this too.
+  WebServer(EventLoop& loop, WebSite& site, const WebServerOptions& options,
+            ServiceCounters& counters);
+  ~WebServer();
+  WebServer(const WebServer&) = delete;
+  WebServer& operator=(const WebServer&) = delete;
+
+  // Who may connect from now on; at first everybody. Hangs up on those who no longer may.
+  void allow(std::vector<Network> networks);
+
+  // Does what has become possible: takes requests, sends a part of each answer under way.
+  void advance(Instant now);
+  Instant next_deadline() const;
+
+  SocketAddress address() const { return address_; }
+
+ private:
+  class Callbacks;  // what libmicrohttpd calls
+
+  // A connection, or a place for one.
+  struct Client {
+    WebServer* server = nullptr;
+    int descriptor = -1;
+    std::uint32_t host = 0;
+    bool is_free = true;
+    bool is_reading = false;  // an answer of the site
+    Instant overdue{};
+  };
+  struct StopDaemon {
+    void operator()(MHD_Daemon* daemon) const;
+  };
+
+  void on_ready(bool can_read, bool can_write) override;
+  void close_overdue();
+  void hang_up(Client& client);
+  static bool has_gone(const Client& client);
+
+  EventLoop& loop_;
+  WebSite& site_;
+  const WebServerOptions options_;
+  ServiceCounters& counters_;
+  SocketAddress address_;
+  std::vector<Network> allowed_{everybody};
+  std::vector<Client> clients_;
+  std::unique_ptr<MHD_Daemon, StopDaemon> daemon_;
+  int descriptor_ = -1;  // ready when the daemon has something to do
+  bool is_ready_ = false;
+  Instant now_{};
+  Instant overdue_check_{};
+};
+
+}  // namespace etcm::port

@@ -1,0 +1,271 @@
+// The web server against clients of all sorts, on real sockets; time is in the test's hand.
+#include "http/web_server.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <map>
+
+#include "peer.h"
+
+namespace etcm::port {
+namespace {
+
+using namespace std::chrono_literals;
+
+// Counts from 0 in lines, for as many bytes as a path asks for: "/100". Other paths are not there.
+class CountingSite final : public WebSite {
+ public:
+  WebAnswer begin(std::size_t reader, std::string_view path) override {
+    paths.emplace_back(path);
+    ++begun;
+    left_[reader] = static_cast<std::size_t>(std::atoll(std::string(path.substr(1)).c_str()));
+    if (left_[reader] == 0) return {.status = web_status::not_found};
+    return {.media_type = "text/plain", .version = 0xabcd};
+  }
+  std::size_t read(std::size_t reader, std::span<char> out) override {
+    const std::size_t count = std::min(left_[reader], out.size());
+    std::fill_n(out.begin(), count, 'x');
+    left_[reader] -= count;
+    return count;
+  }
+  void end(std::size_t) override { ++ended; }
+
+  std::vector<std::string> paths;
+  std::uint32_t begun = 0;
+  std::uint32_t ended = 0;
+
+ private:
+  std::map<std::size_t, std::size_t> left_;
+};
+
+class WebServerTest : public testing::Test {
+ protected:
+  // A client that has sent `request`.
+  FileDescriptor client(const std::string& request) {
+    FileDescriptor socket = connect_tcp(server_.address());
+    EXPECT_TRUE(turn_until([&] { return is_writable(socket.get()); }));
+    send(socket.get(), request);
+    return socket;
+  }
+  static bool is_writable(int descriptor) {
+    pollfd waiting{.fd = descriptor, .events = POLLOUT, .revents = 0};
+    return ::poll(&waiting, 1, 0) == 1;
+  }
+  // Closed by the server, politely or not.
+  static bool is_gone(int descriptor) {
+    char byte;
+    const ssize_t count = ::recv(descriptor, &byte, 1, MSG_DONTWAIT | MSG_PEEK);
+    return count == 0 || (count < 0 && errno == ECONNRESET);
+  }
+  static void send(int descriptor, const std::string& text) {
+    ASSERT_EQ(::send(descriptor, text.data(), text.size(), MSG_NOSIGNAL),
+              static_cast<ssize_t>(text.size()));
+  }
+
+  void turn() {
+    server_.advance(now_);
+    loop_.wait(std::clamp<Duration>(server_.next_deadline() - now_, 0ms, 5ms));
+  }
+  testing::AssertionResult turn_until(const std::function<bool()>& condition) {
+    const SteadyClock clock;
+    const Instant end = clock.now() + patience;
+    while (!condition()) {
+      if (clock.now() > end) return testing::AssertionFailure() << "it never came";
+      turn();
+    }
+    return testing::AssertionSuccess();
+  }
+
+  // Everything until `ending` has come or the server has closed.
+  std::string receive(int descriptor, const std::string& ending = "\r\n0\r\n\r\n") {
+    Bytes bytes;
+    std::string text;
+    EXPECT_TRUE(turn_until([&] {
+      receive_available(descriptor, bytes);
+      text.assign(bytes.begin(), bytes.end());
+      return text.ends_with(ending) || is_gone(descriptor);
+    })) << text.substr(0, 500);
+    return text;
+  }
+  std::string get(const std::string& path) {
+    const FileDescriptor socket = client("GET " + path + " HTTP/1.1\r\nHost: gateway\r\n\r\n");
+    return receive(socket.get());
+  }
+
+  EventLoop loop_;
+  CountingSite site_;
+  ServiceCounters counters_;
+  WebServer server_{
+      loop_, site_, {.listen = {.host = 0x7f000001, .port = 0}, .clients_max = 8}, counters_};
+  Instant now_{1h};
+};
+
+TEST_F(WebServerTest, AnAnswerHasItsContentAndItsHeaders) {
+  const std::string answer = get("/100");
+  EXPECT_TRUE(answer.starts_with("HTTP/1.1 200 OK\r\n")) << answer;
+  EXPECT_NE(answer.find("\r\nContent-Type: text/plain\r\n"), std::string::npos);
+  EXPECT_NE(answer.find("\r\nETag: \"abcd\"\r\n"), std::string::npos);
+  EXPECT_NE(answer.find("\r\nContent-Security-Policy: default-src 'self'"), std::string::npos);
+  EXPECT_EQ(std::count(answer.begin(), answer.end(), 'x'), 100 + 1) << "one is in a header";
+}
+
+TEST_F(WebServerTest, AConnectionServesOneRequestAfterTheOther) {
+  const FileDescriptor socket = client("GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
+  receive(socket.get());
+  send(socket.get(), "GET /20 HTTP/1.1\r\nHost: a\r\n\r\n");
+  EXPECT_NE(receive(socket.get()).find(std::string(20, 'x')), std::string::npos);
+  EXPECT_EQ(site_.begun, 2u);
+  EXPECT_TRUE(turn_until([&] { return site_.ended == 2; }));
+  EXPECT_EQ(counters_.clients, 1u);
+}
+
+TEST_F(WebServerTest, WhoIsNotAllowedIsTurnedAway) {
+  const FileDescriptor before = client("GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
+  receive(before.get());
+  server_.allow({{.host = 0x0a000000, .prefix = 8}});
+  EXPECT_TRUE(turn_until([&] { return is_gone(before.get()) && counters_.clients == 0; }));
+  const FileDescriptor after = client("GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
+  EXPECT_TRUE(turn_until([&] { return is_gone(after.get()); }));
+  EXPECT_EQ(site_.begun, 1u);
+  EXPECT_EQ(counters_.refused, 2u);
+  server_.allow({this_machine});
+  EXPECT_TRUE(get("/10").starts_with("HTTP/1.1 200 OK\r\n"));
+}
+
+TEST_F(WebServerTest, WhatTheClientHasIsNotSentAgain) {
+  const FileDescriptor socket =
+      client("GET /1000 HTTP/1.1\r\nHost: a\r\nIf-None-Match: \"abcd\"\r\n\r\n");
+  EXPECT_TRUE(receive(socket.get(), "\r\n\r\n").starts_with("HTTP/1.1 304 Not Modified\r\n"));
+  EXPECT_EQ(site_.ended, 1u);
+}
+
+TEST_F(WebServerTest, HeadHasNoContent) {
+  const FileDescriptor socket = client("HEAD /100 HTTP/1.1\r\nHost: a\r\n\r\n");
+  const std::string answer = receive(socket.get(), "\r\n\r\n");
+  EXPECT_TRUE(answer.starts_with("HTTP/1.1 200 OK\r\n"));
+  EXPECT_EQ(answer.find("xxx"), std::string::npos);
+}
+
+TEST_F(WebServerTest, OtherMethodsAreRefusedAndReachNobody) {
+  for (const char* method : {"POST", "PUT", "DELETE", "OPTIONS", "TRACE", "get", "X"}) {
+    const FileDescriptor socket = client(std::string(method) + " /10 HTTP/1.1\r\nHost: a\r\n\r\n");
+    EXPECT_TRUE(receive(socket.get(), "\r\n\r\n").starts_with("HTTP/1.1 405 ")) << method;
+  }
+  EXPECT_EQ(site_.begun, 0u);
+  EXPECT_EQ(counters_.refused, 7u);
+}
+
+TEST_F(WebServerTest, APathIsOnlyEverText) {
+  for (const char* path :
+       {"/../../etc/passwd", "/..%2f..%2fetc%2fpasswd", "/%00", "/%zz", "//", "/10%00"}) {
+    const std::string answer = get(path);
+    EXPECT_TRUE(answer.starts_with("HTTP/1.1 404 ") || answer.starts_with("HTTP/1.1 400 ") ||
+                std::string_view(path) == "/10%00")
+        << path << ": " << answer.substr(0, 100);
+  }
+}
+
+TEST_F(WebServerTest, WhatIsNoHttpCostsTheConnection) {
+  for (const std::string& garbage :
+       {std::string("\x16\x03\x01\x02\x00\x01\x00\r\n\r\n", 11), std::string("GET\r\n\r\n"),
+        std::string("\r\n\r\n\r\n\r\n"), std::string("GET /10 HTTP/9.9\r\n\r\n"),
+        "GET /10 HTTP/1.1\r\nContent-Length: -5\r\nHost: a\r\n\r\n" + std::string(64, '\0')}) {
+    const FileDescriptor socket = client(garbage);
+    // Whatever it is told, it is gone when its time is up.
+    for (int i = 0; i < 20; ++i) turn();
+    now_ += 2min;
+    EXPECT_TRUE(turn_until([&] {
+      Bytes bytes;
+      receive_available(socket.get(), bytes);
+      return is_gone(socket.get());
+    }));
+  }
+  EXPECT_NE(get("/10").find("xxxxxxxxxx"), std::string::npos);
+}
+
+TEST_F(WebServerTest, AHugeHeaderIsRefused) {
+  const FileDescriptor socket = client("GET /10 HTTP/1.1\r\nHost: a\r\nCookie: ");
+  const std::string more(4096, 'c');
+  std::size_t sent = 0;
+  EXPECT_TRUE(turn_until([&] {
+    // The server may close meanwhile.
+    if (sent < 100'000 && ::send(socket.get(), more.data(), more.size(), MSG_NOSIGNAL) > 0) {
+      sent += more.size();
+    }
+    Bytes bytes;
+    receive_available(socket.get(), bytes);
+    return is_gone(socket.get());
+  }));
+  EXPECT_EQ(site_.begun, 0u);
+}
+
+TEST_F(WebServerTest, ARequestThatDripsInRunsOutOfTime) {
+  const FileDescriptor slow = client("GET /10 HTTP/1.1\r\n");
+  for (int i = 0; i < 20 && !is_gone(slow.get()); ++i) {
+    ::send(slow.get(), "A: b\r\n", 6, MSG_NOSIGNAL);
+    now_ += 1s;
+    for (int turns = 0; turns < 3; ++turns) turn();
+  }
+  EXPECT_TRUE(is_gone(slow.get()));
+  EXPECT_EQ(counters_.clients, 0u);
+  EXPECT_EQ(counters_.refused, 1u);
+}
+
+TEST_F(WebServerTest, ASlowReaderHoldsUpNobodyAndIsClosedInTheEnd) {
+  constexpr std::size_t much = 50'000'000;
+  const FileDescriptor slow =
+      client("GET /" + std::to_string(much) + " HTTP/1.1\r\nHost: a\r\n\r\n");
+  EXPECT_TRUE(turn_until([&] { return site_.begun == 1; }));
+  // Nothing can be done for it, so nothing is.
+  EXPECT_TRUE(turn_until([&] { return server_.next_deadline() > now_; }));
+  EXPECT_NE(get("/10").find("xxxxxxxxxx"), std::string::npos);
+  now_ += 61s;
+  EXPECT_TRUE(turn_until([&] { return counters_.clients == 0; }));
+  EXPECT_EQ(site_.ended, site_.begun);
+}
+
+TEST_F(WebServerTest, AnIdleConnectionIsClosed) {
+  const FileDescriptor idle = client("");
+  EXPECT_TRUE(turn_until([&] { return counters_.clients == 1; }));
+  now_ += 14s;
+  turn();
+  EXPECT_EQ(counters_.clients, 1u);
+  now_ += 2s;
+  EXPECT_TRUE(turn_until([&] { return counters_.clients == 0; }));
+  EXPECT_TRUE(turn_until([&] { return server_.next_deadline() == never; }));
+}
+
+TEST_F(WebServerTest, MoreClientsThanThereIsRoomForComeLater) {
+  std::vector<FileDescriptor> idle;
+  for (int i = 0; i < 200; ++i) idle.push_back(client(""));
+  for (int i = 0; i < 20; ++i) turn();
+  EXPECT_EQ(counters_.clients, 8u);
+  // They have nothing to say, so their time ends, again and again.
+  const FileDescriptor last = client("GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
+  Bytes bytes;
+  EXPECT_TRUE(turn_until([&] {
+    now_ += 1s;
+    receive_available(last.get(), bytes);
+    return bytes.size() > 10;
+  }));
+  EXPECT_LE(counters_.clients, 8u);
+}
+
+TEST_F(WebServerTest, ClientsThatVanishLeaveNothingBehind) {
+  for (int i = 0; i < 50; ++i) {
+    const FileDescriptor gone =
+        client(i % 2 == 0 ? "GET /1000000 HTTP/1.1\r\nHost: a\r\n\r\n" : "GET /1");
+    turn();
+  }
+  // One that went away with half a request said may look like one that has yet to say the rest.
+  EXPECT_TRUE(turn_until([&] {
+    now_ += 1s;
+    return counters_.clients == 0;
+  }));
+  EXPECT_EQ(site_.ended, site_.begun);
+}
+
+}  // namespace
+}  // namespace etcm::port
