@@ -1,4 +1,4 @@
-// The configured features, by the serials of their ends, and which of them are in the mesh.
+// The configured features, by their ends, and which of them are in the mesh.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +16,7 @@ struct FeatureRecord {
   FeatureId id;                 // none: not in the mesh
   Status refusal = Status::ok;  // why the mesh refused it; it waits for the mesh to make room
   std::uint32_t refused_epoch = 0;
+  port::Instant refused_since{};
 
   bool is_active() const { return !id.is_none(); }
 };
@@ -28,8 +29,8 @@ class FeatureBook {
   std::span<FeatureRecord> records() { return records_; }
   std::span<const FeatureRecord> records() const { return records_; }
 
-  // The numbers (from 0) of the features that end at this node.
-  std::span<const std::uint32_t> ending_at(std::uint32_t serial) const;
+  // The numbers (from 0) of the features that end here.
+  std::span<const std::uint32_t> ending_at(const FeatureEnd& end) const;
 
   // The feature with this id; its number counts from 0. REQUIRES: the id is active.
   std::uint32_t number_of(FeatureId id) const { return number_by_id_[id.value]; }
@@ -37,7 +38,7 @@ class FeatureBook {
   void activate(std::uint32_t number, FeatureId id);
   // It waits for its ends, neither in the mesh nor refused.
   void deactivate(std::uint32_t number);
-  void refuse(std::uint32_t number, Status why, std::uint32_t epoch);
+  void refuse(std::uint32_t number, Status why, std::uint32_t epoch, port::Instant now);
 
   std::uint32_t active_count() const { return active_count_; }
   std::uint32_t refused_count() const { return refused_count_; }
@@ -47,7 +48,7 @@ class FeatureBook {
 
  private:
   struct End {
-    std::uint32_t serial;
+    std::uint64_t key;
     std::uint32_t first;  // into numbers_
     std::uint32_t count;
   };
@@ -55,8 +56,8 @@ class FeatureBook {
   void clear_refusal(FeatureRecord& record);
 
   std::vector<FeatureRecord> records_;
-  std::vector<std::uint32_t> numbers_;  // grouped by serial
-  std::vector<End> ends_;               // sorted by serial
+  std::vector<std::uint32_t> numbers_;  // grouped by end
+  std::vector<End> ends_;               // sorted by key
   std::vector<std::uint32_t> number_by_id_;
   std::uint32_t active_count_ = 0;
   std::uint32_t refused_count_ = 0;

@@ -1,7 +1,6 @@
 #include "gateway.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,23 +14,18 @@ namespace {
 
 using namespace std::chrono_literals;
 
+// The published one, the next, and what a client that reads slowly is pinned to.
+constexpr std::size_t images_ready = 3;
+
 std::int64_t squared_distance(Position a, Position b) {
   const std::int64_t dx = std::int64_t{a.x} - b.x;
   const std::int64_t dy = std::int64_t{a.y} - b.y;
   return dx * dx + dy * dy;
 }
 
-// Whether a feature ends at this serial.
-bool names(const std::vector<FeatureSettings>& features, std::uint32_t serial) {
-  return std::any_of(features.begin(), features.end(), [&](const FeatureSettings& feature) {
-    return feature.from == serial || feature.to == serial;
-  });
-}
-
-std::string swapped_text(const std::string& unit, std::uint32_t serial) {
-  return unit + ": answers with serial " + std::to_string(swap_words(serial)) + ", which is " +
-         std::to_string(serial) +
-         " with its words swapped; set `word_order` of the bus (ABCD <-> CDAB, BADC <-> DCBA)";
+// An eighth of the pause it watches for is late by little, and costs little.
+port::Duration sweep_interval(const PollSettings& poll) {
+  return std::clamp<port::Duration>(std::min(poll.stale_after, poll.leave_after) / 8, 1ms, 1s);
 }
 
 }  // namespace
@@ -39,13 +33,45 @@ std::string swapped_text(const std::string& unit, std::uint32_t serial) {
 Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports)
     : settings_(settings),
       ports_(ports),
-      poller_(settings.poll, ports.buses, *this, ports.log),
+      poller_(settings.poll, ports.buses, *this, ports.log, this),
       roster_(poller_.unit_count()),
-      disbelieved_(poller_.unit_count(), no_serial),
-      keeper_(mesh, settings.features, roster_, ports.clock, ports.log),
-      // An eighth of the pause it watches for is late by little, and costs little.
-      sweep_interval_(std::clamp<port::Duration>(
-          std::min(settings.poll.stale_after, settings.poll.leave_after) / 8, 1ms, 1s)) {}
+      keeper_(mesh, settings, roster_, ports.clock, ports.log),
+      admission_(settings.poll, keeper_.features(), roster_, poller_, ports.log),
+      assigner_(settings.poll, poller_, roster_, ports.log),
+      write_back_(settings, poller_, roster_, keeper_, ports.log),
+      is_assigning_(poller_.bus_count()),
+      snapshots_(settings, static_cast<std::uint32_t>(roster_.records().size())),
+      images_(settings.mesh.vertices_max, images_ready, settings.server.clients_max + 2),
+      state_transfer_(keeper_, roster_, poller_),
+      sweep_interval_(sweep_interval(settings.poll)) {
+  quarantine_.reserve(quarantine_max(roster_, keeper_.features(), keeper_.anchors(), admission_));
+  if (ports.store != nullptr && settings.state) {
+    state_keeper_.emplace(settings, publish_pause, *ports.store, ports.log);
+  }
+}
+
+void Gateway::restore(port::Instant now) {
+  if (!state_keeper_) return;
+  const std::optional<SavedState> saved = state_keeper_->load();
+  if (!saved) return;
+  generation_ = saved->next_generation - 1;
+  const bool is_same = state_transfer_.restore(*saved, generation_ + 1, now);
+  const Mesh& mesh = keeper_.mesh();
+  ports_.log.write(
+      port::Level::info,
+      std::string(is_same ? "restored the mesh" : "restored the nodes, not their mesh,") +
+          " of generation " + std::to_string(saved->generation) + ": " +
+          std::to_string(keeper_.node_count()) + " of " + std::to_string(saved->nodes.size()) +
+          " nodes, " + std::to_string(keeper_.features().active_count()) + " features, " +
+          std::to_string(mesh.steiner_count()) +
+          " Steiner vertices; all are stale until they answer");
+  static_cast<void>(keeper_.take_changed());
+  // Where somebody was is not looked for in its turn, but at once.
+  for (const NodeRecord& node : roster_.records()) {
+    if (node.unit != no_unit) poller_.ask_unit_at_once(node.unit, now);
+  }
+  publish(now);
+}
 
 void Gateway::step(port::Instant now) {
   poller_.step(now);
@@ -55,24 +81,42 @@ void Gateway::step(port::Instant now) {
   }
   keeper_.retry_refused(generation_ + 1);
   changed_ = keeper_.take_changed() || changed_;
-  if (changed_ && published_at_ + publish_pause <= now) publish(now);
+  changed_ = admission_.take_changed() || changed_;
+  if (changed_ && publish_due_ <= now) publish(now);
   if (files_due() <= now) write_files(now);
+  if (state_keeper_) {
+    state_keeper_->step();
+    if (state_keeper_->is_due(now)) save_state(now);
+  }
+}
+
+void Gateway::update_settings() {
+  poller_.update_timeouts();
+  sweep_interval_ = sweep_interval(settings_.poll);
+  keeper_.update_site(generation_ + 1);
+  quarantine_.reserve(quarantine_max(roster_, keeper_.features(), keeper_.anchors(), admission_));
 }
 
 port::Instant Gateway::next_deadline() const {
   port::Instant deadline = std::min({poller_.next_deadline(), sweep_due_, files_due()});
-  if (changed_) deadline = std::min(deadline, published_at_ + publish_pause);
+  if (state_keeper_) deadline = std::min(deadline, state_keeper_->next_deadline());
+  if (changed_) deadline = std::min(deadline, publish_due_);
   return deadline;
 }
 
 void Gateway::finish(port::Instant now) {
   if (changed_) publish(now);
   if (ports_.files != nullptr && files_outdated_) write_files(now);
+  if (state_keeper_ && !ports_.store->is_saving()) {
+    state_keeper_->step();
+    state_keeper_->finish();
+    save_state(now);
+  }
   const Mesh& mesh = keeper_.mesh();
   const Audit audited = audit(mesh);
   ports_.log.write(audited ? port::Level::info : port::Level::error,
                    "ends at generation " + std::to_string(generation_) + ": " +
-                       std::to_string(mesh.node_count()) + " nodes, " +
+                       std::to_string(keeper_.node_count()) + " nodes, " +
                        std::to_string(keeper_.features().active_count()) + " of " +
                        std::to_string(keeper_.features().records().size()) + " features, " +
                        std::to_string(mesh.steiner_count()) + " Steiner vertices, " +
@@ -81,10 +125,27 @@ void Gateway::finish(port::Instant now) {
                                 : std::string("audit failed: ") + to_string(audited.broken)));
 }
 
+void Gateway::finish_saving() {
+  if (state_keeper_) state_keeper_->step();
+}
+
+void Gateway::save_state(port::Instant now) {
+  state_transfer_.write(state_keeper_->begin(generation_, keeper_.mesh().hash()), now);
+  state_keeper_->save(now);
+}
+
 bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::Instant now) {
-  NodeRecord* const node = record_of(unit, reading.serial);
+  NodeRecord* const node = admission_.admit(unit, reading.serial, now);
   if (node == nullptr) return false;
   node->heard_at = now;
+  node->status = reading.status;
+  if (node->boot_count != reading.boot_count) {
+    node->boot_count = reading.boot_count;
+    write_back_.look_again();
+  }
+  if (poller_.address_of(unit) == default_unit) {
+    assigner_.on_newcomer(poller_.bus_of(unit), reading.serial, now);
+  }
   if (node->stale) {
     node->stale = false;
     changed_ = true;
@@ -105,51 +166,31 @@ bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::I
   return true;
 }
 
-// The record for what a unit answered; null when it must not be believed.
-NodeRecord* Gateway::record_of(std::uint32_t unit, std::uint32_t serial) {
-  NodeRecord& here = roster_.at(unit);
-  const std::string name = poller_.name(unit);
-  if (here.is_known() && here.serial != serial) {
-    // Another node took over the unit. Until the old one has been silent long enough to leave,
-    // nobody can tell.
-    if (here.serial == swap_words(serial)) {
-      disbelieve(unit, serial, swapped_text(name, here.serial));
-      return nullptr;
-    }
-    disbelieve(unit, serial,
-               name + ": answers with serial " + std::to_string(serial) + " instead of " +
-                   std::to_string(here.serial) + "; believed once node " +
-                   std::to_string(here.serial) + " has left");
-    return nullptr;
-  }
-  if (!here.is_known()) {
-    if (!names(settings_.features, serial) && names(settings_.features, swap_words(serial))) {
-      disbelieve(unit, serial, swapped_text(name, swap_words(serial)));
-      return nullptr;
-    }
-    NodeRecord* const elsewhere = roster_.find(serial);
-    if (elsewhere == nullptr) {
-      roster_.bind(unit, serial);
-    } else if (const std::uint32_t other = roster_.unit_of(*elsewhere); poller_.is_failing(other)) {
-      ports_.log.write(port::Level::info, "node " + std::to_string(serial) + " went from " +
-                                              poller_.name(other) + " to " + name);
-      roster_.move(*elsewhere, unit);
-    } else {
-      disbelieve(unit, serial,
-                 "two nodes with serial " + std::to_string(serial) + ": " + poller_.name(other) +
-                     " and " + name + "; the second is ignored, give it a serial of its own");
-      return nullptr;
-    }
-  }
-  disbelieved_[unit] = no_serial;
-  return &here;
+port::Instant Gateway::errand_due(std::uint32_t bus) const {
+  return std::min(assigner_.due(bus), write_back_.due(bus));
 }
 
-// Says so once, not at each poll.
-void Gateway::disbelieve(std::uint32_t unit, std::uint32_t serial, const std::string& why) {
-  if (std::exchange(disbelieved_[unit], serial) != serial) {
-    ports_.log.write(port::Level::error, why);
+bool Gateway::next_errand(std::uint32_t bus, port::Instant now, Errand& errand) {
+  is_assigning_[bus] = assigner_.due(bus) <= now;
+  if (is_assigning_[bus]) {
+    assigner_.next(bus, errand);
+    return true;
   }
+  return write_back_.next(bus, changed_ ? generation_ + 1 : generation_, now, errand);
+}
+
+void Gateway::on_errand_done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now) {
+  if (!is_assigning_[bus]) return write_back_.done(bus, answer, now);
+  const std::uint32_t unit = assigner_.done(bus, answer, now);
+  if (unit == no_unit) return;
+  const std::uint32_t newcomers = poller_.unit_at(bus, default_unit);
+  NodeRecord* const node = roster_.find(assigner_.last_serial(bus));
+  if (node != nullptr && node->unit == newcomers) {
+    roster_.seat(*node, unit);
+    poller_.expect_silence(newcomers);
+    write_back_.look_again();
+  }
+  poller_.ask_unit_at_once(unit, now);
 }
 
 void Gateway::place(NodeRecord& node) {
@@ -166,6 +207,7 @@ void Gateway::place(NodeRecord& node) {
 }
 
 void Gateway::sweep_silent(port::Instant now) {
+  admission_.sweep(now);
   for (NodeRecord& node : roster_.records()) {
     if (!node.is_known()) continue;
     const port::Duration silence = now - node.heard_at;
@@ -184,12 +226,16 @@ void Gateway::sweep_silent(port::Instant now) {
 void Gateway::publish(port::Instant now) {
   ++generation_;
   changed_ = false;
-  published_at_ = now;
   files_outdated_ = true;
-  const Snapshot snapshot = take_snapshot(now);
+  if (state_keeper_) state_keeper_->outdate();
+  const port::Instant started = ports_.clock.now();
+  write_back_.look_again();
+  list_quarantine(roster_, keeper_.features(), keeper_.anchors(), admission_, quarantine_);
+  const Snapshot& snapshot = snapshots_.take(generation_, keeper_, roster_, quarantine_, now);
   state_ = snapshot.state;
-  ports_.server.publish(std::make_shared<const port::RegisterImage>(
-      encode_mesh(snapshot, settings_.mesh.vertices_max)));
+  ports_.server.publish(images_.encode(snapshot));
+  // A large mesh takes its time; polling must not wait for it often.
+  publish_due_ = now + std::max(publish_pause, publish_share * (ports_.clock.now() - started));
 }
 
 port::Instant Gateway::files_due() const {
@@ -209,68 +255,10 @@ void Gateway::write_files(port::Instant now) {
   }
 }
 
-Snapshot Gateway::take_snapshot(port::Instant now) const {
-  const Mesh& mesh = keeper_.mesh();
-  const FeatureBook& features = keeper_.features();
-  Snapshot snapshot{.generation = generation_,
-                    .node_count = mesh.node_count(),
-                    .steiner_count = mesh.steiner_count(),
-                    .triangle_count = mesh.finite_triangle_count(),
-                    .features_active = features.active_count(),
-                    .features_configured = static_cast<std::uint32_t>(features.records().size()),
-                    .quarantined_count = features.refused_count(),
-                    .mesh_hash = mesh.hash(),
-                    .vertices = {},
-                    .neighbours = {}};
-  snapshot.vertices.resize(mesh.vertex_id_end() - 1);
-  snapshot.neighbours.reserve(6 * std::size_t{mesh.vertex_id_end()});
-  std::vector<Neighbour> around;
-  for (std::uint32_t row = 0; row < snapshot.vertices.size(); ++row) {
-    const VertexId id{static_cast<IdValue>(row + 1)};
-    SnapshotVertex& vertex = snapshot.vertices[row];
-    vertex.kind = mesh.kind(id);
-    if (vertex.kind == VertexKind::none) continue;
-    vertex.point = mesh.point(id);
-    if (vertex.kind == VertexKind::node) {
-      vertex.serial = keeper_.serials()[id.value];
-    } else {
-      vertex.feature = features.number_of(mesh.feature_of(id)) + 1;
-    }
-    std::uint32_t degree = mesh.neighbours(id, around);
-    if (degree > around.size()) {
-      around.resize(degree);
-      degree = mesh.neighbours(id, around);
-    }
-    vertex.degree = static_cast<std::uint16_t>(degree);
-    vertex.first_neighbour = static_cast<std::uint32_t>(snapshot.neighbours.size());
-    for (const Neighbour& neighbour : std::span(around).first(degree)) {
-      snapshot.neighbours.push_back(
-          {.row = neighbour.vertex.value - 1u, .constrained = neighbour.constrained});
-    }
-  }
-  snapshot.edge_count = static_cast<std::uint32_t>(snapshot.neighbours.size() / 2);
-
-  port::Duration oldest{};
-  for (const NodeRecord& node : roster_.records()) {
-    if (node.refusal != Status::ok) ++snapshot.quarantined_count;
-    if (!node.is_placed()) continue;
-    oldest = std::max(oldest, now - node.positioned_at);
-    snapshot.vertices[node.vertex.value - 1u].stale = node.stale;
-    if (node.stale) ++snapshot.stale_count;
-  }
-  snapshot.oldest_age_ms = static_cast<std::uint32_t>(
-      std::min<std::int64_t>(oldest / 1ms, std::numeric_limits<std::uint32_t>::max()));
-  if (snapshot.quarantined_count > 0 || snapshot.features_active < snapshot.features_configured) {
-    snapshot.state |= snapshot_state::partial;
-  }
-  if (snapshot.stale_count > 0) snapshot.state |= snapshot_state::stale;
-  if (keeper_.is_short_of_room()) snapshot.state |= snapshot_state::budget_hit;
-  return snapshot;
-}
-
 std::shared_ptr<const port::RegisterImage> empty_image(const Settings& settings) {
-  return std::make_shared<const port::RegisterImage>(
-      encode_mesh(Snapshot{}, settings.mesh.vertices_max));
+  auto image = std::make_shared<port::RegisterImage>();
+  encode_mesh(Snapshot{}, settings.mesh.vertices_max, *image);
+  return image;
 }
 
 }  // namespace etcm::firmware

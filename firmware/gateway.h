@@ -8,72 +8,113 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "address_assigner.h"
+#include "admission.h"
 #include "etcm/port/clock.h"
 #include "etcm/port/log.h"
 #include "etcm/port/mesh_files.h"
 #include "etcm/port/mesh_server.h"
+#include "etcm/port/store.h"
+#include "image_pool.h"
 #include "mesh_keeper.h"
 #include "poller.h"
+#include "quarantine.h"
 #include "roster.h"
 #include "settings.h"
-#include "snapshot.h"
+#include "snapshot_taker.h"
+#include "state_keeper.h"
+#include "state_transfer.h"
+#include "write_back.h"
 
 namespace etcm::firmware {
 
-// Least time between two publications.
+// Least time between two publications; and at most this share of all time is spent on them.
 inline constexpr port::Duration publish_pause = std::chrono::milliseconds(100);
+inline constexpr int publish_share = 20;
 
 struct GatewayPorts {
   std::span<const PolledBus> buses;
   port::MeshServer& server;
   port::MeshFiles* files = nullptr;  // null: no files are wanted
+  port::Store* store = nullptr;      // null: nothing outlives a restart
   const port::Clock& clock;
   port::Log& log;
 };
 
-class Gateway final : private ReadingListener {
+class Gateway final : private ReadingListener, private Errands {
  public:
   // The mesh is open and empty. All arguments must outlive the gateway.
   Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports);
 
+  // Publishes the mesh that the store has of an earlier run, all nodes stale. Before the first
+  // step.
+  void restore(port::Instant now);
+
   void step(port::Instant now);
   port::Instant next_deadline() const;
 
-  // Publishes what is still unpublished, and says how things stand.
+  // Publishes what is still unpublished, and says how things stand. Also starts the last save,
+  // unless one is under way.
   void finish(port::Instant now);
+  // Hears how that save went.
+  void finish_saving();
 
   // Asks the units with this address next: somebody says that a node is there.
   void ask_at_once(std::uint8_t address, port::Instant now) { poller_.ask_at_once(address, now); }
 
+  // The settings have changed, in what can change while the gateway runs (reload.h).
+  void update_settings();
+
   std::uint32_t generation() const { return generation_; }
-  std::uint32_t node_count() const { return keeper_.mesh().node_count(); }
+  std::uint32_t node_count() const { return keeper_.node_count(); }
+  // A change of the mesh has waited for so long beyond the pause between two generations.
+  bool is_late(port::Instant now, port::Duration patience) const {
+    return changed_ && publish_due_ + patience < now;
+  }
   // As published last (snapshot.h).
   std::uint16_t state() const { return state_; }
+  const Snapshot& snapshot() const { return snapshots_.latest(); }
+
+  const Poller& poller() const { return poller_; }
+  const Roster& roster() const { return roster_; }
+  const MeshTimes& mesh_times() const { return keeper_.times(); }
+  // As published last.
+  std::span<const QuarantineEntry> quarantine() const { return quarantine_; }
 
  private:
   bool on_reading(std::uint32_t unit, const NodeReading& reading, port::Instant now) override;
-  NodeRecord* record_of(std::uint32_t unit, std::uint32_t serial);
-  void disbelieve(std::uint32_t unit, std::uint32_t serial, const std::string& why);
+  port::Instant errand_due(std::uint32_t bus) const override;
+  bool next_errand(std::uint32_t bus, port::Instant now, Errand& errand) override;
+  void on_errand_done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now) override;
   void place(NodeRecord& node);
   void sweep_silent(port::Instant now);
   void publish(port::Instant now);
   void write_files(port::Instant now);
-  Snapshot take_snapshot(port::Instant now) const;
   port::Instant files_due() const;
+  void save_state(port::Instant now);
 
   const Settings& settings_;
   const GatewayPorts ports_;
   Poller poller_;
   Roster roster_;
-  std::vector<std::uint32_t> disbelieved_;  // by unit: the serial that was not believed last
   MeshKeeper keeper_;
+  Admission admission_;
+  AddressAssigner assigner_;
+  WriteBack write_back_;
+  std::vector<bool> is_assigning_;  // by bus: whose errand is under way
+  std::vector<QuarantineEntry> quarantine_;
+  SnapshotTaker snapshots_;
+  ImagePool images_;
+  StateTransfer state_transfer_;
+  std::optional<StateKeeper> state_keeper_;
   port::Duration sweep_interval_;
   port::Instant sweep_due_{};
-  port::Instant published_at_{};
+  port::Instant publish_due_{};  // not before
   port::Instant files_tried_at_{};
   std::uint32_t generation_ = 0;  // published last
   std::uint16_t state_ = 0;

@@ -1,6 +1,9 @@
 // etcm-gateway: the only place that knows which adapters stand behind the interfaces.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -11,20 +14,31 @@
 #include <variant>
 #include <vector>
 
+#include "configuration.h"
 #include "etcm/mesh.h"
 #include "gateway.h"
+#include "http/web_server.h"
+#include "limited_log.h"
 #include "mesh_map.h"
 #include "modbus/register_server.h"
 #include "modbus/rtu_bus.h"
 #include "modbus/tcp_bus.h"
 #include "panel.h"
+#include "posix/background_store.h"
 #include "posix/event_loop.h"
 #include "posix/mesh_folder.h"
+#include "posix/process_memory.h"
+#include "posix/signal_watch.h"
 #include "posix/steady_clock.h"
 #include "posix/stop_signal.h"
 #include "posix/stream_log.h"
+#include "posix/systemd_notify.h"
+#include "recent_events.h"
+#include "reload.h"
+#include "saved_state.h"
+#include "service_watch.h"
 #include "settings.h"
-#include "site.h"
+#include "status_page.h"
 #ifdef ETCM_WITH_GPIO
 #include "gpio/gpio_lines.h"
 #endif
@@ -118,10 +132,63 @@ port::NodeBus* interface_of(const Bus& bus) {
   return std::visit([](const auto& adapter) -> port::NodeBus* { return adapter.get(); }, bus);
 }
 
-void run(const firmware::Settings& settings, port::Log& log) {
+// The status page and its server.
+class Web {
+ public:
+  Web(const firmware::HttpSettings& settings, const firmware::StatusSources& sources,
+      port::ServiceCounters& counters, port::EventLoop& loop)
+      : page_(sources, settings.clients_max),
+        server_(loop, page_, {.listen = settings.listen, .clients_max = settings.clients_max},
+                counters) {
+    allow(settings.allow);
+  }
+
+  void allow(const std::vector<port::Network>& networks) { server_.allow(networks); }
+
+  void step(port::Instant now) {
+    page_.advance(now);
+    server_.advance(now);
+  }
+  port::Instant next_deadline() const {
+    return std::min(page_.next_deadline(), server_.next_deadline());
+  }
+  port::SocketAddress address() const { return server_.address(); }
+
+ private:
+  firmware::StatusPage page_;
+  port::WebServer server_;
+};
+
+// A disk that does not answer holds up the end no longer than this.
+constexpr port::Duration exit_patience = std::chrono::seconds(5);
+
+void finish(firmware::Gateway& gateway, port::BackgroundStore* store, const port::Clock& clock,
+            port::Log& log) {
+  const port::Instant end = clock.now() + exit_patience;
+  if (store != nullptr) store->wait(exit_patience);
+  gateway.finish(clock.now());
+  if (store == nullptr) return;
+  if (!store->wait(end - clock.now())) {
+    log.write(port::Level::error, "state: the disk of " + store->folder() +
+                                      " does not answer; a restart finds an earlier state");
+    return;
+  }
+  gateway.finish_saving();
+}
+
+std::string list_of(const std::vector<port::Network>& networks) {
+  std::string list;
+  for (const port::Network& network : networks) {
+    list += (list.empty() ? "" : ", ") + to_string(network);
+  }
+  return list.empty() ? "nobody" : list;
+}
+
+void run(const std::string& config, firmware::Settings& settings, const port::Clock& clock,
+         port::Log& log, const firmware::RecentEvents& events) {
   port::EventLoop loop;
   port::StopSignal stop(loop);
-  const port::SteadyClock clock;
+  port::SignalWatch reread(loop, {SIGHUP});
 
   // All the memory the mesh ever has. operator new aligns it to 16; the mesh asks for 8.
   std::vector<std::byte> memory(storage_bytes(settings.mesh));
@@ -139,16 +206,29 @@ void run(const firmware::Settings& settings, port::Log& log) {
   }
   port::RegisterServer server(loop, settings.server.listen, settings.server.clients_max, identity,
                               firmware::empty_image(settings));
-  log.write(port::Level::info, "serves the mesh on " + to_string(server.address()));
+  server.allow(settings.server.allow, log);
+  log.write(port::Level::info, "serves the mesh on " + to_string(server.address()) + " to " +
+                                   list_of(settings.server.allow));
   std::unique_ptr<port::MeshFolder> folder;
   if (settings.files) {
     folder = std::make_unique<port::MeshFolder>(settings.files->folder, settings.files->name);
     log.write(port::Level::info, "writes " + folder->base() + ".node, .ele and .svg");
   }
 
-  firmware::Gateway gateway(
-      settings, mesh,
-      {.buses = polled, .server = server, .files = folder.get(), .clock = clock, .log = log});
+  std::unique_ptr<port::BackgroundStore> store;
+  if (settings.state) {
+    store = std::make_unique<port::BackgroundStore>(settings.state->folder,
+                                                    firmware::saved_state_size_max(settings), log);
+    log.write(port::Level::info, "keeps its state in " + store->folder());
+  }
+
+  firmware::Gateway gateway(settings, mesh,
+                            {.buses = polled,
+                             .server = server,
+                             .files = folder.get(),
+                             .store = store.get(),
+                             .clock = clock,
+                             .log = log});
   std::optional<firmware::Panel> panel;
   if (board.io() != nullptr) {
     panel.emplace(*board.io(),
@@ -158,28 +238,53 @@ void run(const firmware::Settings& settings, port::Log& log) {
                                        .watchdog = board.line_of(settings.gpio.watchdog)},
                   gateway);
   }
+  port::ServiceCounters readers;
+  std::optional<Web> web;
+  if (settings.http) {
+    web.emplace(*settings.http,
+                firmware::StatusSources{.gateway = gateway,
+                                        .settings = settings,
+                                        .events = events,
+                                        .masters = server.counters(),
+                                        .readers = readers,
+                                        .version = ETCM_VERSION,
+                                        .started_at = clock.now(),
+                                        .resident_bytes = port::resident_bytes},
+                readers, loop);
+    log.write(port::Level::info, "shows the status page on http://" + to_string(web->address()) +
+                                     " to " + list_of(settings.http->allow));
+  }
+  port::SystemdNotify manager;
+  firmware::ServiceWatch watch(manager, gateway, log);
+  gateway.restore(clock.now());
+  watch.ready(clock.now());
   while (!stop.received()) {
+    if (reread.take_received()) {
+      watch.reloading();
+      if (firmware::reload(config, settings, log)) {
+        server.allow(settings.server.allow, log);
+        if (web) web->allow(settings.http->allow);
+        gateway.update_settings();
+      }
+      watch.ready(clock.now());
+    }
     if (panel) panel->step(clock.now());
     gateway.step(clock.now());
-    const port::Instant deadline =
-        std::min(gateway.next_deadline(), panel ? panel->next_deadline() : port::never);
+    watch.step(clock.now());
+    if (web) web->step(clock.now());
+    const port::Instant deadline = std::min({gateway.next_deadline(), watch.next_deadline(),
+                                             panel ? panel->next_deadline() : port::never,
+                                             web ? web->next_deadline() : port::never});
     loop.wait(deadline - clock.now());
   }
-  gateway.finish(clock.now());
+  watch.stopping();
+  finish(gateway, store.get(), clock, log);
 }
 
-// Reads the settings and the site; prints every mistake.
+// Prints every mistake.
 bool read(const std::string& path, firmware::Settings& settings) {
   std::vector<std::string> mistakes;
-  settings = firmware::read_settings(path, mistakes);
-  if (!settings.site.empty()) {
-    try {
-      const auto features = firmware::read_site(settings.site);
-      settings.features.insert(settings.features.end(), features.begin(), features.end());
-    } catch (const std::runtime_error& error) {
-      mistakes.push_back(error.what());
-    }
-  }
+  settings = firmware::read_configuration(path, mistakes);
   for (const std::string& mistake : mistakes) std::fprintf(stderr, "%s\n", mistake.c_str());
   return mistakes.empty();
 }
@@ -210,6 +315,8 @@ int main(int argc, char** argv) {
                stderr);
     return exit_bad_settings;
   }
+  const port::SteadyClock clock;
+  port::StreamLog log(STDERR_FILENO);
   try {
     firmware::Settings settings;
     if (!read(config, settings)) return exit_bad_settings;
@@ -217,11 +324,14 @@ int main(int argc, char** argv) {
       std::printf("%s: good\n", config.c_str());
       return EXIT_SUCCESS;
     }
-    port::StreamLog log(stderr);
-    run(settings, log);
+    // Before both: noise fills neither the log nor the events of the status page.
+    firmware::RecentEvents events(clock, log);
+    firmware::LimitedLog limited(events, clock);
+    run(config, settings, clock, limited, events);
+    limited.flush();
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "etcm-gateway: %s\n", error.what());
+    log.write(port::Level::error, error.what());
     return EXIT_FAILURE;
   }
 }

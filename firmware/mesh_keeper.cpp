@@ -6,70 +6,75 @@ namespace etcm::firmware {
 
 namespace {
 
-std::string place_text(Position position) {
-  return "(" + std::to_string(position.x) + ", " + std::to_string(position.y) + ")";
+TextLine& operator<<(TextLine& line, Position position) {
+  return line << "(" << position.x << ", " << position.y << ")";
 }
 
-std::string counted(std::uint32_t count, const std::string& one, const std::string& many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
+struct Counted {
+  std::uint32_t count;
+  const char* one;
+  const char* many;
+};
 
-bool is_room_status(Status status) {
-  switch (status) {
-    case Status::out_of_vertices:
-    case Status::out_of_features:
-    case Status::steiner_budget:
-    case Status::step_limit:
-    case Status::grid_exhausted:
-      return true;
-    default:
-      return false;
-  }
+TextLine& operator<<(TextLine& line, const Counted& counted) {
+  return line << counted.count << " " << (counted.count == 1 ? counted.one : counted.many);
 }
 
 }  // namespace
 
-MeshKeeper::MeshKeeper(Mesh& mesh, std::span<const FeatureSettings> features, Roster& roster,
+MeshKeeper::MeshKeeper(Mesh& mesh, const Settings& settings, Roster& roster,
                        const port::Clock& clock, port::Log& log)
     : mesh_(mesh),
+      settings_(settings),
       roster_(roster),
       clock_(clock),
       log_(log),
-      features_(features, mesh.config().features_max),
-      serials_(mesh.config().vertices_max + 1, no_serial) {}
+      features_(settings.features, mesh.config().features_max),
+      anchors_(settings.anchors),
+      serials_(mesh.config().vertices_max + 1, no_serial) {
+  update_anchors();
+}
 
 void MeshKeeper::join(NodeRecord& node, std::uint32_t generation) {
   if (!is_worth_a_try(node)) return;
   const Before start = before();
+  if (const DomainPlace place = place_of(node.position); place != DomainPlace::inside) {
+    return refuse(node, "join", place, start);
+  }
   VertexId id;
   const Status status = mesh_.join(node.position, id);
-  if (status != Status::ok) return refuse(node, "join", status);
+  if (status != Status::ok) return refuse(node, "join", status, start);
   changed_ = true;
   node.vertex = id;
   node.placed = node.position;
-  node.refusal = Status::ok;
+  node.refusal = {};
   serials_[id.value] = node.serial;
-  activate_features_of(node);
-  log_.write(port::Level::info,
-             "node " + std::to_string(node.serial) + " joined at " + place_text(node.placed) +
-                 ": generation " + std::to_string(generation) + ", " +
-                 counted(mesh_.neighbours(id, {}), "neighbour", "neighbours") + difference(start));
+  activate_features_at(node.serial);
+  TextLine line;
+  line << "node " << node.serial << " joined at " << node.placed << ": generation " << generation
+       << ", " << Counted{mesh_.neighbours(id, {}), "neighbour", "neighbours"};
+  tell_difference(line, start);
+  log_.write(port::Level::info, line);
 }
 
 void MeshKeeper::move(NodeRecord& node, std::uint32_t generation) {
   if (!is_worth_a_try(node)) return;
   const Before start = before();
+  if (const DomainPlace place = place_of(node.position); place != DomainPlace::inside) {
+    return refuse(node, "move", place, start);
+  }
   const Status status = mesh_.move(node.vertex, node.position);
-  if (status != Status::ok) return refuse(node, "move", status);
+  if (status != Status::ok) return refuse(node, "move", status, start);
   changed_ = true;
   const Position from = node.placed;
   node.placed = node.position;
-  node.refusal = Status::ok;
+  node.refusal = {};
   ++epoch_;
-  log_.write(port::Level::info, "node " + std::to_string(node.serial) + " moved from " +
-                                    place_text(from) + " to " + place_text(node.placed) +
-                                    ": generation " + std::to_string(generation) +
-                                    difference(start));
+  TextLine line;
+  line << "node " << node.serial << " moved from " << from << " to " << node.placed
+       << ": generation " << generation;
+  tell_difference(line, start);
+  log_.write(port::Level::info, line);
 }
 
 void MeshKeeper::leave(NodeRecord& node, const char* why, std::uint32_t generation) {
@@ -81,22 +86,25 @@ void MeshKeeper::leave(NodeRecord& node, const char* why, std::uint32_t generati
     features_.deactivate(number);
   }
   const bool lost_features = features_.active_count() != start.features_active;
-  if (node.refusal != Status::ok && node.refused_epoch == epoch_ && !lost_features) return;
+  // The mesh would only say the same again.
+  if (node.refused_to_leave && node.refused_epoch == epoch_ && !lost_features) return;
   const Status status = mesh_.leave(node.vertex);
   ++epoch_;
   changed_ = true;
-  if (status != Status::ok) return refuse(node, "leave", status);
+  node.refused_to_leave = status != Status::ok;
+  if (node.refused_to_leave) return refuse(node, "leave", status, start);
   serials_[node.vertex.value] = no_serial;
   node.vertex = VertexId::none();
-  node.refusal = Status::ok;
-  log_.write(port::Level::info, "node " + std::to_string(node.serial) + " left (" + why +
-                                    "): generation " + std::to_string(generation) +
-                                    difference(start));
+  node.refusal = {};
+  TextLine line;
+  line << "node " << node.serial << " left (" << why << "): generation " << generation;
+  tell_difference(line, start);
+  log_.write(port::Level::info, line);
 }
 
 void MeshKeeper::forgive(NodeRecord& node) {
-  if (node.refusal == Status::ok) return;
-  node.refusal = Status::ok;
+  if (!node.is_quarantined()) return;
+  node.refusal = {};
   changed_ = true;
 }
 
@@ -104,8 +112,9 @@ void MeshKeeper::retry_refused(std::uint32_t generation) {
   if (retried_epoch_ == epoch_) return;
   retried_epoch_ = epoch_;
   for (NodeRecord& node : roster_.records()) {
-    if (node.is_known() && !node.is_placed() && node.refusal != Status::ok) join(node, generation);
+    if (node.is_known() && !node.is_placed() && node.is_quarantined()) join(node, generation);
   }
+  update_anchors();
   if (features_.refused_count() == 0) return;
   for (std::uint32_t number = 0; number < features_.records().size(); ++number) {
     if (features_.records()[number].refusal != Status::ok) try_feature(number);
@@ -114,9 +123,11 @@ void MeshKeeper::retry_refused(std::uint32_t generation) {
 
 bool MeshKeeper::is_short_of_room() const {
   return std::any_of(roster_.records().begin(), roster_.records().end(),
-                     [](const NodeRecord& node) { return is_room_status(node.refusal); }) ||
+                     [](const NodeRecord& node) { return is_want_of_room(node.refusal); }) ||
+         std::any_of(anchors_.records().begin(), anchors_.records().end(),
+                     [](const AnchorRecord& anchor) { return is_want_of_room(anchor.refusal); }) ||
          std::any_of(features_.records().begin(), features_.records().end(),
-                     [](const FeatureRecord& feature) { return is_room_status(feature.refusal); });
+                     [](const FeatureRecord& feature) { return is_want_of_room(feature.refusal); });
 }
 
 MeshKeeper::Before MeshKeeper::before() const {
@@ -125,79 +136,108 @@ MeshKeeper::Before MeshKeeper::before() const {
           .features_active = features_.active_count()};
 }
 
-std::string MeshKeeper::difference(const Before& start) const {
+port::Duration MeshKeeper::note_time(const Before& start) {
+  ++times_.changes;
+  times_.last = clock_.now() - start.at;
+  times_.longest = std::max(times_.longest, times_.last);
+  times_.total += times_.last;
+  return times_.last;
+}
+
+void MeshKeeper::tell_difference(TextLine& line, const Before& start) {
   const std::uint32_t steiner = mesh_.steiner_count();
   const std::uint32_t active = features_.active_count();
-  std::string text;
   if (steiner < start.steiner_count) {
-    text += ", " + counted(start.steiner_count - steiner, "Steiner vertex", "Steiner vertices") +
-            " taken out";
+    line << ", " << Counted{start.steiner_count - steiner, "Steiner vertex", "Steiner vertices"}
+         << " taken out";
   } else {
-    text += ", " + counted(steiner - start.steiner_count, "Steiner vertex", "Steiner vertices") +
-            " added";
+    line << ", " << Counted{steiner - start.steiner_count, "Steiner vertex", "Steiner vertices"}
+         << " added";
   }
   if (active > start.features_active) {
-    text += ", " + counted(active - start.features_active, "feature", "features") + " active";
+    line << ", " << Counted{active - start.features_active, "feature", "features"} << " active";
   } else if (active < start.features_active) {
-    text += ", " + counted(start.features_active - active, "feature", "features") + " waiting";
+    line << ", " << Counted{start.features_active - active, "feature", "features"} << " waiting";
   }
-  const std::int64_t tenths = (clock_.now() - start.at) / std::chrono::nanoseconds(100);
-  return text + ", " + std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " us";
+  const std::int64_t tenths = note_time(start) / std::chrono::nanoseconds(100);
+  line << ", " << tenths / 10 << "." << tenths % 10 << " us";
 }
 
 // The mesh would only say the same again.
 bool MeshKeeper::is_worth_a_try(const NodeRecord& node) const {
-  return node.refusal == Status::ok || node.refused_at != node.position ||
-         node.refused_epoch != epoch_;
+  return !node.is_quarantined() || node.refused_at != node.position || node.refused_epoch != epoch_;
 }
 
-void MeshKeeper::refuse(NodeRecord& node, const char* verb, Status status) {
-  const bool is_news = node.refusal != status || node.refused_at != node.position;
-  node.refusal = status;
+void MeshKeeper::refuse(NodeRecord& node, const char* verb, const Refusal& refusal,
+                        const Before& start) {
+  note_time(start);
+  const bool is_news = node.refusal != refusal || node.refused_at != node.position;
+  if (node.refusal != refusal) node.refused_since = clock_.now();
+  node.refusal = refusal;
   node.refused_at = node.position;
   node.refused_epoch = epoch_;
   if (is_news) {
     changed_ = true;
-    log_.write(port::Level::warning, "node " + std::to_string(node.serial) + " cannot " + verb +
-                                         " at " + place_text(node.position) + ": " +
-                                         trouble_text(status));
+    TextLine line;
+    line << "node " << node.serial << " cannot " << verb << " at " << node.position << ": ";
+    tell_trouble(line, refusal);
+    log_.write(port::Level::warning, line);
   }
 }
 
-void MeshKeeper::activate_features_of(const NodeRecord& node) {
-  for (const std::uint32_t number : features_.ending_at(node.serial)) try_feature(number);
+void MeshKeeper::activate_features_at(const FeatureEnd& end) {
+  for (const std::uint32_t number : features_.ending_at(end)) try_feature(number);
 }
 
 void MeshKeeper::try_feature(std::uint32_t number) {
   const FeatureRecord& record = features_.records()[number];
   if (record.is_active()) return;
-  const NodeRecord* from = roster_.find(record.settings.from);
-  const NodeRecord* to = roster_.find(record.settings.to);
-  if (from == nullptr || to == nullptr || !from->is_placed() || !to->is_placed()) return;
+  const FeatureEnds ends{.from = vertex_at(record.settings.from),
+                         .to = vertex_at(record.settings.to)};
+  if (ends.from.is_none() || ends.to.is_none()) return;
   FeatureId id;
-  const Status status = mesh_.add_feature({.from = from->vertex, .to = to->vertex}, id);
+  const Status status = mesh_.add_feature(ends, id);
   if (status == Status::ok) {
     features_.activate(number, id);
     changed_ = true;
     return;
   }
   const bool is_news = record.refusal != status;
-  features_.refuse(number, status, epoch_);
+  features_.refuse(number, status, epoch_, clock_.now());
   if (is_news) {
     changed_ = true;
-    log_.write(port::Level::warning, features_.name(number) + " refused: " + trouble_text(status));
+    TextLine line;
+    line << features_.name(number) << " refused: ";
+    tell_trouble(line, status);
+    log_.write(port::Level::warning, line);
   }
 }
 
-std::string MeshKeeper::trouble_text(Status status) const {
-  std::string text = explain(status);
-  const Trouble& trouble = mesh_.trouble();
-  if (!trouble.other.is_none())
-    text += " [with " + features_.name(features_.number_of(trouble.other)) + "]";
-  if (!trouble.vertex.is_none() && mesh_.kind(trouble.vertex) == VertexKind::node) {
-    text += " [node " + std::to_string(serials_[trouble.vertex.value]) + "]";
+VertexId MeshKeeper::vertex_at(const FeatureEnd& end) const {
+  if (end.is_anchor) {
+    const AnchorRecord* const anchor = anchors_.find(end.position);
+    return anchor == nullptr ? VertexId::none() : anchor->vertex;
   }
-  return text;
+  const NodeRecord* const node = roster_.find(end.serial);
+  return node == nullptr ? VertexId::none() : node->vertex;
+}
+
+void MeshKeeper::tell_trouble(TextLine& line, const Refusal& refusal) const {
+  line << explain(refusal);
+  if (refusal.mesh == Status::ok) return;
+  const Trouble& trouble = mesh_.trouble();
+  if (!trouble.other.is_none()) {
+    line << " [with " << features_.name(features_.number_of(trouble.other)) << "]";
+  }
+  if (!trouble.vertex.is_none() && mesh_.kind(trouble.vertex) == VertexKind::node) {
+    const std::uint32_t serial = serials_[trouble.vertex.value];
+    const AnchorRecord* const anchor = anchors_.find(mesh_.position(trouble.vertex));
+    if (serial != no_serial) {
+      line << " [node " << serial << "]";
+    } else if (anchor != nullptr) {
+      line << " [" << name_of(*anchor) << "; give the serial of the node there in the site file]";
+    }
+  }
 }
 
 }  // namespace etcm::firmware

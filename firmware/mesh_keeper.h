@@ -1,26 +1,50 @@
-// Keeps the mesh to what the nodes say: they join, move and leave, and their features with them.
+// Keeps the mesh to what the nodes say and the site is: nodes join, move and leave, and their
+// features with them; anchors stay.
 //
-// What the mesh refuses goes into quarantine, with its reason in the log; the mesh stays as it was.
+// What the mesh refuses, or stands outside the domain, goes into quarantine, with its reason in the
+// log; the mesh stays as it was.
 #pragma once
 
 #include <cstdint>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 
+#include "anchor_book.h"
 #include "etcm/mesh.h"
 #include "etcm/port/log.h"
 #include "feature_book.h"
 #include "roster.h"
+#include "settings.h"
+#include "text_line.h"
 
 namespace etcm::firmware {
 
+struct SavedState;
+
+// How long the mesh took to do, or to refuse, what nodes asked of it.
+struct MeshTimes {
+  std::uint64_t changes = 0;
+  port::Duration last{};
+  port::Duration longest{};
+  port::Duration total{};
+};
+
 class MeshKeeper {
  public:
-  // The mesh is open and empty. All arguments but `features` must outlive the keeper.
-  MeshKeeper(Mesh& mesh, std::span<const FeatureSettings> features, Roster& roster,
-             const port::Clock& clock, port::Log& log);
+  // The mesh is open and empty; `settings` says what the site is, and its anchors are put in at
+  // once. All arguments must outlive the keeper.
+  MeshKeeper(Mesh& mesh, const Settings& settings, Roster& roster, const port::Clock& clock,
+             port::Log& log);
+
+  // The site in the settings has changed: features and anchors that are no longer there are taken
+  // out, new ones come in, the others stay as they are, and nodes that are no longer inside the
+  // domain leave.
+  void update_site(std::uint32_t generation);
+
+  // Makes the mesh what it was in an earlier run; `nodes` are the records of the saved ones, and
+  // the mesh has none. False where that is not possible: the mesh has no node then.
+  bool restore(const SavedState& saved, std::span<NodeRecord* const> nodes);
 
   // `generation` is what the log calls the result.
   void join(NodeRecord& node, std::uint32_t generation);
@@ -39,10 +63,13 @@ class MeshKeeper {
 
   const Mesh& mesh() const { return mesh_; }
   const FeatureBook& features() const { return features_; }
-  // By vertex id; meaningful for nodes.
+  const AnchorBook& anchors() const { return anchors_; }
+  std::uint32_t node_count() const { return mesh_.node_count() - anchors_.placed_count(); }
+  // By vertex id; meaningful for nodes, no_serial for anchors.
   std::span<const std::uint32_t> serials() const { return serials_; }
   // Whether something was refused for want of room or budget.
   bool is_short_of_room() const;
+  const MeshTimes& times() const { return times_; }
 
  private:
   struct Before {
@@ -51,24 +78,37 @@ class MeshKeeper {
     std::uint32_t features_active;
   };
   Before before() const;
-  std::string difference(const Before& before) const;
+  port::Duration note_time(const Before& before);
+  void tell_difference(TextLine& line, const Before& before);
 
   bool is_worth_a_try(const NodeRecord& node) const;
-  void refuse(NodeRecord& node, const char* verb, Status status);
-  void activate_features_of(const NodeRecord& node);
+  void refuse(NodeRecord& node, const char* verb, const Refusal& refusal, const Before& before);
+  void activate_features_at(const FeatureEnd& end);
   void try_feature(std::uint32_t number);
-  std::string trouble_text(Status status) const;
+  void clear_mesh();
+  void update_features();
+  void update_anchors();
+  void try_anchor(AnchorRecord& anchor);
+  void try_to_remove(AnchorRecord& anchor);
+  void tell_refusal(const AnchorRecord& anchor, const char* what);
+  void expel_from_outside(std::uint32_t generation);
+  VertexId vertex_at(const FeatureEnd& end) const;
+  DomainPlace place_of(Position position) const { return settings_.domain.place_of(position); }
+  void tell_trouble(TextLine& line, const Refusal& refusal) const;
 
   Mesh& mesh_;
+  const Settings& settings_;
   Roster& roster_;
   const port::Clock& clock_;
   port::Log& log_;
   FeatureBook features_;
+  AnchorBook anchors_;
   std::vector<std::uint32_t> serials_;
   // Counts the changes that may make room for what was refused.
   std::uint32_t epoch_ = 0;
   std::uint32_t retried_epoch_ = 0;
   bool changed_ = false;
+  MeshTimes times_;
 };
 
 }  // namespace etcm::firmware

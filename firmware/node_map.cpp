@@ -25,17 +25,67 @@ constexpr std::uint16_t swap_bytes(std::uint16_t value) {
 }
 constexpr std::uint16_t version_and_length = node_map_version << 8 | node_register_count;
 
+// Offsets into the registers of an assignment.
+constexpr std::size_t at_new_unit = 0;
+constexpr std::size_t at_serial_match = 1;
+constexpr std::size_t at_commit = 3;
+
+void reorder_bytes(std::span<std::uint16_t> registers, WordOrder order) {
+  if (order != WordOrder::badc && order != WordOrder::dcba) return;
+  std::transform(registers.begin(), registers.end(), registers.begin(), swap_bytes);
+}
+
+// Of the 32-bit value there.
+void reorder_words(std::span<std::uint16_t> registers, std::size_t at, WordOrder order) {
+  if (order != WordOrder::cdab && order != WordOrder::dcba) return;
+  std::swap(registers[at], registers[at + 1]);
+}
+
 }  // namespace
 
 NodeRegisters reorder(const NodeRegisters& registers, WordOrder order) {
   NodeRegisters ordered = registers;
-  if (order == WordOrder::badc || order == WordOrder::dcba) {
-    std::transform(ordered.begin(), ordered.end(), ordered.begin(), swap_bytes);
-  }
-  if (order == WordOrder::cdab || order == WordOrder::dcba) {
-    for (const std::size_t at : {at_serial, at_x, at_y}) std::swap(ordered[at], ordered[at + 1]);
-  }
+  reorder_bytes(ordered, order);
+  for (const std::size_t at : {at_serial, at_x, at_y}) reorder_words(ordered, at, order);
   return ordered;
+}
+
+AssignmentRegisters encode_assignment(std::uint8_t unit, std::uint32_t serial, WordOrder order) {
+  AssignmentRegisters registers{};
+  registers[at_new_unit] = unit;
+  store_u32(registers, at_serial_match, serial);
+  registers[at_commit] = node_magic;
+  reorder_bytes(registers, order);
+  reorder_words(registers, at_serial_match, order);
+  return registers;
+}
+
+std::optional<std::uint8_t> decode_assignment(std::span<const std::uint16_t> values,
+                                              std::uint32_t serial) {
+  if (values.size() != assignment_register_count || values[at_commit] != node_magic ||
+      load_u32(values, at_serial_match) != serial || values[at_new_unit] < 1 ||
+      values[at_new_unit] > default_unit) {
+    return std::nullopt;
+  }
+  return static_cast<std::uint8_t>(values[at_new_unit]);
+}
+
+std::size_t encode_configuration(std::uint32_t generation,
+                                 std::span<const std::uint32_t> neighbours, WordOrder order,
+                                 std::span<std::uint16_t> out) {
+  const std::size_t count = configuration_head_count + 2 * neighbours.size();
+  const auto registers = out.first(count);
+  store_u32(registers, 0, generation);
+  registers[2] = static_cast<std::uint16_t>(neighbours.size());
+  for (std::size_t i = 0; i < neighbours.size(); ++i) {
+    store_u32(registers, configuration_head_count + 2 * i, neighbours[i]);
+  }
+  reorder_bytes(registers, order);
+  reorder_words(registers, 0, order);
+  for (std::size_t at = configuration_head_count; at < count; at += 2) {
+    reorder_words(registers, at, order);
+  }
+  return count;
 }
 
 ReadingFault decode_node(std::span<const std::uint16_t> received, WordOrder order,

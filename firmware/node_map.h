@@ -1,10 +1,13 @@
 // The registers of a position node: what the gateway reads, and what a node has to serve.
 //
-// Twelve input registers from 0, read in one request; firmware/README.md has the table.
+// Twelve input registers from 0, read in one request; holding registers that are written to a node:
+// its unit, and its configuration. firmware/guide/registers.md has the tables.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "etcm/types.h"
@@ -15,6 +18,20 @@ inline constexpr std::uint16_t node_register_first = 0;
 inline constexpr std::uint16_t node_register_count = 12;
 inline constexpr std::uint16_t node_magic = 0x4554;
 inline constexpr std::uint8_t node_map_version = 1;
+
+// Where a new node answers until it is given a unit of its own.
+inline constexpr std::uint8_t default_unit = 247;
+
+// New unit, serial, commit: written as a whole.
+inline constexpr std::uint16_t assignment_register_first = 100;
+inline constexpr std::uint16_t assignment_register_count = 4;
+
+// Generation, count of neighbours, and their serials.
+inline constexpr std::uint16_t configuration_register_first = 200;
+inline constexpr std::uint16_t configuration_head_count = 3;
+inline constexpr std::uint16_t configuration_neighbours_max = 120;
+inline constexpr std::uint16_t configuration_register_count =
+    configuration_head_count + 2 * configuration_neighbours_max;
 
 // No node has this serial.
 inline constexpr std::uint32_t no_serial = 0xffffffff;
@@ -60,6 +77,21 @@ using NodeRegisters = std::array<std::uint16_t, node_register_count>;
 ReadingFault decode_node(std::span<const std::uint16_t> registers, WordOrder order,
                          NodeReading& reading);
 NodeRegisters encode_node(const NodeReading& reading, std::uint16_t sequence);
+
+using AssignmentRegisters = std::array<std::uint16_t, assignment_register_count>;
+
+// The node with this serial shall answer at `unit` from now on.
+AssignmentRegisters encode_assignment(std::uint8_t unit, std::uint32_t serial, WordOrder order);
+
+// The same on the node's side: the new unit, where the values are for the node with this serial.
+std::optional<std::uint8_t> decode_assignment(std::span<const std::uint16_t> values,
+                                              std::uint32_t serial);
+
+// What a node is told of the mesh; returns the count of registers written to the front of `out`.
+// REQUIRES: at most configuration_neighbours_max neighbours; `out` has room for them.
+std::size_t encode_configuration(std::uint32_t generation,
+                                 std::span<const std::uint32_t> neighbours, WordOrder order,
+                                 std::span<std::uint16_t> out);
 
 // From one order to ABCD and back.
 NodeRegisters reorder(const NodeRegisters& registers, WordOrder order);

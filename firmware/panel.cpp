@@ -24,7 +24,7 @@ void Panel::step(port::Instant now) {
   io_.advance(now);
   const bool is_wanted = is_join_wanted();
   if (is_wanted && (!was_join_wanted_ || join_due_ <= now)) {
-    gateway_.ask_at_once(default_address, now);
+    gateway_.ask_at_once(default_unit, now);
     join_due_ = now + join_interval;
   }
   was_join_wanted_ = is_wanted;

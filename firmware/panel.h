@@ -17,9 +17,6 @@ struct PanelLines {
   std::optional<port::Line> watchdog;
 };
 
-// Where a new node answers until it is given an address.
-inline constexpr std::uint8_t default_address = 247;
-
 // While the alert is up the default address is asked this often, and at once when it goes up.
 inline constexpr port::Duration join_interval = std::chrono::seconds(1);
 

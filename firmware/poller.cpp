@@ -1,6 +1,7 @@
 #include "poller.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace etcm::firmware {
 
@@ -12,16 +13,24 @@ constexpr std::uint32_t failures_free = 2;
 // A day doubled this often is still a Duration.
 constexpr std::uint32_t doublings_max = 16;
 
-// Units that do not answer get one part in so many of the time of a bus that others want.
-constexpr std::int64_t probe_share = 32;
-// Bytes on a serial line for one question and one answer, with the silence around them.
-constexpr std::int64_t question_characters = 8 + 29 + 7;
+// A unit that is only looked for, was found, and has not answered so often is looked for again.
+constexpr std::uint32_t failures_of_the_lost = 8;
+// Bytes on a serial line for one question and one answer.
+constexpr std::int64_t exchange_characters = 8 + 29;
+
+// The least time a question and its answer keep a line; nothing where there is none.
+port::Duration exchange_floor(const BusSettings& bus) {
+  const auto* const line = std::get_if<port::SerialLine>(&bus.link);
+  return line == nullptr ? port::Duration{}
+                         : exchange_characters * character_time(*line) + 2 * frame_silence(*line);
+}
 
 // The most a question costs that is not answered.
 port::Duration cost_max(const BusSettings& bus) {
-  const auto* const line = std::get_if<port::SerialLine>(&bus.link);
-  return bus.timeout + (line == nullptr ? port::Duration{}
-                                        : bus.quiet + question_characters * character_time(*line));
+  port::Duration timeout = bus.timeout;
+  for (const UnitTimeout& other : bus.unit_timeouts) timeout = std::max(timeout, other.timeout);
+  const bool is_line = std::holds_alternative<port::SerialLine>(bus.link);
+  return timeout + (is_line ? bus.quiet + exchange_floor(bus) : port::Duration{});
 }
 
 // A well-mixed number from two: the same in every run.
@@ -37,53 +46,110 @@ constexpr auto later = [](const auto& a, const auto& b) { return a.due > b.due; 
 }  // namespace
 
 Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
-               ReadingListener& listener, port::Log& log)
-    : settings_(settings), listener_(listener), log_(log) {
+               ReadingListener& listener, port::Log& log, Errands* errands)
+    : settings_(settings), listener_(listener), log_(log), errands_(errands) {
   for (const PolledBus& bus : buses) {
     Line line{.polled = bus,
-              .unit_at = std::vector<std::uint32_t>(256),
+              .unit_at = std::vector<std::uint32_t>(256, no_unit),
               .turns = {},
               .probes = {},
               .probes_max = std::max(1u, bus.settings->outstanding_max / 2),
               .takes_one = bus.settings->outstanding_max == 1,
-              .probe_cost_max = cost_max(*bus.settings)};
-    for (const UnitRange range : bus.settings->units) {
-      for (unsigned address = range.first; address <= range.last; ++address) {
-        const std::uint32_t unit = unit_count();
-        line.unit_at[address] = unit;
-        line.turns.push_back({.due = port::Instant{}, .unit = unit});
-        units_.push_back({.bus = static_cast<std::uint32_t>(lines_.size()),
-                          .address = static_cast<std::uint8_t>(address)});
+              .probe_cost_max = cost_max(*bus.settings),
+              .exchange_floor = exchange_floor(*bus.settings)};
+    const auto add = [&](const std::vector<UnitRange>& ranges, bool is_listed) {
+      for (const UnitRange range : ranges) {
+        for (unsigned address = range.first; address <= range.last; ++address) {
+          if (line.unit_at[address] != no_unit) continue;
+          add_unit(line, static_cast<std::uint8_t>(address), is_listed);
+        }
       }
-    }
-    line.probes.reserve(line.turns.size());
+    };
+    add(bus.settings->units, true);
+    add(bus.settings->assign, true);
+    if (!bus.settings->assign.empty()) add({{default_unit, default_unit}}, true);
+    add(bus.settings->scan, false);
+    line.turns.reserve(line.turns.size() + line.sought.size());
+    line.probes.reserve(line.turns.capacity());
     lines_.push_back(std::move(line));
   }
 }
 
+void Poller::add_unit(Line& line, std::uint8_t address, bool is_listed) {
+  const std::uint32_t unit = unit_count();
+  line.unit_at[address] = unit;
+  units_.push_back({.bus = static_cast<std::uint32_t>(lines_.size()),
+                    .address = address,
+                    .timeout = timeout_of(*line.polled.settings, address),
+                    .is_listed = is_listed,
+                    .is_resting = !is_listed});
+  if (is_listed) {
+    line.turns.push_back({.due = port::Instant{}, .unit = unit});
+  } else {
+    line.sought.push_back(unit);
+    ++line.resting;
+  }
+}
+
+void Poller::update_timeouts() {
+  for (Line& line : lines_) line.probe_cost_max = cost_max(*line.polled.settings);
+  for (Unit& unit : units_) {
+    unit.timeout = timeout_of(*lines_[unit.bus].polled.settings, unit.address);
+  }
+}
+
 void Poller::step(port::Instant now) {
-  stepped_at_ = now;
-  for (Line& line : lines_) {
+  const port::Duration passed = now - std::exchange(stepped_at_, now);
+  for (std::uint32_t number = 0; number < bus_count(); ++number) {
+    Line& line = lines_[number];
+    if (line.under_way > 0) line.counters.busy += passed;
     port::NodeBus& bus = *line.polled.bus;
     bus.advance(now);
     port::BusAnswer answer;
-    while (bus.take_answer(answer)) take(answer, line.unit_at[answer.unit], now);
-    while (bus.ready()) {
-      std::vector<Turn>* const turns = next_turns(line, now);
-      if (turns == nullptr) break;
-      std::pop_heap(turns->begin(), turns->end(), later);
-      Unit& unit = units_[turns->back().unit];
-      turns->pop_back();
-      unit.is_probed = turns == &line.probes;
-      if (unit.is_probed) ++line.probes_under_way;
-      unit.asked_at = now;
-      bus.start_read({.unit = unit.address,
-                      .first = node_register_first,
-                      .count = node_register_count,
-                      .timeout = line.polled.settings->timeout},
-                     now);
+    while (bus.take_answer(answer)) {
+      if (answer.ticket == errand_ticket) {
+        finish_errand(number, answer, now);
+      } else {
+        take(answer, answer.ticket, now);
+      }
+    }
+    while (bus.ready() && ask_next(number, now)) {
     }
   }
+}
+
+// Whoever has a share of a busy bus comes before those that are due; their shares are small.
+bool Poller::ask_next(std::uint32_t number, port::Instant now) {
+  Line& line = lines_[number];
+  if (errand_start(number, now) <= now && start_errand(number, now)) return true;
+  if (scan_start(line, now) <= now) {
+    ask(line, next_sought(line), Asking::scan, now);
+    return true;
+  }
+  std::vector<Turn>* const turns = next_turns(line, now);
+  if (turns == nullptr) return false;
+  std::pop_heap(turns->begin(), turns->end(), later);
+  const std::uint32_t unit = turns->back().unit;
+  turns->pop_back();
+  ask(line, unit, turns == &line.probes ? Asking::probe : Asking::turn, now);
+  return true;
+}
+
+void Poller::ask(Line& line, std::uint32_t index, Asking asking, port::Instant now) {
+  Unit& unit = units_[index];
+  unit.asking = asking;
+  if (asking == Asking::probe) ++line.probes_under_way;
+  if (asking == Asking::scan) line.scan_under_way = true;
+  unit.asked_at = now;
+  ++unit.counters.requests;
+  ++line.under_way;
+  line.progressed_at = now;
+  line.polled.bus->start_read({.unit = unit.address,
+                               .first = node_register_first,
+                               .count = node_register_count,
+                               .timeout = unit.timeout,
+                               .ticket = index},
+                              now);
 }
 
 // Where the next question comes from: whoever has waited longest and may be asked. Null for nobody.
@@ -107,71 +173,114 @@ port::Instant Poller::probe_due(const Line& line, port::Instant now) {
 
 port::Instant Poller::next_deadline() const {
   port::Instant deadline = port::never;
-  for (const Line& line : lines_) {
+  for (std::uint32_t number = 0; number < bus_count(); ++number) {
+    const Line& line = lines_[number];
     deadline = std::min(deadline, line.polled.bus->next_deadline());
     if (!line.polled.bus->ready()) continue;
+    deadline =
+        std::min({deadline, errand_start(number, stepped_at_), scan_start(line, stepped_at_)});
     if (!line.turns.empty()) deadline = std::min(deadline, line.turns.front().due);
     deadline = std::min(deadline, probe_due(line, stepped_at_));
   }
   return deadline;
 }
 
+bool Poller::is_stalled(std::uint32_t bus, port::Instant now, port::Duration patience) const {
+  const Line& line = lines_[bus];
+  if (line.under_way > 0) {
+    return line.progressed_at + cost_max(*line.polled.settings) + patience < now;
+  }
+  if (!line.polled.bus->ready()) return false;
+  const port::Instant turn = line.turns.empty() ? port::never : line.turns.front().due;
+  const port::Instant due = std::min(turn, probe_due(line, now));
+  return due <= now && std::max(due, line.progressed_at) + patience < now;
+}
+
 void Poller::ask_at_once(std::uint8_t address, port::Instant now) {
-  for (Line& line : lines_) {
-    for (std::vector<Turn>* const turns : {&line.turns, &line.probes}) {
-      const auto found = std::find_if(turns->begin(), turns->end(), [&](const Turn& turn) {
-        return units_[turn.unit].address == address;
-      });
-      if (found == turns->end()) continue;
-      found->due = port::Instant{};
-      std::make_heap(turns->begin(), turns->end(), later);
-      line.probe_allowed = now;
+  for (const Line& line : lines_) {
+    if (const std::uint32_t unit = line.unit_at[address]; unit != no_unit) {
+      ask_unit_at_once(unit, now);
     }
   }
 }
 
-std::string Poller::name(std::uint32_t unit) const {
-  return "unit " + std::to_string(units_[unit].address) + " of " +
-         lines_[units_[unit].bus].polled.settings->name;
+void Poller::ask_unit_at_once(std::uint32_t index, port::Instant now) {
+  Unit& unit = units_[index];
+  Line& line = lines_[unit.bus];
+  line.probe_allowed = now;
+  if (unit.is_resting) {
+    unit.is_resting = false;
+    --line.resting;
+    return ask_again(index, port::Instant{});
+  }
+  for (std::vector<Turn>* const turns : {&line.turns, &line.probes}) {
+    const auto found = std::find_if(turns->begin(), turns->end(),
+                                    [&](const Turn& turn) { return turn.unit == index; });
+    if (found == turns->end()) continue;
+    found->due = port::Instant{};
+    std::make_heap(turns->begin(), turns->end(), later);
+  }
+}
+
+void Poller::expect_silence(std::uint32_t index) {
+  Unit& unit = units_[index];
+  if (is_sound(index)) --lines_[unit.bus].sound;
+  unit.has_answered = false;
+}
+
+TextLine Poller::name(std::uint32_t unit) const {
+  return TextLine() << "unit " << units_[unit].address << " of " << bus(units_[unit].bus).name;
 }
 
 void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Instant now) {
   Unit& unit = units_[index];
-  if (unit.is_probed) {
-    Line& line = lines_[unit.bus];
-    --line.probes_under_way;
-    const bool is_in_vain =
-        answer.result == port::BusResult::timeout || answer.result == port::BusResult::bad_answer;
-    const port::Duration cost =
-        now - unit.asked_at + (is_in_vain ? line.polled.settings->quiet : port::Duration{});
-    line.probe_allowed = now + cost * (probe_share - 1);
-  }
+  count_answer(unit, answer.result, now);
+  note_cost(unit, answer, now);
   switch (answer.result) {
     case port::BusResult::ok:
       break;
     case port::BusResult::link_lost:
-      return ask_again(index, now);
+      return unit.is_listed || unit.has_answered ? ask_again(index, now) : rest(index);
     case port::BusResult::timeout:
       return fail(index, to_string(answer.result), true, now);
     case port::BusResult::bad_answer:
       return fail(index, to_string(answer.result), false, now);
     case port::BusResult::exception:
-      return fail(index, "exception " + std::to_string(answer.exception), false, now);
+      return fail(index, TextLine() << "exception " << answer.exception, false, now);
   }
   NodeReading reading;
   const ReadingFault fault =
       decode_node(answer.registers, lines_[unit.bus].polled.settings->word_order, reading);
   if (fault == ReadingFault::torn && unit.torn_repeats < torn_repeats_max) {
     ++unit.torn_repeats;
+    ++unit.counters.torn;
     return ask_again(index, now);
   }
   unit.torn_repeats = 0;
-  if (fault != ReadingFault::none) return fail(index, explain(fault), false, now);
+  if (fault != ReadingFault::none) {
+    ++(fault == ReadingFault::torn ? unit.counters.torn : unit.counters.unbelieved);
+    return fail(index, explain(fault), false, now);
+  }
   if (!listener_.on_reading(index, reading, now)) {
-    return fail(index, "not the node that was expected", true, now);
+    ++unit.counters.unbelieved;
+    return fail(index, {}, true, now);  // the listener has said why
   }
   count_sound(index, now);
   ask_again(index, std::max(now, unit.asked_at + settings_.interval));
+}
+
+void Poller::count_answer(Unit& unit, port::BusResult result, port::Instant now) {
+  Line& line = lines_[unit.bus];
+  --line.under_way;
+  line.progressed_at = now;
+  UnitCounters& counters = unit.counters;
+  ++counters.results[static_cast<std::size_t>(result)];
+  if (result != port::BusResult::ok) return;
+  line.counters.answered_at = now;
+  line.counters.floor += line.exchange_floor;
+  counters.answer_time_last = now - unit.asked_at;
+  counters.answer_time += counters.answer_time_last;
+  counters.answer_time_max = std::max(counters.answer_time_max, counters.answer_time_last);
 }
 
 void Poller::count_sound(std::uint32_t index, port::Instant now) {
@@ -189,14 +298,16 @@ void Poller::count_sound(std::uint32_t index, port::Instant now) {
   unit.failures = 0;
 }
 
-void Poller::fail(std::uint32_t index, const std::string& why, bool is_silence, port::Instant now) {
+void Poller::fail(std::uint32_t index, std::string_view why, bool is_silence, port::Instant now) {
   Unit& unit = units_[index];
   if (unit.has_answered && unit.failures == 0) --lines_[unit.bus].sound;
   ++unit.failures;
   // One line for each spell of failures; units that were never there are no news.
-  if (unit.failures == 1 && (unit.has_answered || !is_silence)) {
-    log_.write(port::Level::warning, name(index) + ": " + why);
+  if (unit.failures == 1 && !why.empty() && (unit.has_answered || !is_silence)) {
+    log_.write(port::Level::warning, TextLine() << name(index) << ": " << why);
   }
+  const bool is_lost = unit.failures >= failures_of_the_lost && lines_[unit.bus].sound > 0;
+  if (!unit.is_listed && (!unit.has_answered || is_lost)) return rest(index);
   ask_again(index, std::max(now, unit.asked_at + pause_of(index)));
 }
 

@@ -3,15 +3,21 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
+#include <string_view>
 #include <vector>
 
+#include "errand.h"
 #include "etcm/port/log.h"
 #include "etcm/port/node_bus.h"
 #include "node_map.h"
+#include "poll_counters.h"
 #include "settings.h"
+#include "text_line.h"
 
 namespace etcm::firmware {
+
+// Units are counted over all buses, from 0.
+inline constexpr std::uint32_t no_unit = 0xffffffff;
 
 struct PolledBus {
   port::NodeBus* bus = nullptr;
@@ -35,34 +41,71 @@ class ReadingListener {
 // 1/32 of the rest. A torn read is repeated at once. While a bus has
 // lost its link, its units are not asked and do not count as failing.
 //
+// Units that are only looked for (`scan`) are asked one at a time, one in each interval, until one
+// answers; on a line that others want within scan_budget of each interval. One that was found and
+// does not answer any more is only looked for again, once others of its bus answer.
+//
+// Errands wait until nobody is due; on a bus that is always busy they have 1/16 of its time.
+//
 // Where no unit of a bus answers, something between is broken, such as a cable: all are asked as
 // often as if they were there, and all at once when the first answers again.
 class Poller {
  public:
   // All arguments must outlive the poller.
   Poller(const PollSettings& settings, std::span<const PolledBus> buses, ReadingListener& listener,
-         port::Log& log);
+         port::Log& log, Errands* errands = nullptr);
 
   // Takes what was answered and asks whoever is due.
   void step(port::Instant now);
   port::Instant next_deadline() const;
 
+  // The timeouts in the settings of the buses have changed.
+  void update_timeouts();
+
   // Asks the units with this address next, whoever else is due and however often they have failed.
   void ask_at_once(std::uint8_t address, port::Instant now);
 
+  void ask_unit_at_once(std::uint32_t unit, port::Instant now);
+  // Whoever was at this unit is known to have gone: its silence is no news.
+  void expect_silence(std::uint32_t unit);
+
   std::uint32_t unit_count() const { return static_cast<std::uint32_t>(units_.size()); }
-  bool is_failing(std::uint32_t unit) const { return units_[unit].failures > 0; }
-  std::string name(std::uint32_t unit) const;  // "unit 7 of yard"
+  std::uint32_t failures(std::uint32_t unit) const { return units_[unit].failures; }  // in a row
+  bool is_sound(std::uint32_t unit) const {
+    return units_[unit].has_answered && units_[unit].failures == 0;
+  }
+  TextLine name(std::uint32_t unit) const;  // "unit 7 of yard"
+
+  std::uint32_t bus_count() const { return static_cast<std::uint32_t>(lines_.size()); }
+  const BusSettings& bus(std::uint32_t bus) const { return *lines_[bus].polled.settings; }
+  const BusCounters& bus_counters(std::uint32_t bus) const { return lines_[bus].counters; }
+  std::uint32_t bus_of(std::uint32_t unit) const { return units_[unit].bus; }
+  // no_unit where there is none.
+  std::uint32_t unit_at(std::uint32_t bus, std::uint8_t address) const {
+    return lines_[bus].unit_at[address];
+  }
+  std::uint8_t address_of(std::uint32_t unit) const { return units_[unit].address; }
+  const UnitCounters& counters(std::uint32_t unit) const { return units_[unit].counters; }
+  // Whether a bus has had somebody to ask, or a question under way for longer than that may be, and
+  // for `patience` has neither asked nor heard anything. One whose link is down has nobody to ask.
+  bool is_stalled(std::uint32_t bus, port::Instant now, port::Duration patience) const;
 
  private:
+  static constexpr std::uint32_t errand_ticket = 0xffffffff;
+
+  enum class Asking : std::uint8_t { turn, probe, scan };
   struct Unit {
     std::uint32_t bus = 0;
     std::uint8_t address = 0;
+    port::Duration timeout{};
     bool has_answered = false;
-    bool is_probed = false;  // the question under way was asked while it failed
+    bool is_listed = true;         // else it is only looked for
+    bool is_resting = false;       // not listed, and its time to be looked for has not come
+    Asking asking = Asking::turn;  // why it was asked last
     std::uint8_t torn_repeats = 0;
     std::uint32_t failures = 0;  // in a row
     port::Instant asked_at{};
+    UnitCounters counters{};
   };
   struct Turn {
     port::Instant due{};
@@ -70,21 +113,49 @@ class Poller {
   };
   struct Line {
     PolledBus polled;
-    std::vector<std::uint32_t> unit_at;  // by address; unit_count() where there is none
+    std::vector<std::uint32_t> unit_at;  // by address; no_unit where there is none
     std::vector<Turn> turns;             // of sound units; a heap, the earliest on top
     std::vector<Turn> probes;            // of failing ones, likewise
     std::uint32_t sound = 0;             // units that answered when last asked
     std::uint32_t probes_under_way = 0;
     std::uint32_t probes_max = 0;
-    bool takes_one = false;           // request at a time
-    port::Duration probe_cost_max{};  // to a unit that does not answer, where it takes one
-    port::Instant probe_allowed{};    // at others' cost, where it takes one
+    bool takes_one = false;               // request at a time
+    port::Duration probe_cost_max{};      // to a unit that does not answer, where it takes one
+    port::Instant probe_allowed{};        // at others' cost, where it takes one
+    std::vector<std::uint32_t> sought{};  // units that are not listed
+    std::size_t sought_next = 0;
+    std::uint32_t resting = 0;
+    bool scan_under_way = false;
+    port::Instant scan_due{};
+    port::Instant scan_allowed{};  // at others' cost
+    bool errand_under_way = false;
+    port::Instant errand_asked_at{};
+    port::Instant errand_allowed{};  // at others' cost
+    std::uint32_t under_way = 0;
+    port::Instant progressed_at{};  // asked or heard
+    port::Duration exchange_floor{};
+    BusCounters counters{};
   };
 
+  void add_unit(Line& line, std::uint8_t address, bool is_listed);
+  bool ask_next(std::uint32_t bus, port::Instant now);
+  void ask(Line& line, std::uint32_t unit, Asking asking, port::Instant now);
+  bool start_errand(std::uint32_t bus, port::Instant now);
+  void finish_errand(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now);
+  port::Instant errand_start(std::uint32_t bus, port::Instant now) const;
+  static port::Instant scan_start(const Line& line, port::Instant now);
+  static port::Instant start_beside(const Line& line, port::Instant due, port::Instant allowed,
+                                    port::Instant now);
+  static port::Duration cost_of(const Line& line, port::Instant asked_at,
+                                const port::BusAnswer& answer, port::Instant now);
+  std::uint32_t next_sought(Line& line);
+  void note_cost(Unit& unit, const port::BusAnswer& answer, port::Instant now);
+  void rest(std::uint32_t unit);
   static std::vector<Turn>* next_turns(Line& line, port::Instant now);
   static port::Instant probe_due(const Line& line, port::Instant now);
   void take(const port::BusAnswer& answer, std::uint32_t unit, port::Instant now);
-  void fail(std::uint32_t unit, const std::string& why, bool is_silence, port::Instant now);
+  void count_answer(Unit& unit, port::BusResult result, port::Instant now);
+  void fail(std::uint32_t unit, std::string_view why, bool is_silence, port::Instant now);
   void count_sound(std::uint32_t unit, port::Instant now);
   void ask_again(std::uint32_t unit, port::Instant due);
   port::Duration pause_of(std::uint32_t unit) const;
@@ -92,6 +163,7 @@ class Poller {
   const PollSettings& settings_;
   ReadingListener& listener_;
   port::Log& log_;
+  Errands* errands_;
   std::vector<Unit> units_;
   std::vector<Line> lines_;
   port::Instant stepped_at_{};

@@ -1,20 +1,22 @@
 #include "settings.h"
 
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
 #include <filesystem>
-#include <functional>
-#include <initializer_list>
 #include <limits>
 #include <set>
 #include <string_view>
 #include <utility>
 
+#include "etcm/analysis.h"
+#include "etcm/files/decimal.h"
+#include "etcm/files/error.h"
+#include "etcm/files/record_reader.h"
 #include "etcm/policy.h"
 #include "mesh_map.h"
 #include "node_map.h"
+#include "section.h"
 
 namespace etcm::firmware {
 
@@ -23,168 +25,17 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::uint8_t unit_max = 247;
-constexpr port::Duration duration_max = 24h;
 
-std::string place_of(const std::string& file, const toml::node& node) {
-  return file + ":" + std::to_string(node.source().begin.line);
+// Whether the gateway asks this unit of the bus at all.
+bool has_unit(const BusSettings& bus, unsigned unit) {
+  const auto holds = [unit](const std::vector<UnitRange>& ranges) {
+    return std::any_of(ranges.begin(), ranges.end(), [unit](UnitRange range) {
+      return range.first <= unit && unit <= range.last;
+    });
+  };
+  return holds(bus.units) || holds(bus.assign) || holds(bus.scan) ||
+         (unit == default_unit && !bus.assign.empty());
 }
-
-// One table of the file: hands out its values, and knows at the end which keys nobody asked for.
-class Section {
- public:
-  Section(const std::string& file, const toml::table& table, std::string name,
-          std::vector<std::string>& mistakes)
-      : file_(file), table_(table), name_(std::move(name)), mistakes_(mistakes) {}
-
-  const toml::node* find(const std::string& key) {
-    known_.insert(key);
-    return table_.get(key);
-  }
-
-  void mistake(const toml::node& node, const std::string& what) {
-    mistakes_.push_back(place_of(file_, node) + ": " + what);
-  }
-
-  void require(const std::string& key, const std::string& example) {
-    if (find(key) == nullptr) {
-      mistake(table_, in_section("'" + key + "' is missing") + "; add it, such as " + example);
-    }
-  }
-
-  void read(const std::string& key, std::string& value, const std::string& example) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    if (const auto found = node->value_exact<std::string>(); found && !found->empty()) {
-      value = *found;
-    } else {
-      mistake(*node, "'" + key + "' must be a text; write it as " + example);
-    }
-  }
-
-  void read(const std::string& key, port::SocketAddress& value) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    const auto text = node->value_exact<std::string>();
-    const auto found = text ? port::parse_socket_address(*text) : std::nullopt;
-    if (found) {
-      value = *found;
-    } else {
-      mistake(*node, "'" + key + "' is no address; write it as \"127.0.0.1:502\"");
-    }
-  }
-
-  void read(const std::string& key, port::Duration& value, port::Duration least) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    const auto text = node->value_exact<std::string>();
-    const auto found = text ? parse_duration(*text) : std::nullopt;
-    if (!found) {
-      mistake(*node, "'" + key + "' is no duration; write it as \"500ms\", \"2s\" or \"5min\"");
-    } else if (*found > duration_max) {
-      mistake(*node, "'" + key + "' is longer than a day; give less");
-    } else if (*found < least) {
-      mistake(*node, "'" + key + "' is too short; give at least \"" + std::to_string(least / 1ms) +
-                         "ms\"");
-    } else {
-      value = *found;
-    }
-  }
-
-  void read(const std::string& key, std::uint32_t& value, std::uint32_t least, std::uint32_t most) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    const auto found = node->value_exact<std::int64_t>();
-    if (found && *found >= least && *found <= most) {
-      value = static_cast<std::uint32_t>(*found);
-    } else {
-      mistake(*node, "'" + key + "' is out of range; give a whole number from " +
-                         std::to_string(least) + " to " + std::to_string(most));
-    }
-  }
-
-  // A line of the board; "!" before it: active when low.
-  void read(const std::string& key, std::optional<LineSettings>& value) {
-    if (find(key) == nullptr) return;
-    LineSettings line;
-    read(key, line.place, key + " = \"LINE_NAME\"");
-    line.is_active_low = line.place.starts_with('!');
-    if (line.is_active_low) line.place.erase(0, 1);
-    value = line;
-  }
-
-  // One of a few words.
-  template <class Value>
-  void read(const std::string& key, Value& value,
-            std::initializer_list<std::pair<std::string_view, Value>> words) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    const auto text = node->value_exact<std::string>();
-    std::string list;
-    for (const auto& [word, meaning] : words) {
-      if (text && *text == word) {
-        value = meaning;
-        return;
-      }
-      list += (list.empty() ? "\"" : ", \"") + std::string(word) + "\"";
-    }
-    mistake(*node, (text ? key + " '" + *text + "' is unknown" : "'" + key + "' must be a text") +
-                       "; write one of " + list);
-  }
-
-  // Calls `each` for each table of an array of tables.
-  void each(const std::string& key, const std::function<void(Section&)>& each_table) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    const toml::array* tables = node->as_array();
-    if (tables == nullptr || !tables->is_array_of_tables()) {
-      mistake(*node, "'" + key + "' must be a list of tables; begin each with [[" + key + "]]");
-      return;
-    }
-    for (const toml::node& element : *tables) {
-      Section section(file_, *element.as_table(), "[[" + key + "]]", mistakes_);
-      each_table(section);
-      section.finish();
-    }
-  }
-
-  void sub(const std::string& key, const std::function<void(Section&)>& table) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    if (!node->is_table()) {
-      mistake(*node, "'" + key + "' must be a table; begin it with [" + key + "]");
-      return;
-    }
-    Section section(file_, *node->as_table(), "[" + key + "]", mistakes_);
-    table(section);
-    section.finish();
-  }
-
-  // Reports keys that mean nothing: most are misspelt.
-  void finish() {
-    for (const auto& [key, node] : table_) {
-      if (known_.contains(std::string(key.str()))) continue;
-      std::string list;
-      for (const std::string& name : known_) list += (list.empty() ? "" : ", ") + name;
-      mistakes_.push_back(file_ + ":" + std::to_string(key.source().begin.line) + ": " +
-                          in_section("'" + std::string(key.str()) + "' is unknown") +
-                          "; known here: " + list);
-    }
-  }
-
-  std::string place() const { return place_of(file_, table_); }
-  const toml::table& table() const { return table_; }
-
- private:
-  std::string in_section(const std::string& what) const {
-    return name_.empty() ? what : what + " in " + name_;
-  }
-
-  const std::string& file_;
-  const toml::table& table_;
-  std::string name_;
-  std::vector<std::string>& mistakes_;
-  std::set<std::string> known_;
-};
 
 void read_mesh(Section& section, MeshConfig& mesh) {
   section.require("vertices_max", "vertices_max = 1000");
@@ -268,11 +119,62 @@ void read_link(Section& section, BusSettings& bus) {
   bus.link = address;
 }
 
+// Units from 1 to 247; where the text is wrong, none.
+std::vector<UnitRange> read_units(Section& section, const std::string& key = "units") {
+  const toml::node* const node = section.find(key);
+  if (node == nullptr) return {};
+  const auto text = node->value_exact<std::string>();
+  const auto units = text ? parse_units(*text) : std::nullopt;
+  if (units) return *units;
+  section.mistake(*node, "'" + key +
+                             "' must list units from 1 to 247, each once; write it as \"1-60\" or "
+                             "\"1-3,9\"");
+  return {};
+}
+
+// Whom the gateway asks: the units it is told, those it gives to new nodes, those it looks for.
+void read_all_units(Section& section, BusSettings& bus) {
+  bus.assign = read_units(section, "assign");
+  bus.scan = read_units(section, "scan");
+  section.read("scan_budget", bus.scan_budget, 1ms);
+  if (section.find("assign") == nullptr && section.find("scan") == nullptr) {
+    section.require("units", "units = \"1-60\"");
+  }
+  bus.units = read_units(section);
+  const bool gives_default = std::any_of(bus.assign.begin(), bus.assign.end(), [](UnitRange range) {
+    return range.last == default_unit;
+  });
+  if (gives_default) {
+    section.mistake(*section.find("assign"),
+                    "247 is where new nodes answer and cannot be given to one; take it out");
+  }
+}
+
+// Units of the bus that need a timeout of their own.
+void read_slow(Section& section, BusSettings& bus) {
+  port::Duration timeout = bus.timeout;
+  section.require("timeout", "timeout = \"500ms\"");
+  section.require("units", "units = \"1-60\"");
+  section.read("timeout", timeout, 1ms);
+  for (const UnitRange range : read_units(section)) {
+    bus.unit_timeouts.push_back({.units = range, .timeout = timeout});
+    if (bus.units.empty() && bus.assign.empty() && bus.scan.empty()) continue;
+    for (unsigned unit = range.first; unit <= range.last; ++unit) {
+      if (has_unit(bus, unit)) continue;
+      section.mistake(*section.find("units"), "unit " + std::to_string(unit) +
+                                                  " is not among the units of its bus; add it "
+                                                  "there, or take it out here");
+      break;
+    }
+  }
+}
+
 void read_bus(Section& section, const PollSettings& poll, std::vector<BusSettings>& buses) {
   BusSettings bus;
   bus.timeout = poll.timeout;
   bus.quiet = 50ms;
   bus.outstanding_max = poll.outstanding_max;
+  bus.scan_budget = 20ms;
   read_link(section, bus);
   section.read("name", bus.name, "name = \"yard\"");
   section.read("timeout", bus.timeout, 1ms);
@@ -281,18 +183,8 @@ void read_bus(Section& section, const PollSettings& poll, std::vector<BusSetting
                            {"BADC", WordOrder::badc},
                            {"CDAB", WordOrder::cdab},
                            {"DCBA", WordOrder::dcba}});
-  section.require("units", "units = \"1-60\"");
-  if (const toml::node* node = section.find("units")) {
-    const auto text = node->value_exact<std::string>();
-    const auto units = text ? parse_units(*text) : std::nullopt;
-    if (units) {
-      bus.units = *units;
-    } else {
-      section.mistake(*node,
-                      "'units' must list units from 1 to 247, each once; write it as "
-                      "\"1-60\" or \"1-3,9\"");
-    }
-  }
+  read_all_units(section, bus);
+  section.each("slow", [&](Section& slow) { read_slow(slow, bus); });
   for (const BusSettings& other : buses) {
     if (other.name == bus.name) {
       section.mistake(section.table(), "two buses are named '" + bus.name + "'; rename one");
@@ -307,10 +199,8 @@ void read_gpio(Section& section, const std::vector<BusSettings>& buses, GpioSett
   section.read("status_led", gpio.status_led);
   section.read("watchdog", gpio.watchdog);
   section.read("debounce", gpio.debounce, 0ms);
-  const bool is_asked = std::any_of(buses.begin(), buses.end(), [](const BusSettings& bus) {
-    return std::any_of(bus.units.begin(), bus.units.end(),
-                       [](UnitRange range) { return range.last == unit_max; });
-  });
+  const bool is_asked = std::any_of(buses.begin(), buses.end(),
+                                    [](const BusSettings& bus) { return has_unit(bus, unit_max); });
   if ((gpio.alert || gpio.join_button) && !is_asked) {
     section.mistake(section.table(),
                     "alert and join_button make the gateway look for a new node at unit 247, which "
@@ -318,30 +208,105 @@ void read_gpio(Section& section, const std::vector<BusSettings>& buses, GpioSett
   }
 }
 
+// A decimal in 10^-9, exactly. In quotes: a number of TOML would be a binary fraction.
+void read_nano(Section& section, const toml::node& node, const std::string& what,
+               std::int64_t least, std::int64_t& value) {
+  std::optional<files::Decimal> decimal;
+  if (const auto text = node.value_exact<std::string>()) decimal = files::Decimal::parse(*text);
+  if (const auto whole = node.value_exact<std::int64_t>()) decimal = files::Decimal::of(*whole);
+  const auto nano =
+      decimal ? (*decimal * files::Decimal::of(site_nano)).to_integer() : std::nullopt;
+  if (nano && *nano >= least && *nano <= site_nano * 1'000'000'000) {
+    value = *nano;
+  } else {
+    section.mistake(node, what);
+  }
+}
+
+void read_site_table(Section& section, const std::filesystem::path& folder, SiteSettings& site) {
+  site.place = section.place();
+  section.require("file", "file = \"site.geojson\"");
+  section.read("file", site.path, "file = \"site.geojson\"");
+  if (!site.path.empty()) site.path = folder / site.path;
+  section.read<PolyNodes>("nodes", site.poly_nodes,
+                          {{"serials", PolyNodes::serials}, {"anchors", PolyNodes::anchors}});
+  if (const toml::node* node = section.find("unit")) {
+    read_nano(section, *node,
+              "'unit' must be a positive decimal of at most nine digits behind the point, in "
+              "quotes; write it as \"1\" or \"0.01\"",
+              1, site.unit);
+  }
+  if (const toml::node* node = section.find("origin")) {
+    const std::string what =
+        "'origin' must be two decimals in quotes; write it as [\"569000\", \"7034000.5\"]";
+    const toml::array* const both = node->as_array();
+    if (both == nullptr || both->size() != 2) {
+      section.mistake(*node, what);
+    } else {
+      const std::size_t before = section.mistake_count();
+      read_nano(section, (*both)[0], what, -site_nano * 1'000'000'000, site.origin_x);
+      if (section.mistake_count() == before) {
+        read_nano(section, (*both)[1], what, -site_nano * 1'000'000'000, site.origin_y);
+      }
+    }
+  }
+  section.read("round", site.round);
+}
+
 void read_feature(Section& section, std::vector<FeatureSettings>& features) {
-  FeatureSettings feature{.place = section.place()};
+  FeatureSettings feature{.from = {}, .to = {}, .name = {}, .place = section.place()};
   section.require("from", "from = 1001");
   section.require("to", "to = 1002");
-  section.read("from", feature.from, 0, no_serial - 1);
-  section.read("to", feature.to, 0, no_serial - 1);
+  section.read("from", feature.from.serial, 0, no_serial - 1);
+  section.read("to", feature.to.serial, 0, no_serial - 1);
   if (section.find("from") && section.find("to") && feature.from == feature.to) {
-    section.mistake(section.table(), "a feature from node " + std::to_string(feature.from) +
+    section.mistake(section.table(), "a feature from node " + to_string(feature.from) +
                                          " to itself; give two different serials");
   }
   features.push_back(std::move(feature));
 }
 
+void read_allow(Section& section, std::vector<port::Network>& allow) {
+  const toml::node* const node = section.find("allow");
+  if (node == nullptr) return;
+  const toml::array* const list = node->as_array();
+  std::vector<port::Network> networks;
+  for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    const auto text = (*list)[i].value_exact<std::string>();
+    const auto network = text ? port::parse_network(*text) : std::nullopt;
+    if (!network) break;
+    networks.push_back(*network);
+  }
+  if (list == nullptr || networks.size() != list->size()) {
+    section.mistake(*node,
+                    "'allow' must list networks; write it as [\"127.0.0.0/8\", \"10.0.0.0/8\"]");
+  } else {
+    allow = std::move(networks);
+  }
+}
+
 void read_all(Section& file, const std::filesystem::path& folder, Settings& settings) {
-  file.read("site", settings.site, "site = \"site.poly\"");
-  if (!settings.site.empty()) settings.site = folder / settings.site;
+  file.sub("site", [&](Section& section) { read_site_table(section, folder, settings.site); });
   file.require("mesh", "[mesh] with vertices_max");
   file.sub("mesh", [&](Section& section) { read_mesh(section, settings.mesh); });
   file.sub("poll", [&](Section& section) { read_poll(section, settings.poll); });
   file.require("bus", "[[bus]] with tcp or rtu, and units");
   file.each("bus", [&](Section& section) { read_bus(section, settings.poll, settings.buses); });
+  file.sub("write_back",
+           [&](Section& section) { section.read("enabled", settings.write_back.is_enabled); });
   file.sub("server", [&](Section& section) {
     section.read("listen", settings.server.listen);
+    read_allow(section, settings.server.allow);
     section.read("clients_max", settings.server.clients_max, 1, 1000);
+  });
+  file.sub("http", [&](Section& section) {
+    HttpSettings http;
+    http.listen = {.host = 0x7f000001, .port = 8080};
+    http.clients_max = 32;
+    section.read("listen", http.listen);
+    read_allow(section, http.allow);
+    section.read("clients_max", http.clients_max, 1, 1000);
+    settings.http = http;
   });
   file.sub("files", [&](Section& section) {
     FileSettings files{.folder = {}, .name = "mesh", .interval = 1s};
@@ -352,7 +317,19 @@ void read_all(Section& file, const std::filesystem::path& folder, Settings& sett
     section.read("interval", files.interval, 1ms);
     settings.files = std::move(files);
   });
+  file.sub("state", [&](Section& section) {
+    StateSettings state{.folder = {}, .interval = 1min};
+    section.require("folder", "folder = \"/var/lib/etcm\"");
+    section.read("folder", state.folder, "folder = \"/var/lib/etcm\"");
+    state.folder = folder / state.folder;
+    section.read("interval", state.interval, 1s);
+    settings.state = std::move(state);
+  });
   file.sub("gpio", [&](Section& section) { read_gpio(section, settings.buses, settings.gpio); });
+  file.sub("analysis", [&](Section& section) {
+    section.read("radio_range", settings.analysis.radio_range, 1, range_max);
+    section.read("sensing_range", settings.analysis.sensing_range, 1, range_max);
+  });
   file.each("feature", [&](Section& section) { read_feature(section, settings.features); });
 }
 
@@ -366,11 +343,15 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
                    .stale_after = 5s,
                    .leave_after = 30s};
   settings.gpio.debounce = 20ms;
-  settings.server = {.listen = {.host = 0x7f000001, .port = 1502}, .clients_max = 16};
+  settings.server.listen = {.host = 0x7f000001, .port = 1502};
+  settings.server.clients_max = 16;
 
   toml::table parsed;
   try {
-    parsed = toml::parse_file(path);
+    parsed = toml::parse(files::read_bytes(path), path);
+  } catch (const files::InputError& error) {
+    mistakes.push_back(error.what());
+    return settings;
   } catch (const toml::parse_error& error) {
     mistakes.push_back(path + ":" + std::to_string(error.source().begin.line) + ": " +
                        std::string(error.description()) + "; correct the TOML there");
@@ -387,6 +368,14 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
   std::stable_sort(mistakes.begin() + static_cast<std::ptrdiff_t>(before), mistakes.end(),
                    [&](const std::string& a, const std::string& b) { return line(a) < line(b); });
   return settings;
+}
+
+port::Duration timeout_of(const BusSettings& bus, std::uint8_t unit) {
+  port::Duration timeout = bus.timeout;
+  for (const UnitTimeout& other : bus.unit_timeouts) {
+    if (other.units.first <= unit && unit <= other.units.last) timeout = other.timeout;
+  }
+  return timeout;
 }
 
 std::optional<port::Duration> parse_duration(const std::string& text) {

@@ -11,7 +11,9 @@
 #include "etcm/port/clock.h"
 #include "etcm/port/serial_line.h"
 #include "etcm/port/socket_address.h"
+#include "feature_end.h"
 #include "node_map.h"
+#include "site_domain.h"
 
 namespace etcm::firmware {
 
@@ -34,16 +36,28 @@ struct GpioSettings {
   port::Duration debounce{};
 };
 
+struct UnitTimeout {
+  UnitRange units;
+  port::Duration timeout{};
+};
+
 struct BusSettings {
   std::string name;
   std::variant<port::SocketAddress, port::SerialLine> link;  // Modbus TCP, or RTU
   std::vector<UnitRange> units;
+  std::vector<UnitRange> assign{};  // units that new nodes are given; they are asked as well
+  std::vector<UnitRange> scan{};    // units that are looked for
+  port::Duration scan_budget{};     // of each interval, where others want the bus
   WordOrder word_order = WordOrder::abcd;
   port::Duration timeout{};
-  port::Duration quiet{};  // of a serial line, after a wait in vain
+  std::vector<UnitTimeout> unit_timeouts{};  // of units that need another one; the last one counts
+  port::Duration quiet{};                    // of a serial line, after a wait in vain
   std::uint32_t outstanding_max = 0;
   std::optional<LineSettings> send_enable;  // switches the transceiver of a serial line
 };
+
+// How long this unit of the bus may take to answer.
+port::Duration timeout_of(const BusSettings& bus, std::uint8_t unit);
 
 struct PollSettings {
   port::Duration interval{};
@@ -55,14 +69,46 @@ struct PollSettings {
   std::uint32_t dead_band = 0;  // a node that moved no farther than this stays where it is
 };
 
+struct WriteBackSettings {
+  bool is_enabled = false;
+};
+
 struct FeatureSettings {
-  std::uint32_t from = 0;  // serials
-  std::uint32_t to = 0;
-  std::string place;  // where it was configured: "file:line"
+  FeatureEnd from;
+  FeatureEnd to;
+  std::string name{};  // what the site file calls it, or empty
+  std::string place;   // where it was configured: "file:line"
+};
+
+struct AnchorSettings {
+  Position position;
+  std::string place;  // as above
+};
+
+// What the node numbers of a .poly are.
+enum class PolyNodes : std::uint8_t { serials, anchors };
+
+// Lengths in 10^-9 of what the site file counts in, so that decimals are exact.
+inline constexpr std::int64_t site_nano = 1'000'000'000;
+struct SiteSettings {
+  std::string path;  // empty: there is none
+  std::string place;
+  PolyNodes poly_nodes = PolyNodes::serials;
+  std::int64_t unit = site_nano;  // of a unit of the mesh
+  std::int64_t origin_x = 0;      // of the mesh's (0, 0)
+  std::int64_t origin_y = 0;
+  bool round = false;  // to the nearest unit
 };
 
 struct ServerSettings {
   port::SocketAddress listen;
+  std::vector<port::Network> allow{port::this_machine};  // who may connect
+  std::uint32_t clients_max = 0;
+};
+
+struct HttpSettings {
+  port::SocketAddress listen;
+  std::vector<port::Network> allow{port::this_machine};  // who may look
   std::uint32_t clients_max = 0;
 };
 
@@ -72,15 +118,33 @@ struct FileSettings {
   port::Duration interval{};  // at the most so often
 };
 
+// What is worked out for the operator at each generation; 0: not asked for.
+struct AnalysisSettings {
+  std::uint32_t radio_range = 0;
+  std::uint32_t sensing_range = 0;
+};
+
+struct StateSettings {
+  std::string folder;
+  port::Duration interval{};  // at the most so often
+};
+
 struct Settings {
   MeshConfig mesh;
   PollSettings poll;
+  WriteBackSettings write_back;
   std::vector<BusSettings> buses;
   ServerSettings server;
+  std::optional<HttpSettings> http;
   std::optional<FileSettings> files;
+  std::optional<StateSettings> state;
   GpioSettings gpio;
-  std::string site;  // path of a .poly with features, or empty
+  AnalysisSettings analysis;
+  SiteSettings site;
+  // Of the file itself and of the site file.
   std::vector<FeatureSettings> features;
+  std::vector<AnchorSettings> anchors;
+  SiteDomain domain;
 };
 
 // Reads the file. Every mistake in it adds one line "file:line: what is wrong; the cure" to

@@ -5,6 +5,9 @@
 #include <vector>
 
 #include "etcm/mesh.h"
+#include "feature_end.h"
+#include "mesh_analysis.h"
+#include "refusal.h"
 
 namespace etcm::firmware {
 
@@ -18,7 +21,10 @@ inline constexpr std::uint16_t budget_hit = 1u << 2;  // room or budget was too 
 struct SnapshotVertex {
   VertexKind kind = VertexKind::none;
   bool stale = false;
-  std::uint32_t serial = 0;   // of a node
+  bool is_anchor = false;     // a fixed point of the site; to the mesh it is a node
+  Refusal refusal{};          // of a node: why the mesh does not have it where it is now
+  std::uint32_t serial = 0;   // of a node that is no anchor
+  std::uint32_t unit = 0;     // that answers for a node; of all buses, from 0; no_unit: sought
   std::uint32_t feature = 0;  // a Steiner vertex stands on it; counted from 1 as configured
   Point point;
   std::uint32_t first_neighbour = 0;  // into Snapshot::neighbours
@@ -28,23 +34,46 @@ struct SnapshotVertex {
 struct SnapshotNeighbour {
   std::uint32_t row = 0;
   bool constrained = false;
+  bool gabriel = false;  // see etcm/analysis.h; marked where a radio range is set
+  bool urquhart = false;
+};
+
+// A node that is known and not in the mesh.
+struct SnapshotOutsider {
+  std::uint32_t serial = 0;
+  std::uint32_t unit = 0;
+  bool has_position = false;
+  Position position;
+  Refusal refusal;  // none: it has not told where it is
+};
+
+// A configured feature that is not in the mesh.
+struct SnapshotMissingFeature {
+  std::uint32_t number = 0;  // from 1 as configured
+  FeatureEnd from;
+  FeatureEnd to;
+  Refusal refusal;  // none: it waits for its ends
 };
 
 struct Snapshot {
   std::uint32_t generation = 0;
-  std::uint16_t state = 0;  // bits of snapshot_state; 0 is all well
-  std::uint32_t node_count = 0;
+  std::uint16_t state = 0;       // bits of snapshot_state; 0 is all well
+  std::uint32_t node_count = 0;  // anchors are not counted
+  std::uint32_t anchor_count = 0;
   std::uint32_t steiner_count = 0;
   std::uint32_t edge_count = 0;
   std::uint32_t triangle_count = 0;
   std::uint32_t features_active = 0;
   std::uint32_t features_configured = 0;
-  std::uint32_t quarantined_count = 0;  // nodes and features the mesh refused
+  std::uint32_t quarantined_count = 0;  // entries of the quarantine (quarantine.h)
   std::uint32_t stale_count = 0;
   std::uint32_t oldest_age_ms = 0;  // of the position of a node in the mesh, at this generation
   std::uint64_t mesh_hash = 0;
   std::vector<SnapshotVertex> vertices;
   std::vector<SnapshotNeighbour> neighbours;
+  std::vector<SnapshotOutsider> outsiders{};
+  std::vector<SnapshotMissingFeature> missing_features{};
+  MeshAnalysis analysis{};
 };
 
 }  // namespace etcm::firmware

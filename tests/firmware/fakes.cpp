@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "etcm/config.h"
-#include "mesh_map.h"
+#include "mesh_map_tables.h"
 #include "words.h"
 
 namespace etcm::firmware {
@@ -19,34 +19,84 @@ std::size_t RecordingLog::count(const std::string& part) const {
 
 void ScriptedBus::start_read(const port::RegisterRead& read, port::Instant now) {
   ++reads[read.unit];
+  timeouts[read.unit] = read.timeout;
+  const Request request{.unit = read.unit, .ticket = read.ticket, .is_write = false};
   if (units_.contains(read.unit)) {
-    done_.push_back(read.unit);
+    done_.push_back(request);
   } else {
-    waiting_.push_back({.unit = read.unit, .deadline = now + read.timeout});
+    waiting_.push_back({.request = request, .deadline = now + read.timeout});
   }
 }
 
+void ScriptedBus::start_write(const port::RegisterWrite& write, port::Instant now) {
+  ++writes[write.unit];
+  const Request request{.unit = write.unit, .ticket = write.ticket, .is_write = true};
+  if (take_in(write)) {
+    done_.push_back(request);
+  } else {
+    waiting_.push_back({.request = request, .deadline = now + write.timeout});
+  }
+}
+
+// Whether the unit says anything to it.
+bool ScriptedBus::take_in(const port::RegisterWrite& write) {
+  const auto found = units_.find(write.unit);
+  if (found == units_.end() || found->second.to_writes == port::BusResult::timeout) return false;
+  if (found->second.to_writes != port::BusResult::ok) return true;
+  if (write.first == assignment_register_first) {
+    const auto serial = std::span(found->second.registers).subspan(2, 2);
+    if (!std::equal(serial.begin(), serial.end(), write.values.begin() + 1)) return false;
+    const Unit moved = found->second;
+    units_.erase(found);
+    units_[static_cast<std::uint8_t>(write.values[0])] = moved;
+  }
+  written.push_back({.unit = write.unit,
+                     .first = write.first,
+                     .values = {write.values.begin(), write.values.end()}});
+  return true;
+}
+
 void ScriptedBus::advance(port::Instant now) {
+  if (is_stuck) return;
   std::erase_if(waiting_, [&](const Waiting& waiting) {
     if (waiting.deadline > now) return false;
-    timed_out_.push_back(waiting.unit);
+    timed_out_.push_back(waiting.request);
     return true;
   });
 }
 
 bool ScriptedBus::take_answer(port::BusAnswer& answer) {
+  if (is_stuck) return false;
   if (!timed_out_.empty()) {
-    answer = {.unit = timed_out_.front(), .result = port::BusResult::timeout, .registers = {}};
+    answer = {.unit = timed_out_.front().unit,
+              .ticket = timed_out_.front().ticket,
+              .result = port::BusResult::timeout,
+              .registers = {}};
     timed_out_.pop_front();
     return true;
   }
   if (done_.empty()) return false;
-  const std::uint8_t unit = done_.front();
+  const Request request = done_.front();
   done_.pop_front();
-  const Unit& script = units_[unit];
+  const auto found = units_.find(request.unit);
+  if (found == units_.end() && !request.is_write) {  // it has gone elsewhere meanwhile
+    answer = {.unit = request.unit,
+              .ticket = request.ticket,
+              .result = port::BusResult::timeout,
+              .registers = {}};
+    return true;
+  }
+  const Unit script = found == units_.end() ? Unit{} : found->second;
   handed_ = script.registers;
-  answer = {
-      .unit = unit, .result = script.result, .exception = script.exception, .registers = handed_};
+  answer = {.unit = request.unit, .ticket = request.ticket, .registers = {}};
+  if (request.is_write) {
+    answer.result = script.to_writes;
+    answer.exception = script.exception_to_writes;
+  } else {
+    answer.result = script.result;
+    answer.exception = script.exception;
+    answer.registers = handed_;
+  }
   return true;
 }
 
@@ -61,7 +111,8 @@ void ScriptedBus::set(std::uint8_t unit, const NodeReading& reading) {
 }
 
 void ScriptedBus::set_registers(std::uint8_t unit, const NodeRegisters& registers) {
-  units_[unit] = {.registers = registers};
+  units_[unit].registers = registers;
+  units_[unit].result = port::BusResult::ok;
 }
 
 void ScriptedBus::set_result(std::uint8_t unit, port::BusResult result, std::uint8_t exception) {
@@ -69,8 +120,13 @@ void ScriptedBus::set_result(std::uint8_t unit, port::BusResult result, std::uin
   units_[unit].exception = exception;
 }
 
+void ScriptedBus::refuse_writes(std::uint8_t unit, port::BusResult how, std::uint8_t exception) {
+  units_[unit].to_writes = how;
+  units_[unit].exception_to_writes = exception;
+}
+
 std::uint32_t RecordingServer::header(const std::string& name) const {
-  for (const MapRow& row : header_rows()) {
+  for (const auto& row : header_rows()) {
     if (name != row.name) continue;
     const auto& registers = images.back()->registers;
     return row.registers == 1 ? registers[row.offset] : load_u32(registers, row.offset);
@@ -90,18 +146,27 @@ Rig::Rig(std::vector<FeatureSettings> features, std::uint32_t vertices_max) {
   yard.units = {{.first = 1, .last = 20}};
   yard.timeout = 50ms;
   yard.outstanding_max = 100;
+  yard.scan_budget = 10ms;
   settings.buses.push_back(yard);
   settings.files = FileSettings{.folder = "", .name = "", .interval = 500ms};
   settings.features = std::move(features);
 }
 
-void Rig::start() {
+void Rig::start() { start_with({&bus}); }
+
+void Rig::start_with(const std::vector<port::NodeBus*>& buses) {
   memory.resize(storage_bytes(settings.mesh));
   if (mesh.open(memory, settings.mesh) != Status::ok) throw std::logic_error("bad MeshConfig");
-  polled = {{.bus = &bus, .settings = &settings.buses.front()}};
-  gateway = std::make_unique<Gateway>(
-      settings, mesh,
-      GatewayPorts{.buses = polled, .server = server, .files = &files, .clock = clock, .log = log});
+  for (std::size_t i = 0; i < buses.size(); ++i) {
+    polled.push_back({.bus = buses[i], .settings = &settings.buses[i]});
+  }
+  gateway = std::make_unique<Gateway>(settings, mesh,
+                                      GatewayPorts{.buses = polled,
+                                                   .server = server,
+                                                   .files = &files,
+                                                   .store = store,
+                                                   .clock = clock,
+                                                   .log = log});
 }
 
 void Rig::run(port::Duration duration) {
@@ -118,7 +183,7 @@ void Rig::put(std::uint8_t unit, std::int32_t x, std::int32_t y, std::uint16_t s
 }
 
 FeatureSettings feature(std::uint32_t from, std::uint32_t to) {
-  return {.from = from, .to = to, .place = "site.toml:1"};
+  return {.from = from, .to = to, .name = {}, .place = "site.toml:1"};
 }
 
 }  // namespace etcm::firmware

@@ -32,13 +32,15 @@ class RecordingLog final : public port::Log {
   std::vector<std::string> lines;
 };
 
-// Units that answer at once, or time out when the gateway's clock has passed the timeout.
+// Units that answer at once, or time out when the gateway's clock has passed the timeout. They take
+// the writes a node takes: a new unit where the serial matches, and whatever else.
 class ScriptedBus final : public port::NodeBus {
  public:
   bool ready() const override {
     return link_up && waiting_.size() + done_.size() + timed_out_.size() < outstanding_max;
   }
   void start_read(const port::RegisterRead& read, port::Instant now) override;
+  void start_write(const port::RegisterWrite& write, port::Instant now) override;
   void advance(port::Instant now) override;
   bool take_answer(port::BusAnswer& answer) override;
   port::Instant next_deadline() const override;
@@ -47,25 +49,45 @@ class ScriptedBus final : public port::NodeBus {
   void set_registers(std::uint8_t unit, const NodeRegisters& registers);
   void set_result(std::uint8_t unit, port::BusResult result, std::uint8_t exception = 0);
   void silence(std::uint8_t unit) { units_.erase(unit); }
+  // What the unit says to writes: nothing, or an exception.
+  void refuse_writes(std::uint8_t unit, port::BusResult how, std::uint8_t exception = 0);
 
   bool link_up = true;
+  bool is_stuck = false;  // neither answers nor lets time pass
   std::size_t outstanding_max = 100;
-  std::map<std::uint8_t, std::uint32_t> reads;  // by unit
+  std::map<std::uint8_t, std::uint32_t> reads;      // by unit
+  std::map<std::uint8_t, port::Duration> timeouts;  // of the last read, by unit
+  std::map<std::uint8_t, std::uint32_t> writes;     // by unit, also in vain
+  struct Written {
+    std::uint8_t unit;
+    std::uint16_t first;
+    std::vector<std::uint16_t> values;
+  };
+  std::vector<Written> written;  // and confirmed
 
  private:
   struct Unit {
     port::BusResult result = port::BusResult::ok;
     std::uint8_t exception = 0;
     NodeRegisters registers{};
+    port::BusResult to_writes = port::BusResult::ok;
+    std::uint8_t exception_to_writes = 0;
+  };
+  struct Request {
+    std::uint8_t unit;
+    std::uint32_t ticket;
+    bool is_write;
   };
   struct Waiting {
-    std::uint8_t unit;
+    Request request;
     port::Instant deadline;
   };
+  bool take_in(const port::RegisterWrite& write);
+
   std::map<std::uint8_t, Unit> units_;
   std::vector<Waiting> waiting_;
-  std::deque<std::uint8_t> done_;
-  std::deque<std::uint8_t> timed_out_;
+  std::deque<Request> done_;
+  std::deque<Request> timed_out_;
   NodeRegisters handed_{};
 };
 
@@ -100,6 +122,8 @@ struct Rig {
   explicit Rig(std::vector<FeatureSettings> features = {}, std::uint32_t vertices_max = 100);
 
   void start();
+  // One bus for each of settings.buses.
+  void start_with(const std::vector<port::NodeBus*>& buses);
   // Runs the gateway for this long, a step every 10 ms.
   void run(port::Duration duration);
   // Unit `unit` is the node with serial 1000 + unit.
@@ -112,6 +136,7 @@ struct Rig {
   ScriptedBus bus;
   RecordingServer server;
   RecordingFiles files;
+  port::Store* store = nullptr;
   std::vector<std::byte> memory;
   Mesh mesh;
   std::vector<PolledBus> polled;

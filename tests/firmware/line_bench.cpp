@@ -3,6 +3,8 @@
 // Bus efficiency is the least time that the bytes and the silences of the questions need, over the
 // time they took. The age of a position is the time since its last reading, sampled for all healthy
 // units every few milliseconds. Reports, and judges nothing but that all units were read.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
@@ -212,7 +214,7 @@ int main(int argc, char** argv) {
   app.add_option("--sweeps", sweeps);
   CLI11_PARSE(app, argc, argv);
 
-  port::StreamLog log(stderr);
+  port::StreamLog log(STDERR_FILENO);
   bool all_read = true;
   for (const std::uint32_t baud : bauds) {
     Setup setup{.baud = baud, .units = units, .sweeps = sweeps, .timeout = 50ms, .quiet = 20ms};

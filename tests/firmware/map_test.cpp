@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "mesh_map.h"
+#include "mesh_map_tables.h"
 #include "node_map.h"
 #include "words.h"
 
@@ -107,14 +107,14 @@ class Reader {
   explicit Reader(const port::RegisterImage& image) : image_(image) {}
 
   std::uint32_t header(const std::string& name) const {
-    for (const MapRow& row : header_rows()) {
+    for (const auto& row : header_rows()) {
       if (name == row.name) return value(0, row.offset, row.registers);
     }
     ADD_FAILURE() << "no header row " << name;
     return 0;
   }
   std::uint32_t vertex(std::uint32_t row, const std::string& name) const {
-    for (const MapRow& field : vertex_rows()) {
+    for (const auto& field : vertex_rows()) {
       if (name != field.name) continue;
       return value(header("vertex_block_first") + row / 7, 2 + row % 7 * 16u + field.offset,
                    field.registers);
@@ -140,6 +140,7 @@ TEST(MeshMap, ComesBackByTheDocumentedRule) {
   constexpr std::uint32_t vertices = 5000;  // more than one unit
   Snapshot snapshot{.generation = 0x12345678,
                     .node_count = 4999,
+                    .anchor_count = 7,
                     .steiner_count = 1,
                     .mesh_hash = 0x0123456789abcdef,
                     .vertices = {},
@@ -158,10 +159,12 @@ TEST(MeshMap, ComesBackByTheDocumentedRule) {
                              .point = {-1, subunits_per_unit + 1},
                              .first_neighbour = 4000,
                              .degree = 1};
-  const port::RegisterImage image = encode_mesh(snapshot, vertices);
+  port::RegisterImage image;
+  encode_mesh(snapshot, vertices, image);
   const Reader reader(image);
   EXPECT_EQ(reader.header("magic"), 0x4d45u);
   EXPECT_EQ(reader.header("node_count"), 4999u);
+  EXPECT_EQ(reader.header("anchor_count"), 7u);
   EXPECT_EQ(reader.header("mesh_hash_high"), 0x01234567u);
   EXPECT_EQ(reader.header("mesh_hash_low"), 0x89abcdefu);
   for (std::uint32_t row = 0; row < vertices; ++row) {
@@ -187,12 +190,12 @@ TEST(MeshMap, TheGreatestMeshFitsTheUnits) {
 }
 
 TEST(MeshMap, TheOperatingGuideHasItsTables) {
-  std::ifstream file(ETCM_FIRMWARE_README);
-  ASSERT_TRUE(file) << ETCM_FIRMWARE_README;
+  std::ifstream file(ETCM_REGISTER_GUIDE);
+  ASSERT_TRUE(file) << ETCM_REGISTER_GUIDE;
   std::stringstream text;
   text << file.rdbuf();
   EXPECT_NE(text.str().find(describe_mesh_map()), std::string::npos)
-      << "put the output of `etcm-gateway --register-map` into firmware/README.md";
+      << "put the output of `etcm-gateway --register-map` into firmware/guide/registers.md";
 }
 
 }  // namespace

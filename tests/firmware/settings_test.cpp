@@ -49,7 +49,8 @@ TEST_F(SettingsFile, TheLeastThatWorks) {
 
 TEST_F(SettingsFile, EverySettingArrives) {
   const Settings settings = read(R"(
-site = "coast.poly"
+[site]
+file = "coast.poly"
 [mesh]
 vertices_max = 10
 features_max = 11
@@ -72,7 +73,12 @@ timeout = "40ms"
 outstanding = 1
 [server]
 listen = "0.0.0.0:1602"
+allow = ["10.0.0.0/8", "192.168.1.7"]
 clients_max = 3
+[analysis]
+radio_range = 400
+sensing_range = 150
+
 [files]
 folder = "out"
 name = "plan"
@@ -82,7 +88,7 @@ from = 4000000000
 to = 2
 )");
   EXPECT_TRUE(mistakes_.empty()) << mistakes_.front();
-  EXPECT_EQ(settings.site, folder_ / "coast.poly");
+  EXPECT_EQ(settings.site.path, folder_ / "coast.poly");
   EXPECT_EQ(settings.mesh.features_max, 11u);
   EXPECT_EQ(settings.mesh.steiner_max, 5u);
   EXPECT_EQ(settings.mesh.steps_max, 12u);
@@ -93,16 +99,20 @@ to = 2
   EXPECT_EQ(settings.poll.stale_after, 3s);
   EXPECT_EQ(settings.poll.leave_after, 9s);
   EXPECT_EQ(settings.poll.dead_band, 4u);
+  EXPECT_EQ(settings.analysis.radio_range, 400u);
+  EXPECT_EQ(settings.analysis.sensing_range, 150u);
   EXPECT_EQ(settings.buses[0].name, "yard");
   EXPECT_EQ(settings.buses[0].timeout, 40ms);
   EXPECT_EQ(settings.buses[0].outstanding_max, 1u);
   EXPECT_EQ(to_string(settings.server.listen), "0.0.0.0:1602");
   EXPECT_EQ(settings.server.clients_max, 3u);
+  ASSERT_EQ(settings.server.allow.size(), 2u);
+  EXPECT_EQ(to_string(settings.server.allow[0]), "10.0.0.0/8");
   EXPECT_EQ(settings.files->folder, folder_ / "out");
   EXPECT_EQ(settings.files->name, "plan");
   EXPECT_EQ(settings.files->interval, 2s);
   EXPECT_EQ(settings.features[0].from, 4000000000u);
-  EXPECT_EQ(settings.features[0].place, path_ + ":30");
+  EXPECT_EQ(settings.features[0].place, path_ + ":36");
 }
 
 TEST_F(SettingsFile, EverySettingOfASerialBusArrives) {
@@ -140,6 +150,33 @@ units = "1"
   EXPECT_EQ(usual.baud, 19200u);
   EXPECT_EQ(usual.parity, port::Parity::even);
   EXPECT_EQ(settings.buses[1].quiet, 50ms);
+}
+
+TEST_F(SettingsFile, SomeUnitsMayTakeLonger) {
+  const Settings settings = read(R"(
+[mesh]
+vertices_max = 10
+[[bus]]
+tcp = "127.0.0.1:1500"
+units = "1-20"
+timeout = "80ms"
+[[bus.slow]]
+units = "7,12-14"
+timeout = "600ms"
+[[bus.slow]]
+units = "20"
+timeout = "20ms"
+[[bus]]
+tcp = "127.0.0.1:1501"
+units = "7"
+)");
+  EXPECT_TRUE(mistakes_.empty()) << mistakes_.front();
+  const BusSettings& bus = settings.buses[0];
+  EXPECT_EQ(timeout_of(bus, 7), 600ms);
+  EXPECT_EQ(timeout_of(bus, 8), 80ms);
+  EXPECT_EQ(timeout_of(bus, 13), 600ms);
+  EXPECT_EQ(timeout_of(bus, 20), 20ms);
+  EXPECT_EQ(timeout_of(settings.buses[1], 7), settings.poll.timeout);
 }
 
 TEST_F(SettingsFile, EveryLineOfTheBoardArrives) {
@@ -236,7 +273,20 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"bad_word_order", serial("word_order = \"little\"\n"), 7,
                 "word_order 'little' is unknown", "\"CDAB\""},
         Mistake{"outstanding_on_a_line", serial("outstanding = 4\n"), 7,
-                "'outstanding' is unknown in [[bus]]", "known here: baud"},
+                "'outstanding' is unknown in [[bus]]", "known here: assign, baud"},
+        Mistake{"slow_unit_of_no_bus",
+                serial("") + "[[bus.slow]]\nunits = \"1,9\"\ntimeout = \"1s\"\n", 8,
+                "unit 9 is not among the units of its bus", "add it there"},
+        Mistake{"slow_unit_without_timeout", serial("") + "[[bus.slow]]\nunits = \"1\"\n", 7,
+                "'timeout' is missing in [[bus.slow]]", "add it"},
+        Mistake{"slow_as_table", serial("") + "[bus.slow]\nunits = \"1\"\n", 7,
+                "must be a list of tables", "[[bus.slow]]"},
+        Mistake{"bad_scan", bus("scan = \"0-9\"\n"), 6, "'scan' must list", "\"1-60\""},
+        Mistake{"default_unit_given", bus("assign = \"240-247\"\n"), 6, "247 is where new nodes",
+                "take it out"},
+        Mistake{"no_budget", bus("units = \"1\"\nscan_budget = \"0ms\"\n"), 7, "too short", "1ms"},
+        Mistake{"write_back_as_text", "[write_back]\nenabled = \"yes\"\n" + bus("units = \"1\"\n"),
+                5, "'enabled'", "true"},
         Mistake{"alert_for_nobody", "[gpio]\nalert = \"A\"\n" + serial(""), 4, "unit 247",
                 "add 247"},
         Mistake{"two_switch", serial("rs485 = \"kernel\"\nrs485_line = \"DE\"\n"), 8,
@@ -245,6 +295,11 @@ INSTANTIATE_TEST_SUITE_P(
                 "status_led = \"LINE_NAME\""},
         Mistake{"baud_of_a_socket", bus("units = \"1\"\nbaud = 9600\n"), 7,
                 "'baud' is unknown in [[bus]]", "known here"},
+        Mistake{"nearly_a_key", "[poll]\nintervall = \"1s\"\n" + bus("units = \"1\"\n"), 5,
+                "'intervall' is unknown in [poll]", "did you mean 'interval'?"},
+        Mistake{"bad_network",
+                bus("units = \"1\"\n") + "[server]\nallow = [\"10.0.0.0/8\", \"office\"]\n", 8,
+                "'allow' must list networks", "\"127.0.0.0/8\""},
         Mistake{"files_without_folder", bus("units = \"1\"\n") + "[files]\n", 7,
                 "'folder' is missing in [files]", "add it"}),
     [](const auto& row) { return std::string(row.param.name); });
@@ -255,6 +310,19 @@ TEST_F(SettingsFile, AllMistakesComeAtOnceFromTheTop) {
   EXPECT_NE(mistakes_[0].find(":1: 'bus' is missing"), std::string::npos) << mistakes_[0];
   EXPECT_NE(mistakes_[1].find(":2: 'x' is unknown"), std::string::npos) << mistakes_[1];
   EXPECT_NE(mistakes_[3].find(":5: 'vertices_max'"), std::string::npos) << mistakes_[3];
+}
+
+TEST_F(SettingsFile, WhatIsNoTomlIsNamedWithItsLine) {
+  for (const auto& [text, line] : {std::pair{"[mesh]\nvertices_max = \n", 2},
+                                   {"[mesh]\nvertices_max = 1\nvertices_max = 2\n", 3},
+                                   {"[mesh]\n[poll]\n[mesh]\n", 3},
+                                   {"[mesh\n", 1}}) {
+    read(text);
+    ASSERT_EQ(mistakes_.size(), 1u) << text;
+    EXPECT_TRUE(mistakes_[0].starts_with(path_ + ":" + std::to_string(line) + ": "))
+        << mistakes_[0];
+    EXPECT_NE(mistakes_[0].find("; correct the TOML there"), std::string::npos);
+  }
 }
 
 TEST_F(SettingsFile, AFileThatIsNotThereIsAMistake) {

@@ -5,6 +5,7 @@ ETCM_ARM_BOARD; ETCM_BIN has the programs for this machine.
 """
 import os
 import pathlib
+import re
 import time
 import unittest
 
@@ -32,6 +33,7 @@ baud = 115200
 units = "1-3,247"
 [server]
 listen = "0.0.0.0:1502"
+allow = ["10.0.2.0/24"]
 """
 SETTLED = ["0,1,join,0,0", "0,2,join,900,0", "0,3,join,0,900"]
 # Units are counted as serials first appear.
@@ -43,6 +45,7 @@ NEW = ["0,247,silent,,", f"{1000 * NEW_AFTER_S},247,join,400,500"]
 # From the alert to the new node in the registers: a probe at once, and the pause of a publication.
 # Emulated, the board is some ten times slower than a real one.
 JOIN_S = 5
+RESIDENT_MAX_KIB = 16384
 
 
 class OnABoard(gateway_test.GatewayCase):
@@ -105,6 +108,13 @@ class OnABoard(gateway_test.GatewayCase):
         self.assertLess(time.monotonic() - raised_at, JOIN_S)
         board.drive("ALERT", False)
         self.assertEqual(self.vertices()[247], (400, 500))
+
+        board.tell("grep VmRSS /proc/$gateway/status")
+        board.wait_for_output(r"VmRSS:.* kB")
+        resident = int(re.search(r"VmRSS:\s+(\d+) kB", board.output)[1])
+        size = self.environment("ETCM_ARM_GATEWAY").stat().st_size // 1024
+        print(f"on the board: program {size} KiB, RSS {resident} KiB")
+        self.assertLess(resident, RESIDENT_MAX_KIB)
 
         board.tell("kill -STOP $gateway")
         time.sleep(1)

@@ -1,82 +1,26 @@
 """The gateway run for real: against etcm-nodes (over TCP and on a serial line), against pymodbus,
 and read by mbpoll.
 
-The programs' folder is in ETCM_BIN. Nothing here depends on how fast the machine is: every wait is
-for a condition.
+The programs' folder is in ETCM_BIN.
 """
 import os
 import pathlib
 import re
-import shutil
 import signal
 import socket
 import subprocess
 import sys
-import tempfile
-import time
 import unittest
 
-PROGRAMS = pathlib.Path(os.environ["ETCM_BIN"]).resolve()
 HERE = pathlib.Path(__file__).parent
-PATIENCE_S = 40
+sys.path.insert(0, str(HERE.parent / "support"))
+from programs import PATIENCE_S, ProgramCase, free_port, wait_for
+
+PROGRAMS = pathlib.Path(os.environ["ETCM_BIN"]).resolve()
 
 
-def wait_for(what, condition):
-    deadline = time.monotonic() + PATIENCE_S
-    while time.monotonic() < deadline:
-        found = condition()
-        if found:
-            return found
-        time.sleep(0.05)
-    raise AssertionError(f"waited {PATIENCE_S} s for {what}")
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-class Program:
-    """A running program with its output in a file."""
-
-    def __init__(self, folder, name, command):
-        self.log_path = folder / f"{name}.log"
-        self.log_file = open(self.log_path, "w")
-        self.process = subprocess.Popen(command, stdout=self.log_file, stderr=subprocess.STDOUT,
-                                        cwd=folder)
-
-    def log(self):
-        return self.log_path.read_text()
-
-    def wait_for_line(self, pattern):
-        return wait_for(f"'{pattern}' in {self.log_path}:\n", lambda: re.search(pattern, self.log()))
-
-    def stop(self, number=signal.SIGTERM):
-        if self.process.poll() is None:
-            self.process.send_signal(number)
-        status = self.process.wait(PATIENCE_S)
-        self.log_file.close()
-        return status
-
-
-class GatewayCase(unittest.TestCase):
-    def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="etcm_system_"))
-        self.programs = []
-
-    def tearDown(self):
-        for program in self.programs:
-            if program.process.poll() is None:
-                program.process.kill()
-            program.process.wait()
-            program.log_file.close()
-        shutil.rmtree(self.folder)
-
-    def start(self, name, command):
-        program = Program(self.folder, name, [str(part) for part in command])
-        self.programs.append(program)
-        return program
+class GatewayCase(ProgramCase):
+    vertices_max = 1000
 
     def start_nodes(self, rows):
         (self.folder / "nodes.csv").write_text("time_ms,serial,event,x,y\n" + "\n".join(rows) + "\n")
@@ -85,17 +29,17 @@ class GatewayCase(unittest.TestCase):
         nodes.wait_for_line(r"ready:")
         return re.findall(r"listens on (\S+) for units (\S+)", nodes.log())
 
-    def start_gateway(self, buses, more="", head=""):
-        config = head + """
+    def start_gateway(self, buses, more="", head="", leave_after="2s", wait=True):
+        config = head + f"""
 [mesh]
-vertices_max = 1000
+vertices_max = {self.vertices_max}
 features_max = 50
 [poll]
 interval = "100ms"
 timeout = "500ms"
 absent_interval = "200ms"
 stale_after = "1s"
-leave_after = "2s"
+leave_after = "{leave_after}"
 [server]
 listen = "127.0.0.1:0"
 [files]
@@ -107,6 +51,8 @@ interval = "100ms"
             config += f'[[bus]]\n{link} = "{address}"\nunits = "{units}"\n'
         (self.folder / "site.toml").write_text(config + more)
         gateway = self.start("gateway", [PROGRAMS / "etcm-gateway", "--config", "site.toml"])
+        if not wait:
+            return gateway
         match = gateway.wait_for_line(r"serves the mesh on \S+:(\d+)")
         self.port = int(match.group(1))
         return gateway
@@ -126,7 +72,8 @@ interval = "100ms"
         return {"generation": long(0), "magic": registers[2], "state": registers[4],
                 "nodes": long(10), "steiner": long(12), "triangles": long(16),
                 "features": long(18), "quarantined": long(22), "vertex_rows": long(28),
-                "vertex_block": long(30), "neighbour_block": long(36)}
+                "vertex_block": long(30), "neighbour_block": long(36),
+                "hash": registers[40:44]}
 
     def wait_for_header(self, **wanted):
         def matches():
@@ -192,6 +139,43 @@ class AgainstNodes(GatewayCase):
         self.start_gateway(buses)
         self.wait_for_header(nodes=count, state=0)
 
+    def test_sighup_takes_another_configuration_over_or_leaves_all_as_it_is(self):
+        def site(*lines):
+            features = ",".join(
+                '{"type":"Feature","properties":null,"geometry":'
+                '{"type":"LineString","coordinates":%s}}' % line for line in lines)
+            (self.folder / "site.geojson").write_text(
+                '{"type":"FeatureCollection","features":[%s]}' % features)
+
+        def reread(expected):
+            seen = gateway.log().count(expected)
+            gateway.process.send_signal(signal.SIGHUP)
+            wait_for(expected, lambda: gateway.log().count(expected) > seen)
+
+        site("[[0,0],[90,0]]")
+        gateway = self.start_gateway(self.start_nodes(["0,1,join,10,50", "0,2,join,70,60"]),
+                                     head='[site]\nfile = "site.geojson"\n')
+        self.wait_for_header(nodes=2, features=1, state=0)
+        site("[[0,0],[90,0],[90,90]]", "[[0,0],[-20,40]]")
+        reread("is read again: 3 stretches")
+        self.wait_for_header(nodes=2, features=3, state=0)
+        for broken in ("[[0,0],[90,0.5]]", "[[0,0],[90,0]"):
+            site(broken)
+            reread("the old one stays")
+        (self.folder / "site.geojson").unlink()
+        reread("the old one stays")
+        self.assertRegex(gateway.log(), r"site\.geojson:1: features/0/geometry/coordinates/1: y 0\.5")
+        self.wait_for_header(nodes=2, features=3, state=0)
+        site("[[0,0],[90,0]]")
+        for _ in range(2):
+            gateway.process.send_signal(signal.SIGHUP)
+        self.wait_for_header(nodes=2, features=1, state=0)
+        config = self.folder / "site.toml"
+        config.write_text(config.read_text().replace("vertices_max = 1000", "vertices_max = 2000"))
+        reread("needs a restart: [mesh] vertices_max")
+        self.assertEqual(gateway.stop(), 0, gateway.log())
+        self.assertIn("audit passed", gateway.log())
+
     def test_unreadable_blocks_are_exceptions_and_harm_nobody(self):
         self.start_gateway(self.start_nodes(["0,1,join,0,0"]))
         self.wait_for_header(nodes=1)
@@ -204,6 +188,41 @@ class AgainstNodes(GatewayCase):
                                 "-0", "-r", "0", "127.0.0.1", "7"], capture_output=True, text=True)
         self.assertIn("Illegal function", write.stdout + write.stderr)
         self.wait_for_header(nodes=1)
+
+
+class NewNodes(GatewayCase):
+    def holding(self, port, unit, first, count):
+        done = subprocess.run(
+            ["mbpoll", "-m", "tcp", "-p", port, "-a", str(unit), "-t", "4", "-0", "-r", str(first),
+             "-c", str(count), "-1", "127.0.0.1"], capture_output=True, text=True, timeout=PATIENCE_S)
+        return [int(value) for value in re.findall(r"^\[\d+\]:\s+(\d+)", done.stdout, re.M)]
+
+    def test_they_are_given_units_and_all_are_told_their_neighbours(self):
+        # Two wait at the default unit at once, a third is where nobody has listed it.
+        buses = self.start_nodes(["0,1,join,0,0", "0,2,join,900,0", "0,2,unit,247,",
+                                  "0,3,join,400,700", "0,3,unit,247,", "0,4,join,450,-700",
+                                  "0,4,unit,40,"])
+        address = buses[0][0]
+        gateway = self.start_gateway(
+            [(address, "1")],
+            'assign = "10-12"\nscan = "38-42"\n[write_back]\nenabled = true\n')
+        self.wait_for_header(nodes=4, state=0)
+        units = {int(gateway.wait_for_line(rf"node {serial} has unit (1[0-2]) of").group(1))
+                 for serial in (2, 3)}
+        self.assertEqual(units, {10, 11})
+        port = address.split(":")[1]
+        told = lambda: self.holding(port, 1, 200, 9)[2:] == [3, 0, 2, 0, 3, 0, 4]
+        wait_for("the neighbours of node 1 in its registers", told)
+        told = lambda: self.holding(port, 40, 200, 7)[2:] == [2, 0, 1, 0, 2]
+        wait_for("the neighbours of node 4 in its registers", told)
+        self.assertEqual(gateway.stop(), 0, gateway.log())
+
+    def test_a_copied_serial_is_an_alarm_and_the_first_stays(self):
+        buses = self.start_nodes(["0,1,join,0,0", "0,2,join,90,0", "2000,1,twin,50,50"])
+        gateway = self.start_gateway([(buses[0][0], "1-3")])
+        gateway.wait_for_line(r"two nodes with serial 1: unit 1 of \S+ and unit 3 of")
+        self.wait_for_header(nodes=2, quarantined=1, state=1)
+        self.assertEqual(self.vertices(), {1: (0, 0), 2: (90, 0)})
 
 
 class AgainstPymodbus(GatewayCase):
@@ -271,6 +290,19 @@ class OnASerialLine(GatewayCase):
         self.assertEqual(gateway.stop(), 0)
         self.assertRegex(gateway.log(), r"13 nodes.*audit passed")
 
+    def test_new_nodes_are_given_units_and_looked_for(self):
+        path, _ = self.start_line(["0,1,join,0,0", "0,2,join,90,0", "0,2,unit,247,",
+                                   "0,3,join,0,90", "0,3,unit,247,", "0,4,join,80,80",
+                                   "0,4,unit,40,"])
+        gateway = super().start_gateway(
+            [(path, "1")], more='baud = 115200\ntimeout = "50ms"\nassign = "10-12"\n'
+            'scan = "38-42"\n[write_back]\nenabled = true\n')
+        self.wait_for_header(nodes=4, state=0)
+        for serial in (2, 3):
+            gateway.wait_for_line(rf"node {serial} has unit 1[0-2] of")
+        self.assertEqual(gateway.stop(), 0, gateway.log())
+        self.assertNotIn("not told", gateway.log())
+
     def test_a_pulled_cable_is_back_within_two_polls(self):
         rows = ["0,1,join,0,0", "0,2,join,90,0", "0,3,join,0,90"]
         path, nodes = self.start_line(rows)
@@ -301,10 +333,10 @@ class CommandLine(GatewayCase):
         (self.folder / "site.toml").write_text(good)
         done = self.run_gateway("--config", "site.toml", "--check-config")
         self.assertEqual((done.returncode, done.stdout), (0, "site.toml: good\n"), done.stderr)
-        (self.folder / "site.toml").write_text('site = "no.poly"\n' + good + "unit = 3\n")
+        (self.folder / "site.toml").write_text('[site]\nfile = "no.poly"\n' + good + "unit = 3\n")
         done = self.run_gateway("--config", "site.toml", "--check-config")
         self.assertEqual(done.returncode, 2)
-        self.assertIn("site.toml:7: 'unit' is unknown in [[bus]]; known here:", done.stderr)
+        self.assertIn("site.toml:8: 'unit' is unknown in [[bus]]; did you mean 'units'?", done.stderr)
         self.assertIn("no.poly", done.stderr)
 
     def test_a_taken_port_is_said_and_is_status_1(self):
@@ -323,7 +355,7 @@ class CommandLine(GatewayCase):
         (self.folder / "site.poly").write_text(
             "3 2 0 0\n1 0 0\n2 9 0\n3 0 9\n2 0\n1 1 2\n2 2 3\n0\n")
         buses = self.start_nodes(["0,1,join,0,0", "0,2,join,90,0", "0,3,join,0,90"])
-        self.start_gateway(buses, head='site = "site.poly"\n')
+        self.start_gateway(buses, head='[site]\nfile = "site.poly"\n')
         self.wait_for_header(nodes=3, features=2, state=0)
 
 

@@ -1,0 +1,139 @@
+#include "address_assigner.h"
+
+#include <utility>
+
+namespace etcm::firmware {
+
+namespace {
+
+// A node may be busy for a moment with its change of unit.
+constexpr std::uint8_t verifications_max = 3;
+
+}  // namespace
+
+AddressAssigner::AddressAssigner(const PollSettings& settings, const Poller& poller, Roster& roster,
+                                 port::Log& log)
+    : settings_(settings), poller_(poller), roster_(roster), log_(log), jobs_(poller.bus_count()) {}
+
+void AddressAssigner::on_newcomer(std::uint32_t bus, std::uint32_t serial, port::Instant now) {
+  Job& job = jobs_[bus];
+  if (poller_.bus(bus).assign.empty() || job.step != Step::none) return;
+  if (job.last_serial == serial && now < job.retry_at) return;
+  job.serial = serial;
+  choose(bus, no_unit, now);
+}
+
+void AddressAssigner::next(std::uint32_t bus, Errand& errand) {
+  Job& job = jobs_[bus];
+  job.due = port::never;
+  if (job.step == Step::write) {
+    job.registers =
+        encode_assignment(poller_.address_of(job.unit), job.serial, poller_.bus(bus).word_order);
+    errand = {.address = default_unit, .first = assignment_register_first, .values = job.registers};
+    return;
+  }
+  errand = {.address = poller_.address_of(job.unit),
+            .first = node_register_first,
+            .read_count = node_register_count,
+            .values = {}};
+}
+
+std::uint32_t AddressAssigner::done(std::uint32_t bus, const port::BusAnswer& answer,
+                                    port::Instant now) {
+  Job& job = jobs_[bus];
+  if (answer.result == port::BusResult::link_lost) {
+    end(job, now);
+    return no_unit;
+  }
+  job.due = now;
+  switch (job.step) {
+    case Step::none:
+      break;
+    case Step::look:
+      // Whatever answers there, it is not free.
+      if (answer.result == port::BusResult::timeout) {
+        job.step = Step::write;
+      } else {
+        choose(bus, job.unit, now);
+      }
+      break;
+    case Step::write:
+      if (answer.result == port::BusResult::exception) {
+        give_up(job, "it answers with an exception", now);
+      } else {
+        // It may have changed before it could answer.
+        job.step = Step::verify;
+        job.verified = 0;
+      }
+      break;
+    case Step::verify: {
+      NodeReading reading;
+      const bool is_it = answer.result == port::BusResult::ok &&
+                         decode_node(answer.registers, poller_.bus(bus).word_order, reading) ==
+                             ReadingFault::none &&
+                         reading.serial == job.serial;
+      if (is_it) {
+        log_.write(port::Level::info, TextLine() << "node " << job.serial << " has "
+                                                 << poller_.name(job.unit) << " now");
+        job.is_full = false;
+        job.unwilling = no_serial;
+        const std::uint32_t unit = job.unit;
+        end(job, now);
+        return unit;
+      }
+      if (++job.verified == verifications_max) give_up(job, "it does not answer there", now);
+      break;
+    }
+  }
+  return no_unit;
+}
+
+bool AddressAssigner::is_free(std::uint32_t unit) const {
+  return roster_.at(unit) == nullptr && !poller_.is_sound(unit);
+}
+
+std::uint32_t AddressAssigner::free_unit_after(std::uint32_t bus, std::uint32_t unit) const {
+  bool is_behind = unit == no_unit;
+  for (const UnitRange range : poller_.bus(bus).assign) {
+    for (unsigned address = range.first; address <= range.last; ++address) {
+      const std::uint32_t found = poller_.unit_at(bus, static_cast<std::uint8_t>(address));
+      if (is_behind && is_free(found)) return found;
+      is_behind = is_behind || found == unit;
+    }
+  }
+  return no_unit;
+}
+
+void AddressAssigner::choose(std::uint32_t bus, std::uint32_t after, port::Instant now) {
+  Job& job = jobs_[bus];
+  job.unit = free_unit_after(bus, after);
+  if (job.unit != no_unit) {
+    job.step = Step::look;
+    job.due = now;
+    return;
+  }
+  if (!std::exchange(job.is_full, true)) {
+    log_.write(port::Level::warning, TextLine() << "bus " << poller_.bus(bus).name
+                                                << ": no unit is free for node " << job.serial
+                                                << ", which stays at 247; give more in `assign`");
+  }
+  end(job, now + settings_.absent_interval);
+}
+
+void AddressAssigner::give_up(Job& job, std::string_view why, port::Instant now) {
+  if (std::exchange(job.unwilling, job.serial) != job.serial) {
+    log_.write(port::Level::warning, TextLine() << "node " << job.serial << " did not take "
+                                                << poller_.name(job.unit) << ": " << why
+                                                << "; it stays at 247, and is asked to again");
+  }
+  end(job, now + settings_.absent_interval);
+}
+
+void AddressAssigner::end(Job& job, port::Instant retry_at) {
+  job.last_serial = job.serial;
+  job.retry_at = retry_at;
+  job.step = Step::none;
+  job.due = port::never;
+}
+
+}  // namespace etcm::firmware

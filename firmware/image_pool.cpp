@@ -1,0 +1,29 @@
+#include "image_pool.h"
+
+#include <algorithm>
+
+#include "mesh_map.h"
+
+namespace etcm::firmware {
+
+ImagePool::ImagePool(std::uint32_t vertices_max, std::size_t ready, std::size_t images_max)
+    : vertices_max_(vertices_max) {
+  images_.reserve(images_max);
+  for (std::size_t i = 0; i < ready; ++i) {
+    images_.push_back(std::make_shared<port::RegisterImage>());
+    encode_mesh(Snapshot{}, vertices_max, *images_.back());
+  }
+}
+
+std::shared_ptr<const port::RegisterImage> ImagePool::encode(const Snapshot& snapshot) {
+  auto free = std::find_if(images_.begin(), images_.end(),
+                           [](const auto& image) { return image.use_count() == 1; });
+  if (free == images_.end()) {
+    images_.push_back(std::make_shared<port::RegisterImage>());
+    free = images_.end() - 1;
+  }
+  encode_mesh(snapshot, vertices_max_, **free);
+  return *free;
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,33 @@
+// What stands in which register of the gateway. The encoder writes by these tables and the tables
+// of firmware/guide/registers.md are printed from them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "mesh_map.h"
+#include "snapshot.h"
+
+namespace etcm::firmware {
+
+// One value of a header, a vertex or a neighbour; its offset follows from the rows before it.
+template <typename Source>
+struct MapRow {
+  const char* name;
+  std::uint16_t registers;  // 1, or 2 with the high word first
+  const char* content;      // for the guide; {} stands for a value that is always the same
+  std::uint32_t (*value)(const Source&);
+  std::uint16_t offset = 0;  // from the start of the block, of the vertex or of the neighbour
+};
+
+struct HeaderSource {
+  const Snapshot& snapshot;
+  const MeshMapLayout& layout;
+};
+
+// The first row of the header is the generation, with which every block begins.
+std::span<const MapRow<HeaderSource>> header_rows();
+std::span<const MapRow<SnapshotVertex>> vertex_rows();
+std::span<const MapRow<SnapshotNeighbour>> neighbour_rows();
+
+}  // namespace etcm::firmware

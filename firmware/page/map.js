@@ -1,0 +1,356 @@
+// Draws the mesh, and knows what is under the pointer.
+import { nameOf } from "./model.js";
+import { View } from "./view.js";
+
+// What can be shown or not, bottom first.
+export const layers = [
+  { name: "holes", text: "Coverage holes", on: true },
+  { name: "edges", text: "Edges", on: true },
+  { name: "links", text: "Links too long", on: true },
+  { name: "features", text: "Feature edges", on: true },
+  { name: "gaps", text: "Barrier gaps", on: true },
+  { name: "missing", text: "Features refused", on: true },
+  { name: "steiner", text: "Relay proposals", on: true },
+  { name: "fresh", text: "Fresh", on: true },
+  { name: "ageing", text: "Ageing", on: true },
+  { name: "stale", text: "Stale", on: true },
+  { name: "quarantined", text: "In quarantine", on: true },
+];
+
+const hitDistance = 14;       // pixels
+const labelledNodesMax = 150;
+const labelSpacing = 46;      // pixels between nodes from which serials are legible
+
+export class MeshMap {
+  // `chosen` is called with the point that was clicked, or null.
+  constructor(canvas, { chosen }) {
+    this.canvas = canvas;
+    this.context = canvas.getContext("2d");
+    this.mesh = null;
+    this.choice = null;
+    this.hover = null;
+    this.tip = document.getElementById("tip");
+    this.scaleBar = document.getElementById("scale");
+    this.view = new View(canvas, {
+      changed: () => this.redraw(),
+      clicked: (at) => chosen(this.pointAt(at)),
+      hovered: (at) => this.setHover(at),
+    });
+    this.readColours();
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+      this.readColours();
+      this.redraw();
+    });
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.resize();
+  }
+
+  setMesh(mesh) {
+    this.mesh = mesh;
+    this.spacing = spacingOf(mesh);
+    this.hover = null;
+    this.view.setBounds(mesh.bounds);
+    this.redraw();
+  }
+
+  setChoice(point) {
+    this.choice = point;
+    if (point?.hasPlace) this.view.show(point);
+    this.redraw();
+  }
+
+  // At most once for each picture the screen shows.
+  redraw() {
+    if (this.isDue) return;
+    this.isDue = true;
+    requestAnimationFrame(() => {
+      this.isDue = false;
+      this.draw();
+    });
+  }
+
+  resize() {
+    const ratio = window.devicePixelRatio || 1;
+    this.canvas.width = Math.round(this.canvas.clientWidth * ratio);
+    this.canvas.height = Math.round(this.canvas.clientHeight * ratio);
+    if (this.view.followsBounds) this.view.fit();
+    this.redraw();
+  }
+
+  readColours() {
+    const style = getComputedStyle(document.documentElement);
+    const colour = (name) => style.getPropertyValue(`--${name}`).trim();
+    this.colours = { text: colour("text"), dim: colour("dim"), back: colour("map-back"),
+      accent: colour("accent") };
+    for (const name of ["edge", "feature", "steiner", "fresh", "ageing", "stale", "quarantined",
+      "hole", "link"]) {
+      this.colours[name] = colour(`map-${name}`);
+    }
+  }
+
+  isOn(name) { return layers.find((layer) => layer.name === name).on; }
+
+  draw() {
+    const { context, view, colours, mesh } = this;
+    const ratio = this.canvas.width / Math.max(1, view.width);
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.clearRect(0, 0, view.width, view.height);
+    if (!mesh) return;
+    const radius = Math.min(6.5, Math.max(1.6, (this.spacing * view.scale) / 5));
+    if (this.isOn("holes")) this.fillHoles();
+    if (this.isOn("edges")) this.strokeLines(mesh.edges, colours.edge, 1);
+    if (this.isOn("links")) this.strokeLines(mesh.longLinks, colours.link, 1.6, [6, 4]);
+    if (this.isOn("features")) this.strokeLines(mesh.features, colours.feature, radius > 3 ? 3 : 1.8);
+    if (this.isOn("gaps")) this.strokeLines(mesh.gaps, colours.hole, radius > 3 ? 5 : 3);
+    if (this.isOn("missing")) this.drawMissing();
+    this.drawChoiceLinks();
+    if (this.isOn("steiner")) {
+      this.drawDiamonds(mesh.steiner, Math.max(2, radius * 0.8));
+      this.drawDiamonds(mesh.relays, Math.max(2, radius * 0.8));
+    }
+    for (const state of ["fresh", "ageing", "stale", "quarantined"]) {
+      if (this.isOn(state)) this.drawNodes(mesh.nodes, state, radius);
+    }
+    this.drawRing(this.choice, radius + 5, 3);
+    if (this.hover !== this.choice) this.drawRing(this.hover, radius + 4, 1.5);
+    this.drawSerials(radius);
+    this.drawScale();
+  }
+
+  trace(lines) {
+    const { context, view } = this;
+    context.beginPath();
+    for (const line of lines) {
+      context.moveTo(view.screenX(line[0][0]), view.screenY(line[0][1]));
+      for (let i = 1; i < line.length; ++i) {
+        context.lineTo(view.screenX(line[i][0]), view.screenY(line[i][1]));
+      }
+    }
+  }
+
+  strokeLines(lines, colour, width, dash = []) {
+    this.trace(lines);
+    this.context.setLineDash(dash);
+    this.context.strokeStyle = colour;
+    this.context.lineWidth = width;
+    this.context.lineCap = "round";
+    this.context.stroke();
+    this.context.setLineDash([]);
+  }
+
+  // A disc as large as what is out of range there, and large enough to be seen.
+  fillHoles() {
+    const { context, view, mesh } = this;
+    context.beginPath();
+    for (const hole of mesh.holes) {
+      const radius = Math.max(5, (hole.distance - mesh.sensingRange) * view.scale);
+      const x = view.screenX(hole.x);
+      context.moveTo(x + radius, view.screenY(hole.y));
+      context.arc(x, view.screenY(hole.y), radius, 0, 2 * Math.PI);
+    }
+    context.globalAlpha = 0.35;
+    context.fillStyle = this.colours.hole;
+    context.fill();
+    context.globalAlpha = 1;
+  }
+
+  drawMissing() {
+    const lines = [];
+    // An end is the serial of a node or the place of an anchor.
+    const placeOf = (end) => {
+      if (Array.isArray(end)) return end;
+      const node = this.mesh.bySerial.get(end);
+      return node?.hasPlace ? [node.x, node.y] : null;
+    };
+    for (const feature of this.mesh.missing) {
+      const from = placeOf(feature.from);
+      const to = placeOf(feature.to);
+      if (feature.refused && from && to) lines.push([from, to]);
+    }
+    this.strokeLines(lines, this.colours.quarantined, 2, [7, 5]);
+  }
+
+  drawChoiceLinks() {
+    const { choice, mesh } = this;
+    if (!choice?.hasPlace) return;
+    const lines = choice.neighbours.map((id) => mesh.points.get(id)).filter(Boolean)
+      .map((other) => [[choice.x, choice.y], [other.x, other.y]]);
+    this.strokeLines(lines, this.colours.accent, 2.5);
+  }
+
+  drawDiamonds(points, size) {
+    const { context, view } = this;
+    context.beginPath();
+    for (const point of points) diamond(context, view.screenX(point.x), view.screenY(point.y), size);
+    this.paint(this.colours.steiner);
+  }
+
+  drawNodes(nodes, state, radius) {
+    const { context, view, colours } = this;
+    context.beginPath();
+    for (const node of nodes) {
+      if (node.state !== state || !node.hasPlace) continue;
+      nodeShape(context, state, view.screenX(node.x), view.screenY(node.y), radius);
+    }
+    if (state === "stale") {
+      context.fillStyle = colours.back;
+      context.fill();
+      context.strokeStyle = colours.stale;
+      context.lineWidth = Math.max(1.5, radius / 2.5);
+      context.stroke();
+    } else {
+      this.paint(colours[state]);
+    }
+  }
+
+  // Filled, apart from what is below it.
+  paint(colour) {
+    this.context.fillStyle = colour;
+    this.context.fill();
+    this.context.strokeStyle = this.colours.back;
+    this.context.lineWidth = 1;
+    this.context.stroke();
+  }
+
+  drawRing(point, radius, width) {
+    if (!point?.hasPlace) return;
+    const { context, view } = this;
+    context.beginPath();
+    context.arc(view.screenX(point.x), view.screenY(point.y), radius, 0, 2 * Math.PI);
+    context.strokeStyle = this.colours.accent;
+    context.lineWidth = width;
+    context.stroke();
+  }
+
+  drawSerials(radius) {
+    const { context, view, mesh } = this;
+    if (this.spacing * view.scale < labelSpacing) return;
+    const seen = mesh.nodes.filter((node) => node.hasPlace && this.isSeen(node));
+    if (seen.length > labelledNodesMax) return;
+    context.font = "12px system-ui, 'DejaVu Sans', sans-serif";
+    context.textBaseline = "bottom";
+    context.strokeStyle = this.colours.back;
+    context.fillStyle = this.colours.text;
+    context.lineWidth = 3;
+    context.lineJoin = "round";
+    for (const node of seen) {
+      const x = view.screenX(node.x) + radius + 2;
+      const y = view.screenY(node.y) - radius;
+      context.strokeText(node.serial, x, y);
+      context.fillText(node.serial, x, y);
+    }
+  }
+
+  isSeen(point) {
+    const x = this.view.screenX(point.x);
+    const y = this.view.screenY(point.y);
+    return x > -20 && x < this.view.width + 20 && y > -20 && y < this.view.height + 20;
+  }
+
+  // The roundest length that takes about a fifth of the width.
+  drawScale() {
+    const longest = Math.min(140, this.view.width / 5) / this.view.scale;
+    const power = 10 ** Math.floor(Math.log10(longest));
+    const length = [5, 2, 1].map((digit) => digit * power).find((value) => value <= longest) ?? power;
+    this.scaleBar.style.width = `${length * this.view.scale}px`;
+    this.scaleBar.firstElementChild.textContent = `${Number(length.toPrecision(3))} units`;
+  }
+
+  setHover(at) {
+    const point = at && this.pointAt(at);
+    this.canvas.classList.toggle("over", Boolean(point));
+    this.tip.hidden = !point;
+    if (point) {
+      this.tip.textContent = point.isNode ? `${nameOf(point)}, ${point.state}`
+        : `Relay proposal on feature ${point.feature}`;
+      const x = Math.min(at.x + 14, this.view.width - this.tip.offsetWidth - 4);
+      this.tip.style.left = `${x}px`;
+      this.tip.style.top = `${Math.max(4, at.y - 34)}px`;
+    }
+    if (point === this.hover) return;
+    this.hover = point;
+    this.redraw();
+  }
+
+  // The nearest point that is shown, if it is near; a node rather than a Steiner vertex.
+  pointAt({ x, y }) {
+    let best = null;
+    let bestDistance = hitDistance;
+    const look = (point, handicap) => {
+      if (!point.hasPlace) return;
+      const distance =
+        Math.hypot(this.view.screenX(point.x) - x, this.view.screenY(point.y) - y) + handicap;
+      if (distance < bestDistance) [best, bestDistance] = [point, distance];
+    };
+    if (!this.mesh) return null;
+    for (const node of this.mesh.nodes) {
+      if (node.state !== "waiting" && this.isOn(node.state)) look(node, 0);
+    }
+    if (this.isOn("steiner")) for (const point of this.mesh.steiner) look(point, 2);
+    return best;
+  }
+
+  // A sample of a layer for the legend.
+  drawSample(canvas, name) {
+    const ratio = window.devicePixelRatio || 1;
+    canvas.width = 26 * ratio;
+    canvas.height = 16 * ratio;
+    const context = canvas.getContext("2d");
+    context.scale(ratio, ratio);
+    const colour = { holes: "hole", edges: "edge", links: "link", features: "feature", gaps: "hole",
+      missing: "quarantined" }[name] ?? name;
+    context.strokeStyle = context.fillStyle = this.colours[colour];
+    context.lineCap = "round";
+    if (name === "holes") {
+      context.globalAlpha = 0.5;
+      context.beginPath();
+      context.arc(13, 8, 7, 0, 2 * Math.PI);
+      context.fill();
+    } else if (["edges", "links", "features", "gaps", "missing"].includes(name)) {
+      context.lineWidth = { edges: 1.5, features: 3, gaps: 5 }[name] ?? 2;
+      if (name === "links" || name === "missing") context.setLineDash([5, 4]);
+      context.beginPath();
+      context.moveTo(2, 8);
+      context.lineTo(24, 8);
+      context.stroke();
+    } else {
+      context.beginPath();
+      if (name === "steiner") diamond(context, 13, 8, 5);
+      else nodeShape(context, name, 13, 8, 5);
+      context.lineWidth = 2;
+      if (name === "stale") context.stroke();
+      else context.fill();
+    }
+  }
+}
+
+// How far points are apart, about; where all stand on a line they are not that dense.
+function spacingOf(mesh) {
+  if (!mesh.bounds || mesh.points.size < 2) return Infinity;
+  const across = mesh.bounds.right - mesh.bounds.left;
+  const up = mesh.bounds.top - mesh.bounds.bottom;
+  return Math.sqrt(Math.max(across * up, Math.max(across, up) ** 2 / 20) / mesh.points.size);
+}
+
+function diamond(context, x, y, size) {
+  context.moveTo(x, y - size);
+  context.lineTo(x + size, y);
+  context.lineTo(x, y + size);
+  context.lineTo(x - size, y);
+  context.closePath();
+}
+
+// States differ in shape too, for who does not tell their colours apart.
+function nodeShape(context, state, x, y, radius) {
+  if (state === "quarantined") {
+    context.rect(x - radius, y - radius, 2 * radius, 2 * radius);
+  } else if (state === "ageing") {
+    context.moveTo(x, y - radius * 1.25);
+    context.lineTo(x + radius * 1.2, y + radius * 0.9);
+    context.lineTo(x - radius * 1.2, y + radius * 0.9);
+    context.closePath();
+  } else {
+    context.moveTo(x + radius, y);
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+  }
+}

@@ -1,0 +1,132 @@
+// What the gateway said, as the rest of the page wants it. Knows nothing of the screen.
+
+// The states of a node, best first; "waiting" has told no place yet.
+export const nodeStates = ["fresh", "ageing", "stale", "quarantined", "waiting"];
+
+// Reads mesh.geojson.
+export function readMesh(geojson) {
+  const mesh = {
+    generation: geojson.generation,
+    instance: geojson.instance,
+    points: new Map(),    // by id
+    bySerial: new Map(),
+    nodes: [],
+    steiner: [],
+    edges: [],            // pairs of places
+    features: [],
+    longLinks: [],
+    gaps: [],             // stretches of features that nobody senses
+    relays: [],           // beside the Steiner vertices
+    holes: [],            // places out of the sensing range
+    sensingRange: geojson.sensing_range,
+    missing: [],          // features that are not in the mesh
+    bounds: null,
+  };
+  for (const feature of geojson.features) {
+    const { kind } = feature.properties;
+    if (kind === "node" || kind === "steiner" || kind === "anchor") addPoint(mesh, feature);
+    else if (kind === "edges") mesh.edges = feature.geometry.coordinates;
+    else if (kind === "features") mesh.features = feature.geometry.coordinates;
+    else if (kind === "gaps") mesh.gaps = feature.geometry.coordinates;
+    else if (kind === "relay") mesh.relays.push(placeOf(feature));
+    else if (kind === "hole") mesh.holes.push(placeOf(feature));
+    else if (kind === "long_links") mesh.longLinks = feature.geometry.coordinates;
+    else if (kind === "missing") mesh.missing.push(feature.properties);
+  }
+  return mesh;
+}
+
+function placeOf(feature) {
+  const [x, y] = feature.geometry.coordinates;
+  return { x, y, ...feature.properties };
+}
+
+function addPoint(mesh, feature) {
+  const { properties } = feature;
+  const place = feature.geometry?.coordinates;
+  const point = {
+    ...properties,
+    id: feature.id,
+    isNode: properties.kind === "node",
+    x: place?.[0],
+    y: place?.[1],
+    hasPlace: place !== undefined,
+    neighbours: properties.neighbours ?? [],
+    degree: properties.neighbours?.length ?? 0,
+    ageMs: undefined,
+    state: "fresh",
+  };
+  if (point.id !== undefined) mesh.points.set(point.id, point);
+  if (point.isNode) {
+    mesh.nodes.push(point);
+    mesh.bySerial.set(point.serial, point);
+  } else if (properties.kind === "steiner") {
+    mesh.steiner.push(point);
+  }
+  if (point.hasPlace) {
+    const b = (mesh.bounds ??= { left: point.x, right: point.x, bottom: point.y, top: point.y });
+    b.left = Math.min(b.left, point.x);
+    b.right = Math.max(b.right, point.x);
+    b.bottom = Math.min(b.bottom, point.y);
+    b.top = Math.max(b.top, point.y);
+  }
+}
+
+// Takes over ages.json, [[serial, milliseconds], ...], and what follows from it.
+export function setAges(mesh, ages, staleAfterMs) {
+  for (const [serial, ageMs] of ages) {
+    const node = mesh.bySerial.get(serial);
+    if (node) node.ageMs = ageMs;
+  }
+  for (const node of mesh.nodes) node.state = stateOf(node, staleAfterMs);
+}
+
+function stateOf(node, staleAfterMs) {
+  if (node.refused) return "quarantined";
+  if (!node.in_mesh) return "waiting";
+  if (node.stale || node.ageMs > staleAfterMs) return "stale";
+  return node.ageMs > staleAfterMs / 2 ? "ageing" : "fresh";
+}
+
+// "1.2 s", "4 min", "3 h": as fine as a person wants it.
+export function ageText(ageMs) {
+  if (ageMs === undefined) return "–";
+  const seconds = Math.max(0, ageMs) / 1000;
+  if (seconds < 10) return `${seconds.toFixed(1)} s`;
+  if (seconds < 120) return `${Math.round(seconds)} s`;
+  if (seconds < 7200) return `${Math.round(seconds / 60)} min`;
+  return `${Math.round(seconds / 3600)} h`;
+}
+
+export function placeText(point) {
+  return point.hasPlace ? `${coordinate(point.x)}, ${coordinate(point.y)}` : "–";
+}
+
+function coordinate(value) {
+  return Number.isInteger(value) ? String(value) : value.toFixed(2);
+}
+
+// A node whose unit another one has now is somewhere else, if anywhere.
+export function whereText(node) {
+  return node.bus === undefined ? "–" : `${node.unit}, ${node.bus}`;
+}
+
+export function nameOf(point) {
+  if (point.isNode) return `Node ${point.serial}`;
+  return point.kind === "anchor" ? `Anchor (${point.x}, ${point.y})` : `Steiner vertex ${point.id}`;
+}
+
+// How things stand, as a word for the colour and a sentence.
+export function stateInWords(status) {
+  if (status.trouble) return ["bad", status.trouble];
+  if (status.nodes === 0) return ["warn", "No node in the mesh"];
+  const troubles = [];
+  if (status.state.budget_hit) troubles.push("room or budget is too small");
+  if (status.quarantined > 0) troubles.push(`${status.quarantined} in quarantine`);
+  const waiting = status.features_configured - status.features_active;
+  if (waiting > 0) troubles.push(`${waiting} of ${status.features_configured} features not in the mesh`);
+  if (status.stale_nodes > 0) troubles.push(`${status.stale_nodes} stale`);
+  if (troubles.length === 0) return ["good", "All well"];
+  const text = troubles.join(", ");
+  return [status.state.budget_hit ? "bad" : "warn", text[0].toUpperCase() + text.slice(1)];
+}

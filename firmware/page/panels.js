@@ -1,0 +1,190 @@
+// Everything beside the map and the table: counts, details of a point, events, buses, legend.
+import { ageText, nameOf, placeText, stateInWords, whereText } from "./model.js";
+import { layers } from "./map.js";
+
+const byId = (id) => document.getElementById(id);
+
+function element(tag, text, className) {
+  const made = document.createElement(tag);
+  if (text !== undefined) made.textContent = text;
+  if (className) made.className = className;
+  return made;
+}
+
+function showState(colour, words) {
+  const state = byId("state");
+  state.className = `chip ${colour}`;
+  // A screen reader says it again only when it is another.
+  if (state.textContent !== words) state.textContent = words;
+}
+
+export function showNoAnswer() {
+  showState("bad", "No answer");
+}
+
+export function showStatus(status) {
+  showState(...stateInWords(status));
+  const counts = [
+    ["Generation", status.generation],
+    ["Nodes", status.nodes],
+    ["Relay proposals", status.steiner_vertices],
+    ["Edges", status.edges],
+    ["Triangles", status.triangles],
+    ["Features", status.features_active === status.features_configured ? status.features_active
+      : `${status.features_active} of ${status.features_configured}`],
+  ];
+  byId("counts").replaceChildren(...counts.map(([name, value]) => {
+    const pair = element("div");
+    pair.append(element("dt", name), element("dd", value));
+    return pair;
+  }));
+  byId("footer").replaceChildren(
+    ...[["mesh.geojson", "GeoJSON"], ["metrics", "Metrics"], ["healthz", "Health"]]
+      .map(([target, text]) => {
+        const link = element("a", text);
+        link.href = target;
+        return link;
+      }),
+    element("span", `version ${status.version}, up ${ageText(status.uptime_ms)}`));
+}
+
+const meterMs = 10000;   // until then nothing has been measured
+
+export function showBuses(status) {
+  byId("buses").replaceChildren(...status.buses.map((bus) => {
+    const item = element("li");
+    item.append(element("b", bus.name),
+      element("span", `${bus.answering} of ${bus.units} units answer`,
+        bus.answering === 0 ? "stale" : undefined));
+    if (status.uptime_ms > meterMs) {
+      item.append(element("span", `in use ${Math.round(bus.utilisation * 100)} %`));
+    }
+    if (bus.efficiency > 0) {
+      item.append(element("span", `efficiency ${Math.round(bus.efficiency * 100)} %`));
+    }
+    return item;
+  }));
+}
+
+// What the mesh does not take, and why; `go` is called with the serial that was clicked.
+export function showQuarantine(entries, go) {
+  byId("quarantine").hidden = entries.length === 0;
+  byId("quarantine-title").textContent = `In quarantine (${entries.length})`;
+  const key = JSON.stringify(entries.map(({ since_ms, ...rest }) => rest));
+  const list = byId("refused");
+  if (list.dataset.shown === key) return;
+  list.dataset.shown = key;
+  list.replaceChildren(...entries.map((entry) => {
+    const item = element("li");
+    const name = entry.feature ? `Feature ${entry.feature}` : `Node ${entry.serial}`;
+    if (entry.feature) {
+      item.append(element("b", name));
+    } else {
+      const button = element("button", name);
+      button.addEventListener("click", () => go(entry.serial));
+      item.append(button);
+    }
+    const where = entry.bus === undefined ? "" : `unit ${whereText(entry)}: `;
+    item.append(element("span", where + entry.why));
+    return item;
+  }));
+}
+
+const clockTime = new Intl.DateTimeFormat(undefined,
+  { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false });
+
+let newestEvent = 0;
+let eventsOf = "";
+
+// Newest first; the list is made anew only when there is a new one.
+export function showEvents(status) {
+  const newest = status.events[0]?.number ?? 0;
+  if (newest === newestEvent && eventsOf === status.instance) return;
+  newestEvent = newest;
+  eventsOf = status.instance;
+  const now = Date.now();
+  byId("events").replaceChildren(...status.events.map((event) => {
+    const item = element("li");
+    item.append(element("time", clockTime.format(now - event.age_ms)),
+      element("span", event.text, event.level));
+    return item;
+  }));
+}
+
+// The details of a point; null closes them. `go` is called with a neighbour that was clicked.
+export function showDetails(point, mesh, go) {
+  byId("details").hidden = !point;
+  if (!point) return;
+  byId("details-title").textContent = nameOf(point);
+  const facts = [["Place", placeText(point)], ["Degree", point.degree]];
+  if (point.isNode) {
+    const state = element("span", point.state, `mark ${point.state}`);
+    facts.unshift(["State", state], ["Last answer", `${ageText(point.ageMs)} ago`],
+      ["Unit, bus", whereText(point)]);
+    if (point.refused) facts.splice(1, 0, ["Why", point.refused]);
+  } else {
+    facts.unshift(["What", "a place for a relay"], ["On feature", point.feature]);
+  }
+  byId("facts").replaceChildren(...facts.flatMap(([name, value]) => {
+    const content = element("dd");
+    content.append(value);
+    return [element("dt", name), content];
+  }));
+  byId("neighbours-title").hidden = point.degree === 0;
+  const shown = point.neighbours.join();
+  const list = byId("neighbours");
+  // Left alone while it is the same, so that a button keeps the focus.
+  if (list.dataset.shown === `${mesh.generation}:${point.id}:${shown}`) return;
+  list.dataset.shown = `${mesh.generation}:${point.id}:${shown}`;
+  list.replaceChildren(...point.neighbours.map((id) => mesh.points.get(id)).filter(Boolean)
+    .map((other) => {
+      const item = element("li");
+      const text = other.kind === "anchor" ? `anchor (${other.x}, ${other.y})` : `relay ${other.id}`;
+      const button = element("button", other.isNode ? other.serial : text,
+        other.kind === "steiner" ? "steiner" : "");
+      button.addEventListener("click", () => go(other));
+      item.append(button);
+      return item;
+    }));
+}
+
+export function makeLegend(map) {
+  for (const layer of layers) {
+    const label = element("label");
+    const box = element("input");
+    box.type = "checkbox";
+    box.checked = layer.on;
+    box.addEventListener("change", () => {
+      layer.on = box.checked;
+      map.redraw();
+    });
+    layer.sample = element("canvas");
+    layer.count = element("output", "0");
+    layer.label = label;
+    label.append(box, layer.sample, element("span", layer.text), layer.count);
+    byId("legend").append(label);
+  }
+  drawLegend(map);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawLegend(map));
+}
+
+function drawLegend(map) {
+  for (const layer of layers) map.drawSample(layer.sample, layer.name);
+}
+
+export function countLegend(mesh) {
+  const count = {
+    holes: mesh.holes.length,
+    edges: mesh.edges.length + mesh.features.length,
+    links: mesh.longLinks.length,
+    features: mesh.features.length,
+    gaps: mesh.gaps.length,
+    missing: mesh.missing.filter((feature) => feature.refused).length,
+    steiner: mesh.steiner.length + mesh.relays.length,
+  };
+  for (const node of mesh.nodes) count[node.state] = (count[node.state] ?? 0) + 1;
+  for (const layer of layers) {
+    layer.count.textContent = count[layer.name] ?? 0;
+    layer.label.classList.toggle("none", !count[layer.name]);
+  }
+}

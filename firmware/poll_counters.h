@@ -1,0 +1,33 @@
+// What happened on the buses, in numbers that only grow.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "etcm/port/clock.h"
+#include "etcm/port/node_bus.h"
+
+namespace etcm::firmware {
+
+struct UnitCounters {
+  std::uint64_t requests = 0;
+  std::array<std::uint64_t, port::bus_result_count> results{};  // by BusResult
+  // Of the results that are ok:
+  std::uint64_t torn = 0;        // the node changed its registers meanwhile
+  std::uint64_t unbelieved = 0;  // not the registers of a node, or not of the one expected
+  port::Duration answer_time{};  // from the question to the answer, of all together
+  port::Duration answer_time_last{};
+  port::Duration answer_time_max{};
+
+  std::uint64_t count(port::BusResult result) const {
+    return results[static_cast<std::size_t>(result)];
+  }
+};
+
+struct BusCounters {
+  port::Instant answered_at{};  // last, by any of its units; the origin: never
+  port::Duration busy{};        // while at least one question was under way
+  port::Duration floor{};  // least time the bytes and silences of the answered ones need on a line
+};
+
+}  // namespace etcm::firmware

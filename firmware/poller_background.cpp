@@ -1,0 +1,120 @@
+// What the poller does beside those whose turn it is: errands, looking for units, and what each of
+// them, and the units that fail, may cost the others.
+#include <algorithm>
+
+#include "poller.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+// Units that do not answer get one part in so many of the time of a bus that others want.
+constexpr std::int64_t probe_share = 32;
+// So have errands.
+constexpr std::int64_t errand_share = 16;
+
+}  // namespace
+
+// REQUIRES: one is resting.
+std::uint32_t Poller::next_sought(Line& line) {
+  while (true) {
+    const std::uint32_t unit = line.sought[line.sought_next];
+    line.sought_next = (line.sought_next + 1) % line.sought.size();
+    if (!units_[unit].is_resting) continue;
+    units_[unit].is_resting = false;
+    --line.resting;
+    return unit;
+  }
+}
+
+// From when on something may be asked that is less urgent than those whose turn it is: at once
+// where nobody is about to be asked, else when its share allows.
+port::Instant Poller::start_beside(const Line& line, port::Instant due, port::Instant allowed,
+                                   port::Instant now) {
+  if (due == port::never || line.turns.empty()) return due;
+  const port::Duration cost = line.takes_one ? line.probe_cost_max : port::Duration{};
+  const bool is_idle = line.turns.front().due > std::max(due, now) + cost;
+  return is_idle ? due : std::max(due, allowed);
+}
+
+port::Instant Poller::errand_start(std::uint32_t number, port::Instant now) const {
+  const Line& line = lines_[number];
+  if (errands_ == nullptr || line.errand_under_way) return port::never;
+  return start_beside(line, errands_->errand_due(number), line.errand_allowed, now);
+}
+
+port::Instant Poller::scan_start(const Line& line, port::Instant now) {
+  if (line.resting == 0 || line.scan_under_way) return port::never;
+  return start_beside(line, line.scan_due, line.scan_allowed, now);
+}
+
+bool Poller::start_errand(std::uint32_t number, port::Instant now) {
+  Errand errand;
+  if (!errands_->next_errand(number, now, errand)) return false;
+  Line& line = lines_[number];
+  line.errand_under_way = true;
+  line.errand_asked_at = line.progressed_at = now;
+  ++line.under_way;
+  const port::Duration timeout = timeout_of(*line.polled.settings, errand.address);
+  if (errand.read_count > 0) {
+    line.polled.bus->start_read({.unit = errand.address,
+                                 .first = errand.first,
+                                 .count = errand.read_count,
+                                 .timeout = timeout,
+                                 .ticket = errand_ticket},
+                                now);
+  } else {
+    line.polled.bus->start_write({.unit = errand.address,
+                                  .first = errand.first,
+                                  .values = errand.values,
+                                  .timeout = timeout,
+                                  .ticket = errand_ticket},
+                                 now);
+  }
+  return true;
+}
+
+void Poller::finish_errand(std::uint32_t number, const port::BusAnswer& answer, port::Instant now) {
+  Line& line = lines_[number];
+  line.errand_under_way = false;
+  --line.under_way;
+  line.progressed_at = now;
+  line.errand_allowed = now + cost_of(line, line.errand_asked_at, answer, now) * (errand_share - 1);
+  errands_->on_errand_done(number, answer, now);
+}
+
+// What a request has cost the others.
+port::Duration Poller::cost_of(const Line& line, port::Instant asked_at,
+                               const port::BusAnswer& answer, port::Instant now) {
+  const bool is_in_vain =
+      answer.result == port::BusResult::timeout || answer.result == port::BusResult::bad_answer;
+  return now - asked_at + (is_in_vain ? line.polled.settings->quiet : port::Duration{});
+}
+
+// What the others had to wait for a unit that failed, or was only looked for, comes off its share.
+void Poller::note_cost(Unit& unit, const port::BusAnswer& answer, port::Instant now) {
+  Line& line = lines_[unit.bus];
+  if (unit.asking == Asking::turn) return;
+  const port::Duration cost = cost_of(line, unit.asked_at, answer, now);
+  if (unit.asking == Asking::probe) {
+    --line.probes_under_way;
+    line.probe_allowed = now + cost * (probe_share - 1);
+    return;
+  }
+  line.scan_under_way = false;
+  line.scan_due = unit.asked_at + settings_.interval;
+  const std::int64_t intervals = cost / std::max<port::Duration>(line.polled.settings->scan_budget,
+                                                                 std::chrono::milliseconds(1)) +
+                                 1;
+  line.scan_allowed = unit.asked_at + intervals * settings_.interval;
+}
+
+// It is looked for again when its time comes.
+void Poller::rest(std::uint32_t index) {
+  Unit& unit = units_[index];
+  unit.has_answered = false;
+  unit.is_resting = true;
+  ++lines_[unit.bus].resting;
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,125 @@
+#include "snapshot_taker.h"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+
+namespace etcm::firmware {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+// A planar graph of n vertices has less than 3n edges, and each stands in two lists.
+constexpr std::size_t neighbours_per_vertex_max = 6;
+
+}  // namespace
+
+void reserve(Snapshot& snapshot, const Settings& settings, std::uint32_t nodes) {
+  snapshot.vertices.reserve(settings.mesh.vertices_max);
+  snapshot.neighbours.reserve(neighbours_per_vertex_max * settings.mesh.vertices_max);
+  snapshot.outsiders.reserve(nodes);
+  snapshot.missing_features.reserve(settings.mesh.features_max);
+  reserve(snapshot.analysis, settings.analysis);
+}
+
+SnapshotTaker::SnapshotTaker(const Settings& settings, std::uint32_t nodes)
+    : around_(settings.mesh.vertices_max), analyst_(settings.analysis, settings.mesh) {
+  reserve(snapshot_, settings, nodes);
+}
+
+const Snapshot& SnapshotTaker::take(std::uint32_t generation, const MeshKeeper& keeper,
+                                    const Roster& roster,
+                                    std::span<const QuarantineEntry> quarantine,
+                                    port::Instant now) {
+  const Mesh& mesh = keeper.mesh();
+  const FeatureBook& features = keeper.features();
+  snapshot_.generation = generation;
+  snapshot_.state = 0;
+  snapshot_.anchor_count = keeper.anchors().placed_count();
+  snapshot_.node_count = mesh.node_count() - snapshot_.anchor_count;
+  snapshot_.steiner_count = mesh.steiner_count();
+  snapshot_.triangle_count = mesh.finite_triangle_count();
+  snapshot_.features_active = features.active_count();
+  snapshot_.features_configured = static_cast<std::uint32_t>(features.records().size());
+  snapshot_.quarantined_count = static_cast<std::uint32_t>(quarantine.size());
+  snapshot_.stale_count = 0;
+  snapshot_.mesh_hash = mesh.hash();
+  copy_mesh(keeper);
+  look_at_nodes(roster, now);
+  look_at_features(features);
+  analyst_.look_at(mesh, features, snapshot_);
+  if (snapshot_.quarantined_count > 0 ||
+      snapshot_.features_active < snapshot_.features_configured) {
+    snapshot_.state |= snapshot_state::partial;
+  }
+  if (snapshot_.stale_count > 0) snapshot_.state |= snapshot_state::stale;
+  if (keeper.is_short_of_room()) snapshot_.state |= snapshot_state::budget_hit;
+  return snapshot_;
+}
+
+void SnapshotTaker::copy_mesh(const MeshKeeper& keeper) {
+  const Mesh& mesh = keeper.mesh();
+  snapshot_.vertices.assign(mesh.vertex_id_end() - 1, {});
+  snapshot_.neighbours.clear();
+  for (std::uint32_t row = 0; row < snapshot_.vertices.size(); ++row) {
+    const VertexId id{static_cast<IdValue>(row + 1)};
+    SnapshotVertex& vertex = snapshot_.vertices[row];
+    vertex.kind = mesh.kind(id);
+    if (vertex.kind == VertexKind::none) continue;
+    vertex.point = mesh.point(id);
+    if (vertex.kind == VertexKind::node) {
+      vertex.is_anchor = keeper.serials()[id.value] == no_serial;
+      if (!vertex.is_anchor) vertex.serial = keeper.serials()[id.value];
+    } else {
+      vertex.feature = keeper.features().number_of(mesh.feature_of(id)) + 1;
+    }
+    const std::uint32_t degree = mesh.neighbours(id, around_);
+    vertex.degree = static_cast<std::uint16_t>(degree);
+    vertex.first_neighbour = static_cast<std::uint32_t>(snapshot_.neighbours.size());
+    for (const Neighbour& neighbour : std::span(around_).first(degree)) {
+      snapshot_.neighbours.push_back(
+          {.row = neighbour.vertex.value - 1u, .constrained = neighbour.constrained});
+    }
+  }
+  snapshot_.edge_count = static_cast<std::uint32_t>(snapshot_.neighbours.size() / 2);
+}
+
+void SnapshotTaker::look_at_nodes(const Roster& roster, port::Instant now) {
+  snapshot_.outsiders.clear();
+  port::Duration oldest{};
+  for (const NodeRecord& node : roster.records()) {
+    if (!node.is_known()) continue;
+    if (!node.is_placed()) {
+      snapshot_.outsiders.push_back({.serial = node.serial,
+                                     .unit = node.unit,
+                                     .has_position = node.positioned_at != port::Instant{},
+                                     .position = node.position,
+                                     .refusal = node.refusal});
+      continue;
+    }
+    oldest = std::max(oldest, now - node.positioned_at);
+    SnapshotVertex& vertex = snapshot_.vertices[node.vertex.value - 1u];
+    vertex.unit = node.unit;
+    vertex.stale = node.stale;
+    vertex.refusal = node.refusal;
+    if (node.stale) ++snapshot_.stale_count;
+  }
+  snapshot_.oldest_age_ms = static_cast<std::uint32_t>(
+      std::min<std::int64_t>(oldest / 1ms, std::numeric_limits<std::uint32_t>::max()));
+}
+
+void SnapshotTaker::look_at_features(const FeatureBook& features) {
+  snapshot_.missing_features.clear();
+  const std::span<const FeatureRecord> records = features.records();
+  for (std::uint32_t number = 0; number < records.size(); ++number) {
+    const FeatureRecord& record = records[number];
+    if (record.is_active()) continue;
+    snapshot_.missing_features.push_back({.number = number + 1,
+                                          .from = record.settings.from,
+                                          .to = record.settings.to,
+                                          .refusal = record.refusal});
+  }
+}
+
+}  // namespace etcm::firmware

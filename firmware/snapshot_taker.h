@@ -1,0 +1,44 @@
+// Takes snapshots of the mesh, one after the other into the same memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "analyst.h"
+#include "etcm/mesh.h"
+#include "etcm/port/clock.h"
+#include "mesh_keeper.h"
+#include "quarantine.h"
+#include "roster.h"
+#include "settings.h"
+#include "snapshot.h"
+
+namespace etcm::firmware {
+
+// Takes its memory at once, for so many nodes.
+void reserve(Snapshot& snapshot, const Settings& settings, std::uint32_t nodes);
+
+class SnapshotTaker {
+ public:
+  // All the memory it ever needs is taken here.
+  SnapshotTaker(const Settings& settings, std::uint32_t nodes);
+
+  // Good until the next call.
+  const Snapshot& take(std::uint32_t generation, const MeshKeeper& keeper, const Roster& roster,
+                       std::span<const QuarantineEntry> quarantine, port::Instant now);
+  // The one taken last; empty before.
+  const Snapshot& latest() const { return snapshot_; }
+
+ private:
+  void copy_mesh(const MeshKeeper& keeper);
+  void look_at_nodes(const Roster& roster, port::Instant now);
+  void look_at_features(const FeatureBook& features);
+
+  Snapshot snapshot_;
+  std::vector<Neighbour> around_;  // of one vertex
+  Analyst analyst_;
+};
+
+}  // namespace etcm::firmware

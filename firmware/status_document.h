@@ -1,0 +1,37 @@
+// How things stand, as JSON for the status page.
+#pragma once
+
+#include "document.h"
+#include "status_sources.h"
+
+namespace etcm::firmware {
+
+// Counts, state, buses and recent events: small, and never the same twice.
+class StatusDocument final : public Document {
+ public:
+  StatusDocument(const StatusSources& sources, const BusMeter& meter)
+      : sources_(sources), meter_(meter) {}
+  bool write_next(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const override;
+
+ private:
+  void write_head(port::Instant asked_at, TextWriter& piece) const;
+  void write_counts(TextWriter& piece) const;
+  void write_quarantine(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
+  void write_bus(Cursor& cursor, TextWriter& piece) const;
+  void write_event(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
+
+  const StatusSources& sources_;
+  const BusMeter& meter_;
+};
+
+// The age of each known node's last answer: [[serial, milliseconds], ...].
+class AgesDocument final : public Document {
+ public:
+  explicit AgesDocument(const StatusSources& sources) : sources_(sources) {}
+  bool write_next(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const override;
+
+ private:
+  const StatusSources& sources_;
+};
+
+}  // namespace etcm::firmware

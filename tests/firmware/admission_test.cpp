@@ -1,0 +1,177 @@
+// Who a node is: by its serial, whichever unit it answers at, and what cannot be is an alarm.
+#include <gtest/gtest.h>
+
+#include "fakes.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+class NodesBySerial : public testing::Test {
+ protected:
+  void put(std::uint8_t unit, std::uint32_t serial, Position position) {
+    rig_.bus.set(unit, {.serial = serial, .position = position, .status = node_status::fix_valid});
+  }
+  std::vector<QuarantineEntry> quarantine() const {
+    const auto list = rig_.gateway->quarantine();
+    return {list.begin(), list.end()};
+  }
+  std::string logged() const { return testing::PrintToString(rig_.log.lines); }
+
+  Rig rig_;
+};
+
+TEST_F(NodesBySerial, ANodeMayChangeItsUnitAndStaysTheSameVertex) {
+  put(1, 7, {0, 0});
+  put(3, 8, {100, 0});
+  rig_.run(500ms);
+  const std::uint32_t generation = rig_.gateway->generation();
+  rig_.bus.silence(1);
+  put(2, 7, {0, 0});
+  rig_.run(5s);
+  EXPECT_EQ(rig_.log.count("node 7 went from unit 1 of yard to unit 2 of yard"), 1u) << logged();
+  EXPECT_EQ(rig_.log.count("joined"), 2u);
+  EXPECT_EQ(rig_.log.count("left"), 0u);
+  EXPECT_EQ(rig_.log.count("two nodes"), 0u) << logged();
+  EXPECT_EQ(rig_.gateway->generation(), generation) << "the mesh is the same";
+}
+
+TEST_F(NodesBySerial, TwoNodesThatSwapTheirUnitsStayWhereTheyAre) {
+  put(1, 7, {0, 0});
+  put(2, 8, {100, 0});
+  rig_.run(500ms);
+  const std::uint32_t generation = rig_.gateway->generation();
+  put(2, 7, {0, 0});
+  put(1, 8, {100, 0});
+  rig_.run(5s);
+  EXPECT_EQ(rig_.log.count("two nodes"), 0u) << logged();
+  EXPECT_EQ(rig_.log.count("left"), 0u) << logged();
+  EXPECT_EQ(rig_.gateway->generation(), generation);
+  put(1, 8, {110, 0});
+  rig_.run(500ms);
+  EXPECT_EQ(rig_.log.count("node 8 moved from (100, 0) to (110, 0)"), 1u) << logged();
+}
+
+TEST_F(NodesBySerial, ANodeThatIsExchangedIsBelievedAfterAFewAnswersAndTheOldOneLeaves) {
+  put(1, 7, {0, 0});
+  rig_.run(500ms);
+  put(1, 5000, {99, 99});
+  rig_.run(100ms);
+  EXPECT_EQ(rig_.log.count("5000"), 0u) << "one answer is not enough";
+  rig_.run(900ms);
+  EXPECT_EQ(rig_.log.count("unit 1 of yard: node 5000 is there now, node 7 is not"), 1u)
+      << logged();
+  EXPECT_EQ(rig_.log.count("node 5000 joined at (99, 99)"), 1u);
+  EXPECT_EQ(rig_.mesh.node_count(), 2u);
+  rig_.run(4s);
+  EXPECT_EQ(rig_.log.count("node 7 left (silent)"), 1u);
+  EXPECT_EQ(rig_.mesh.node_count(), 1u);
+}
+
+TEST_F(NodesBySerial, ASerialThatAnswersOnceIsNotBelieved) {
+  put(1, 7, {0, 0});
+  rig_.run(500ms);
+  for (int round = 0; round < 20; ++round) {
+    put(1, round % 2 == 0 ? 9u : 7u, {round % 2 == 0 ? 50 : 0, 0});
+    rig_.run(100ms);
+  }
+  EXPECT_EQ(rig_.mesh.node_count(), 1u);
+  EXPECT_EQ(rig_.log.count("joined"), 1u) << logged();
+}
+
+TEST_F(NodesBySerial, TwoNodesWithOneSerialAreAnAlarmNotAFlipFlop) {
+  put(1, 7, {0, 0});
+  rig_.run(500ms);
+  put(2, 7, {99, 99});
+  rig_.run(30s);
+  EXPECT_EQ(rig_.mesh.position(VertexId{1}), (Position{0, 0}));
+  EXPECT_EQ(rig_.log.count("two nodes with serial 7: unit 1 of yard and unit 2 of yard"), 1u);
+  EXPECT_EQ(rig_.log.lines.size(), 2u) << logged();
+  ASSERT_EQ(quarantine().size(), 1u);
+  EXPECT_EQ(quarantine()[0].serial, 7u);
+  EXPECT_EQ(quarantine()[0].unit, 1u);
+  EXPECT_EQ(quarantine()[0].doubt, Doubt::same_serial);
+  EXPECT_EQ(rig_.server.header("quarantined_count"), 1u);
+  EXPECT_EQ(rig_.server.header("state"), snapshot_state::partial);
+  // The second goes: all is well again.
+  rig_.bus.silence(2);
+  rig_.run(5s);
+  EXPECT_EQ(rig_.server.header("quarantined_count"), 0u);
+  EXPECT_EQ(rig_.server.header("state"), 0u);
+}
+
+TEST_F(NodesBySerial, TheSecondWithOneSerialWaitsUntilTheFirstHasLeft) {
+  put(1, 7, {0, 0});
+  put(2, 7, {99, 99});
+  rig_.run(2s);
+  rig_.bus.silence(1);
+  rig_.run(2500ms);
+  EXPECT_EQ(rig_.mesh.position(VertexId{1}), (Position{0, 0}));
+  rig_.run(2s);
+  EXPECT_EQ(rig_.mesh.node_count(), 1u);
+  EXPECT_EQ(rig_.mesh.position(VertexId{1}), (Position{99, 99}));
+  EXPECT_EQ(rig_.log.count("node 7 left (silent)"), 1u) << logged();
+}
+
+TEST_F(NodesBySerial, TwoNodesAtOneUnitAreAnAlarmNotAFlipFlop) {
+  put(1, 7, {0, 0});
+  rig_.run(500ms);
+  // Now one is heard for a while, now the other.
+  for (int round = 0; round < 20; ++round) {
+    put(1, round % 2 == 0 ? 9u : 7u, {round % 2 == 0 ? 50 : 0, 0});
+    rig_.run(1s);
+  }
+  EXPECT_EQ(rig_.log.count("two nodes answer as unit 1 of yard: serials 9 and 7"), 1u) << logged();
+  EXPECT_EQ(rig_.log.count("is there now"), 1u) << logged();
+  EXPECT_EQ(rig_.mesh.node_count(), 1u);
+  ASSERT_EQ(quarantine().size(), 1u);
+  EXPECT_EQ(quarantine()[0].doubt, Doubt::same_unit);
+}
+
+TEST_F(NodesBySerial, ASwappedSerialIsNotBelievedAndSaidOnce) {
+  put(1, 7, {0, 0});
+  rig_.run(500ms);
+  put(1, swap_words(7), {50, 0});
+  rig_.run(2s);
+  EXPECT_EQ(rig_.mesh.position(VertexId{1}), (Position{0, 0}));
+  EXPECT_EQ(rig_.log.count("which is 7 with its words swapped; set `word_order`"), 1u) << logged();
+}
+
+TEST_F(NodesBySerial, NodesOnSeveralBusesChangeTheirBus) {
+  ScriptedBus quay;
+  rig_.settings.buses.push_back(rig_.settings.buses[0]);
+  rig_.settings.buses[1].name = "quay";
+  rig_.start_with({&rig_.bus, &quay});
+  put(1, 7, {0, 0});
+  quay.set(1, {.serial = 8, .position = {100, 0}, .status = node_status::fix_valid});
+  rig_.run(1s);
+  EXPECT_EQ(rig_.mesh.node_count(), 2u);
+  // The whole bus goes, so nobody can say that the node is not there any more; it is not heard.
+  rig_.bus.link_up = false;
+  quay.set(2, {.serial = 7, .position = {0, 0}, .status = node_status::fix_valid});
+  rig_.run(2s);
+  EXPECT_EQ(rig_.log.count("node 7 went from unit 1 of yard to unit 2 of quay"), 1u) << logged();
+  EXPECT_EQ(rig_.log.count("left"), 0u);
+  // Its old bus comes back, with a copy of it.
+  rig_.bus.link_up = true;
+  rig_.run(2s);
+  EXPECT_EQ(rig_.log.count("two nodes with serial 7: unit 2 of quay and unit 1 of yard"), 1u)
+      << logged();
+}
+
+TEST_F(NodesBySerial, MoreNodesThanThereIsRoomForAreRefusedAndSaid) {
+  // One unit where node after node answers, each for long enough to be believed.
+  rig_.settings.buses[0].units = {{.first = 1, .last = 1}};
+  rig_.settings.poll.leave_after = 10min;
+  rig_.settings.poll.stale_after = 10min;
+  for (std::uint32_t serial = 1; serial <= 30; ++serial) {
+    put(1, serial, {static_cast<std::int32_t>(serial), 0});
+    rig_.run(600ms);
+  }
+  EXPECT_EQ(rig_.log.count("no room to know node"), 13u) << logged();
+  EXPECT_EQ(rig_.mesh.node_count(), 17u);
+}
+
+}  // namespace
+}  // namespace etcm::firmware

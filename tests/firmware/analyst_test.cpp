@@ -1,0 +1,134 @@
+// What a generation tells an operator, from the settings to the registers.
+#include "analyst.h"
+
+#include <gtest/gtest.h>
+
+#include "fakes.h"
+#include "gateway.h"
+#include "mesh_map.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+FeatureSettings feature(std::uint32_t from, std::uint32_t to) {
+  return {.from = from, .to = to, .name = {}, .place = "test"};
+}
+
+// A square field of 100 with a node in each corner; its sides are features.
+void put_field(Rig& rig) {
+  rig.put(1, 0, 0);
+  rig.put(2, 100, 0);
+  rig.put(3, 100, 100);
+  rig.put(4, 0, 100);
+}
+std::vector<FeatureSettings> sides() {
+  return {feature(1001, 1002), feature(1002, 1003), feature(1003, 1004), feature(1004, 1001)};
+}
+
+TEST(Analyst, SaysNothingUnasked) {
+  Rig rig(sides());
+  put_field(rig);
+  rig.run(1s);
+  for (const char* name : {"radio_range", "least_range_alone", "parts_alone", "relay_count",
+                           "sensing_range", "hole_count", "gap_count"}) {
+    EXPECT_EQ(rig.server.header(name), 0u) << name;
+  }
+}
+
+TEST(Analyst, TellsWhatRadiosNeed) {
+  Rig rig(sides());
+  rig.settings.analysis.radio_range = 40;
+  put_field(rig);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("radio_range"), 40u);
+  EXPECT_EQ(rig.server.header("least_range_alone"), 100u);
+  EXPECT_EQ(rig.server.header("parts_alone"), 4u);
+  EXPECT_EQ(rig.server.header("long_link_count"), 5u);
+  // Two on each side.
+  EXPECT_EQ(rig.server.header("relay_count"), 8u);
+  const Snapshot& snapshot = rig.gateway->snapshot();
+  ASSERT_EQ(snapshot.analysis.relays.size(), 8u);
+  EXPECT_EQ(snapshot.analysis.relays[0].row, no_row);
+  EXPECT_GE(snapshot.analysis.relays[0].feature, 1u);
+  EXPECT_LE(snapshot.analysis.relays[0].feature, 4u);
+  // The diagonal is in neither subgraph.
+  for (const SnapshotNeighbour& neighbour : snapshot.neighbours) {
+    EXPECT_EQ(neighbour.gabriel, neighbour.constrained);
+    EXPECT_EQ(neighbour.urquhart, neighbour.constrained);
+  }
+  EXPECT_EQ(rig.server.header("sensing_range"), 0u);
+}
+
+TEST(Analyst, FollowsTheMesh) {
+  Rig rig(sides());
+  rig.settings.analysis.sensing_range = 50;
+  put_field(rig);
+  rig.run(1s);
+  // The middle is 71 from all corners; the sides are just seen.
+  EXPECT_EQ(rig.server.header("hole_count"), 1u);
+  EXPECT_EQ(rig.server.header("gap_count"), 0u);
+  const MeshAnalysis& analysis = rig.gateway->snapshot().analysis;
+  ASSERT_EQ(analysis.holes.size(), 1u);
+  EXPECT_EQ(analysis.holes[0].place, to_point({50, 50}));
+  EXPECT_EQ(analysis.holes[0].distance, 71u);
+  EXPECT_FALSE(analysis.holes[0].on_boundary);
+  rig.put(5, 50, 50);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("hole_count"), 0u);
+  EXPECT_TRUE(analysis.holes.empty());
+}
+
+// A Steiner vertex is proposed, not there: it neither senses nor forwards.
+TEST(Analyst, LeavesSteinerVerticesOutOfTheNetworkAsItStands) {
+  Rig rig({feature(1001, 1002)});
+  rig.settings.analysis = {.radio_range = 950, .sensing_range = 400};
+  rig.put(1, -1000, 0);
+  rig.put(2, 1000, 0);
+  rig.put(3, 0, 90);
+  rig.put(4, 0, -90);
+  rig.run(1s);
+  ASSERT_GT(rig.mesh.steiner_count(), 0u);
+  EXPECT_EQ(rig.server.header("least_range_alone"), 1005u);
+  EXPECT_EQ(rig.server.header("parts_alone"), 3u);
+  EXPECT_LT(rig.server.header("least_range_with_relays"), 1005u);
+  EXPECT_EQ(rig.server.header("gap_count"), 1u);
+  EXPECT_EQ(rig.server.header("unwatched_gap_count"), 1u);
+  const MeshAnalysis& analysis = rig.gateway->snapshot().analysis;
+  std::uint32_t at_steiner_vertices = 0;
+  for (const ProposedRelay& relay : analysis.relays) {
+    if (relay.row == no_row) continue;
+    EXPECT_EQ(rig.gateway->snapshot().vertices[relay.row].kind, VertexKind::steiner);
+    ++at_steiner_vertices;
+  }
+  EXPECT_EQ(at_steiner_vertices, rig.mesh.steiner_count());
+}
+
+TEST(Analyst, CutsItsListsOffButCountsOn) {
+  Rig rig({feature(1001, 1002)});
+  rig.settings.analysis = {.radio_range = 1, .sensing_range = 1};
+  rig.put(1, -position_max, 0);
+  rig.put(2, position_max, 0);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("relay_count"), 2u * position_max - 1u);
+  const MeshAnalysis& analysis = rig.gateway->snapshot().analysis;
+  EXPECT_EQ(analysis.relays.size(), analysis_list_max);
+  EXPECT_EQ(analysis.relays.capacity(), analysis_list_max);
+}
+
+TEST(Analyst, HasNothingToSayOfNoNodes) {
+  Rig rig;
+  rig.settings.analysis = {.radio_range = 5, .sensing_range = 5};
+  rig.put(1, 0, 0);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("parts_alone"), 1u);
+  rig.bus.silence(1);
+  rig.run(10s);
+  EXPECT_EQ(rig.server.header("node_count"), 0u);
+  EXPECT_EQ(rig.server.header("parts_alone"), 0u);
+  EXPECT_EQ(rig.server.header("hole_count"), 0u);
+}
+
+}  // namespace
+}  // namespace etcm::firmware

@@ -1,0 +1,193 @@
+// How nodes that nobody has listed come in: a unit of their own for those at the default unit, and
+// the search for units.
+#include <gtest/gtest.h>
+
+#include "fakes.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+class Joining : public testing::Test {
+ protected:
+  void put(std::uint8_t unit, std::uint32_t serial, Position position = {5, 6}) {
+    rig_.bus.set(unit, {.serial = serial, .position = position, .status = node_status::fix_valid});
+  }
+  BusSettings& bus() { return rig_.settings.buses[0]; }
+  std::string logged() const { return testing::PrintToString(rig_.log.lines); }
+
+  Rig rig_;
+};
+
+TEST_F(Joining, ANodeAtTheDefaultUnitIsGivenTheFirstFreeOne) {
+  bus().units = {{.first = 1, .last = 3}};
+  bus().assign = {{.first = 10, .last = 12}};
+  put(10, 900, {0, 0});
+  put(247, 77);
+  rig_.run(2s);
+  EXPECT_EQ(rig_.log.count("node 77 has unit 11 of yard now"), 1u) << logged();
+  EXPECT_EQ(rig_.log.count("joined"), 2u) << logged();
+  EXPECT_EQ(rig_.log.count("left"), 0u);
+  ASSERT_EQ(rig_.bus.written.size(), 1u);
+  EXPECT_EQ(rig_.bus.written[0].unit, 247);
+  EXPECT_EQ(rig_.bus.written[0].first, 100);
+  EXPECT_EQ(rig_.bus.written[0].values, (std::vector<std::uint16_t>{11, 0, 77, 0x4554}));
+  // It is polled there, and its silence at the default unit is no news.
+  put(11, 77, {50, 60});
+  rig_.run(1s);
+  EXPECT_EQ(rig_.log.count("node 77 moved from (5, 6) to (50, 60)"), 1u) << logged();
+  EXPECT_EQ(rig_.log.count("unit 247"), 0u) << logged();
+}
+
+TEST_F(Joining, OneAfterTheOtherUntilNoUnitIsFree) {
+  bus().units = {};
+  bus().assign = {{.first = 10, .last = 12}};
+  for (std::uint32_t serial = 1; serial <= 5; ++serial) {
+    if (serial <= 4) put(247, serial, {static_cast<std::int32_t>(serial), 0});
+    rig_.run(3s);
+  }
+  EXPECT_EQ(rig_.log.count(" of yard now"), 3u) << logged();
+  EXPECT_EQ(rig_.log.count("no unit is free for node 4, which stays at 247"), 1u) << logged();
+  EXPECT_EQ(rig_.mesh.node_count(), 4u);
+  EXPECT_EQ(rig_.server.header("state"), 0u);
+}
+
+TEST_F(Joining, AUnitWhereSomebodyAnswersAfterAllIsNotGiven) {
+  bus().units = {};
+  bus().assign = {{.first = 10, .last = 12}};
+  rig_.run(1s);
+  put(10, 900, {0, 0});  // it has been silent so far, and was not asked since
+  put(247, 77);
+  rig_.gateway->ask_at_once(247, rig_.clock.now());
+  rig_.run(3s);
+  EXPECT_EQ(rig_.log.count("node 77 has unit 11 of yard now"), 1u) << logged();
+  EXPECT_EQ(rig_.mesh.node_count(), 2u);
+}
+
+TEST_F(Joining, AWriteWithoutAnAnswerIsVerifiedAndTriedAgain) {
+  bus().units = {};
+  bus().assign = {{.first = 10, .last = 12}};
+  put(247, 77);
+  rig_.bus.refuse_writes(247, port::BusResult::timeout);
+  rig_.run(3s);
+  EXPECT_EQ(rig_.log.count("node 77 did not take unit 10 of yard: it does not answer there"), 1u)
+      << logged();
+  EXPECT_GE(rig_.bus.writes[247], 2u);
+  EXPECT_LE(rig_.bus.writes[247], 6u);
+  EXPECT_EQ(rig_.mesh.node_count(), 1u) << "it is in the mesh meanwhile";
+  rig_.bus.refuse_writes(247, port::BusResult::ok);
+  rig_.run(2s);
+  EXPECT_EQ(rig_.log.count("node 77 has unit 10 of yard now"), 1u) << logged();
+}
+
+TEST_F(Joining, ANodeThatRefusesStaysAtTheDefaultUnit) {
+  bus().units = {};
+  bus().assign = {{.first = 10, .last = 12}};
+  put(247, 77);
+  rig_.bus.refuse_writes(247, port::BusResult::exception, 2);
+  rig_.run(2s);
+  EXPECT_GE(rig_.log.count("did not take unit 10 of yard: it answers with an exception"), 1u);
+  EXPECT_EQ(rig_.bus.reads[10] > 0, true);
+  EXPECT_EQ(rig_.mesh.node_count(), 1u);
+}
+
+TEST_F(Joining, OnlyTheNodeWithTheSerialTakesTheUnit) {
+  // Between the answer and the write another node is at the default unit.
+  bus().units = {};
+  bus().assign = {{.first = 10, .last = 12}};
+  put(247, 77);
+  rig_.run(60ms);
+  put(247, 78, {50, 60});
+  rig_.run(5s);
+  EXPECT_EQ(rig_.log.count("node 77 has unit"), 0u) << logged();
+  EXPECT_EQ(rig_.log.count("node 78 has unit 10 of yard now"), 1u) << logged();
+}
+
+TEST_F(Joining, NobodyIsGivenAUnitWhereNobodyAskedForIt) {
+  bus().units = {{.first = 1, .last = 3}, {.first = 247, .last = 247}};
+  put(247, 77);
+  rig_.run(2s);
+  EXPECT_EQ(rig_.mesh.node_count(), 1u);
+  EXPECT_TRUE(rig_.bus.writes.empty());
+}
+
+TEST_F(Joining, UnitsThatNobodyListedAreFoundOneInAnInterval) {
+  bus().units = {{.first = 1, .last = 1}};
+  bus().scan = {{.first = 1, .last = 50}};
+  put(1, 1, {0, 0});
+  put(33, 77);
+  rig_.run(2s);
+  std::uint32_t asked = 0;
+  for (std::uint8_t unit = 2; unit <= 50; ++unit) asked += rig_.bus.reads[unit];
+  EXPECT_LE(asked, 21u) << "one in each interval of 100 ms";
+  EXPECT_GE(asked, 15u);
+  EXPECT_EQ(rig_.bus.reads[1] >= 18, true);
+  rig_.run(4s);
+  EXPECT_EQ(rig_.log.count("node 77 joined at (5, 6)"), 1u) << logged();
+  const std::uint32_t before = rig_.bus.reads[33];
+  rig_.run(1s);
+  EXPECT_GE(rig_.bus.reads[33], before + 9) << "it is polled like any other";
+  EXPECT_EQ(rig_.log.lines.size(), 2u) << "silence of others is no news: " << logged();
+}
+
+TEST_F(Joining, AFoundUnitThatFallsSilentIsOnlyLookedForAgain) {
+  bus().units = {{.first = 1, .last = 1}};
+  bus().scan = {{.first = 2, .last = 5}};
+  put(1, 1, {0, 0});
+  put(4, 77);
+  rig_.run(2s);
+  rig_.bus.silence(4);
+  rig_.run(20s);
+  EXPECT_EQ(rig_.mesh.node_count(), 1u);
+  const std::uint32_t before = rig_.bus.reads[4];
+  rig_.run(4s);
+  EXPECT_NEAR(rig_.bus.reads[4] - before, 10, 2) << "every fourth interval of 100 ms";
+  put(4, 77, {7, 8});
+  rig_.run(1s);
+  EXPECT_EQ(rig_.log.count("node 77 joined at (7, 8)"), 1u) << logged();
+}
+
+TEST_F(Joining, FoundUnitsAreBackAtOnceWhenTheirCableIs) {
+  bus().units = {};
+  bus().scan = {{.first = 1, .last = 200}};
+  for (std::uint8_t unit = 1; unit <= 5; ++unit) put(unit, unit, {unit * unit, unit});
+  rig_.run(25s);
+  ASSERT_EQ(rig_.mesh.node_count(), 5u) << logged();
+  for (std::uint8_t unit = 1; unit <= 5; ++unit) rig_.bus.silence(unit);
+  rig_.run(1min);
+  EXPECT_EQ(rig_.mesh.node_count(), 0u);
+  for (std::uint8_t unit = 1; unit <= 5; ++unit) put(unit, unit, {unit * unit, unit});
+  rig_.run(300ms);
+  EXPECT_EQ(rig_.mesh.node_count(), 5u);
+}
+
+TEST_F(Joining, ForeignDevicesAreNamedOnceAndLeftAlone) {
+  bus().units = {};
+  bus().scan = {{.first = 1, .last = 3}};
+  rig_.bus.set_registers(2, NodeRegisters{});
+  rig_.run(10s);
+  EXPECT_EQ(rig_.log.count("unit 2 of yard: register 0 is not 0x4554"), 1u) << logged();
+  EXPECT_LE(rig_.bus.reads[2], 40u);
+}
+
+TEST_F(Joining, OnABusyLineTheSearchKeepsToItsBudget) {
+  rig_.bus.outstanding_max = 1;
+  bus().outstanding_max = 1;
+  bus().units = {{.first = 1, .last = 20}};
+  bus().scan = {{.first = 21, .last = 247}};
+  rig_.settings.poll.interval = 100ms;
+  for (std::uint8_t unit = 1; unit <= 20; ++unit) put(unit, unit, {unit * unit, 7 * unit % 11});
+  rig_.run(60s);
+  std::uint32_t looked = 0;
+  for (std::uint32_t unit = 21; unit <= 247; ++unit) {
+    looked += rig_.bus.reads[static_cast<std::uint8_t>(unit)];
+  }
+  // Each costs 50 ms of waiting, 10 ms of each 100 ms may go into it.
+  EXPECT_GE(looked, 80u);
+  EXPECT_LE(looked, 125u);
+  for (std::uint8_t unit = 1; unit <= 20; ++unit) EXPECT_GE(rig_.bus.reads[unit], 200u);
+}
+
+}  // namespace
+}  // namespace etcm::firmware

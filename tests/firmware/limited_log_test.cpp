@@ -1,0 +1,149 @@
+// LimitedLog: noise is cut short, and whoever reads sees each distinct problem and how often it
+// was.
+#include "limited_log.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "fakes.h"
+#include "support/allocation_watch.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+using port::Level;
+
+class LimitedLogTest : public testing::Test {
+ protected:
+  SimulatedClock clock_;
+  RecordingLog written_;
+  LimitedLog log_{written_, clock_};
+};
+
+TEST_F(LimitedLogTest, WritesTheFirstOfAKindAndCountsTheRest) {
+  for (int i = 0; i < 42; ++i) {
+    log_.write(Level::warning,
+               "unit 7 of yard: answered too late, after " + std::to_string(i) + " ms");
+  }
+  EXPECT_EQ(written_.lines.size(), LimitedLog::lines_free);
+  EXPECT_EQ(written_.lines.front(), "unit 7 of yard: answered too late, after 0 ms");
+  clock_.pass(990s);
+  log_.write(Level::warning, "unit 7 of yard: answered too late, after 9 ms");
+  ASSERT_EQ(written_.lines.size(), LimitedLog::lines_free + 2);
+  EXPECT_EQ(written_.lines[5],
+            "unit 7 of yard: answered too late, after 41 ms [left out: 37 like this in the last 17 "
+            "min]");
+  EXPECT_EQ(written_.lines[6], "unit 7 of yard: answered too late, after 9 ms");
+}
+
+TEST_F(LimitedLogTest, TellsApartWhatLinesAreAbout) {
+  // 300 units flap, each with two troubles; one line of a kind may hide no other.
+  for (int round = 0; round < 20; ++round) {
+    for (int unit = 1; unit <= 300; ++unit) {
+      const std::string name = "unit " + std::to_string(unit) + " of 10.0.0.1:502: ";
+      log_.write(Level::warning, name + "no answer in time");
+      log_.write(Level::warning, name + "exception " + std::to_string(round));
+      clock_.pass(1ms);
+    }
+  }
+  for (int unit = 1; unit <= 300; ++unit) {
+    const std::string name = "unit " + std::to_string(unit) + " of 10.0.0.1:502: ";
+    EXPECT_GE(written_.count(name + "no answer"), 1u);
+    EXPECT_GE(written_.count(name + "exception"), 1u);
+  }
+}
+
+TEST_F(LimitedLogTest, DetailsMakeNoNewKind) {
+  for (int i = 0; i < 50; ++i) {
+    log_.write(Level::info, "node 1003 moved from (" + std::to_string(-i) + ", 4) to (5, " +
+                                std::to_string(i) + "): generation " + std::to_string(i * 7) +
+                                ", 0 Steiner vertices added, " + std::to_string(i) + ".5 us");
+  }
+  EXPECT_EQ(written_.lines.size(), LimitedLog::lines_free);
+}
+
+TEST_F(LimitedLogTest, ANightOfFlappingTakesFewLines) {
+  // Every 20 s for eight hours.
+  for (int i = 0; i < 1440; ++i) {
+    log_.write(Level::info, "node 12 joined at (5, 6): generation " + std::to_string(i));
+    log_.write(Level::info, "node 12 left (silent): generation " + std::to_string(i));
+    clock_.pass(20s);
+    if (i == 700) {
+      log_.write(Level::error, "node 13: another trouble");
+      EXPECT_EQ(written_.lines.back(), "node 13: another trouble");
+    }
+  }
+  EXPECT_LE(written_.lines.size(), 2u * 25u + 1u);
+  EXPECT_GE(written_.lines.size(), 2u * 15u) << "it goes on, and so does the telling";
+}
+
+TEST_F(LimitedLogTest, NoiseThatHasStoppedIsToldAndForgiven) {
+  for (int i = 0; i < 10; ++i) log_.write(Level::warning, "yard: link lost");
+  clock_.pass(20min);
+  // Whatever is written next brings it out.
+  for (std::size_t i = 0; i < LimitedLog::kinds_max; ++i) log_.write(Level::info, "other");
+  EXPECT_EQ(written_.count("yard: link lost [left out: 5 like this in the last 20 min]"), 1u);
+  clock_.pass(1h);
+  const std::size_t before = written_.count("yard: link lost");
+  for (int i = 0; i < 10; ++i) log_.write(Level::warning, "yard: link lost");
+  EXPECT_EQ(written_.count("yard: link lost"), before + LimitedLog::lines_free);
+}
+
+TEST_F(LimitedLogTest, FlushTellsEverything) {
+  for (int i = 0; i < 7; ++i) log_.write(Level::warning, "yard: link lost");
+  log_.flush();
+  log_.flush();
+  EXPECT_EQ(written_.count("[left out: 2 like this"), 1u);
+}
+
+TEST_F(LimitedLogTest, TheSameWordsAtAnotherLevelAreAnotherKind) {
+  for (int i = 0; i < 7; ++i) log_.write(Level::warning, "yard: trouble");
+  log_.write(Level::error, "yard: trouble");
+  EXPECT_EQ(written_.lines.size(), LimitedLog::lines_free + 1);
+}
+
+TEST_F(LimitedLogTest, MoreKindsThanItCanKeepAreAllWrittenAndNoneIsLost) {
+  for (std::size_t i = 0; i < 5 * LimitedLog::kinds_max; ++i) {
+    const std::string line = "node " + std::to_string(i) + ": trouble";
+    for (int k = 0; k < 6; ++k) log_.write(Level::warning, line);
+    clock_.pass(1ms);
+  }
+  log_.flush();
+  EXPECT_EQ(written_.lines.size(), 5 * LimitedLog::kinds_max * 6) << "five lines and a count each";
+}
+
+TEST_F(LimitedLogTest, LinesMayBeEmptyLongOrOdd) {
+  const std::string longest(100'000, '7');
+  for (int i = 0; i < 8; ++i) {
+    log_.write(Level::info, "");
+    log_.write(Level::info, longest);
+    log_.write(Level::info, "(");
+    log_.write(Level::info, ": ");
+    log_.write(Level::info, "(1");
+    log_.write(Level::info, std::string_view("a\0b", 3));
+  }
+  log_.flush();
+  EXPECT_EQ(written_.count("7... [left out: 3 like this"), 1u);
+}
+
+class CountingLog final : public port::Log {
+ public:
+  void write(Level, std::string_view) override { ++lines; }
+  std::size_t lines = 0;
+};
+
+TEST(LimitedLogMemory, IsTakenAtTheStart) {
+  const SimulatedClock clock;
+  CountingLog counted;
+  LimitedLog log(counted, clock);
+  const test::AllocationWatch watch;
+  for (int i = 0; i < 1000; ++i) log.write(Level::warning, "unit 7 of yard: no answer in time");
+  log.flush();
+  EXPECT_EQ(watch.allocations(), 0u);
+  EXPECT_EQ(counted.lines, LimitedLog::lines_free + 1);
+}
+
+}  // namespace
+}  // namespace etcm::firmware

@@ -1,0 +1,49 @@
+// The status page takes all its memory at the start: every allocation after that is counted.
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "fakes.h"
+#include "status_page.h"
+#include "support/allocation_watch.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(PageMemory, ReadersOfEverythingTakeNone) {
+  Rig rig{{feature(1001, 1003)}};
+  rig.start();
+  RecentEvents events(rig.clock, rig.log);
+  port::ServiceCounters masters;
+  port::ServiceCounters readers;
+  const StatusSources sources{.gateway = *rig.gateway,
+                              .settings = rig.settings,
+                              .events = events,
+                              .masters = masters,
+                              .readers = readers,
+                              .version = "1.2.3",
+                              .started_at = rig.clock.now()};
+  StatusPage page(sources, 4);
+  std::array<char, 500> out;
+  for (std::uint8_t unit = 1; unit <= 20; ++unit) {
+    rig.put(unit, unit * 31 % 17, unit * unit % 23);
+    rig.run(500ms);
+    const test::AllocationWatch watch;
+    page.advance(rig.clock.now());
+    // A slow reader meanwhile has a generation of its own.
+    if (unit == 10) page.begin(3, "/mesh.geojson");
+    for (const char* path : {"/", "/map.js", "/mesh.geojson", "/status.json", "/ages.json",
+                             "/metrics", "/healthz", "/nothing"}) {
+      page.begin(0, path);
+      while (page.read(0, out) > 0) continue;
+      page.end(0);
+    }
+    if (unit == 15) page.end(3);
+    EXPECT_EQ(watch.allocations(), 0u) << "with " << int{unit} << " nodes";
+  }
+}
+
+}  // namespace
+}  // namespace etcm::firmware

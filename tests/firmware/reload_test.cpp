@@ -1,0 +1,123 @@
+// Another configuration while the gateway runs: what changes at once, what needs a restart, and
+// that a wrong one changes nothing.
+#include "reload.h"
+
+#include <gtest/gtest.h>
+
+#include "configuration.h"
+#include "fakes.h"
+#include "support/scratch_folder.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+class Reload : public testing::Test {
+ protected:
+  static constexpr const char* good =
+      "[mesh]\nvertices_max = 50\nfeatures_max = 9\n"
+      "[poll]\ninterval = \"100ms\"\n"
+      "[[bus]]\ntcp = \"127.0.0.1:502\"\nunits = \"1-3\"\n"
+      "[[feature]]\nfrom = 1\nto = 2\n";
+
+  Reload() : path_(folder_.write("site.toml", good)) {
+    std::vector<std::string> mistakes;
+    settings_ = read_configuration(path_, mistakes);
+    EXPECT_TRUE(mistakes.empty()) << mistakes.front();
+  }
+  bool reload_with(std::string text) {
+    folder_.write("site.toml", text);
+    log_.lines.clear();
+    return reload(path_, settings_, log_);
+  }
+  static std::string with(const std::string& from, const std::string& to) {
+    std::string text = good;
+    return text.replace(text.find(from), from.size(), to);
+  }
+
+  test::ScratchFolder folder_;
+  std::string path_;
+  Settings settings_;
+  RecordingLog log_;
+};
+
+TEST_F(Reload, WhatCanChangeChanges) {
+  EXPECT_TRUE(
+      reload_with("[mesh]\nvertices_max = 50\nfeatures_max = 9\n"
+                  "[poll]\ninterval = \"300ms\"\ntimeout = \"70ms\"\ndead_band = 5\n"
+                  "stale_after = \"7s\"\nleave_after = \"9s\"\n"
+                  "[[bus]]\ntcp = \"127.0.0.1:502\"\nunits = \"1-3\"\n"
+                  "[[feature]]\nfrom = 1\nto = 3\n[[feature]]\nfrom = 2\nto = 3\n"));
+  EXPECT_EQ(settings_.poll.interval, 300ms);
+  EXPECT_EQ(settings_.poll.dead_band, 5u);
+  EXPECT_EQ(settings_.poll.leave_after, 9s);
+  EXPECT_EQ(settings_.buses[0].timeout, 70ms);
+  EXPECT_EQ(settings_.features.size(), 2u);
+  EXPECT_EQ(log_.count("needs a restart"), 0u) << log_.lines.front();
+  EXPECT_EQ(log_.count("is read again"), 1u);
+}
+
+TEST_F(Reload, WhatCannotIsSaid) {
+  for (const auto& [from, to, key] :
+       {std::tuple{"vertices_max = 50", "vertices_max = 60", "[mesh] vertices_max"},
+        {"features_max = 9", "features_max = 10", "[mesh] features_max"},
+        {"127.0.0.1:502", "127.0.0.1:503", "[[bus]], but for its timeouts"},
+        {"1-3", "1-4", "[[bus]], but for its timeouts"},
+        {"tcp = \"127.0.0.1:502\"", "rtu = \"/dev/ttyS0\"", "[[bus]], but for its timeouts"},
+        {"[poll]", "[server]\nlisten = \"127.0.0.1:99\"\n[poll]", "[server] listen"},
+        {"[poll]", "[files]\nfolder = \"x\"\n[poll]", "[files] folder and name"},
+        {"[poll]", "[gpio]\nstatus_led = \"LED\"\n[poll]", "[gpio]"}}) {
+    const Settings before = settings_;
+    EXPECT_TRUE(reload_with(with(from, to)));
+    EXPECT_EQ(log_.count(std::string("needs a restart: ") + key), 1u) << key;
+    EXPECT_EQ(log_.count("needs a restart"), 1u) << key;
+    EXPECT_EQ(settings_.mesh.vertices_max, before.mesh.vertices_max);
+    EXPECT_EQ(settings_.buses[0].units[0].last, before.buses[0].units[0].last);
+  }
+}
+
+TEST_F(Reload, AWrongOneChangesNothingAndIsNamed) {
+  for (const std::string& text :
+       {with("interval = \"100ms\"", "interval = 100"), std::string("[mesh"), std::string(),
+        with("to = 2", "to = 1"), with("[poll]", "[site]\nfile = \"nowhere.poly\"\n[poll]")}) {
+    EXPECT_FALSE(reload_with(text));
+    EXPECT_EQ(settings_.poll.interval, 100ms);
+    ASSERT_EQ(settings_.features.size(), 1u);
+    EXPECT_EQ(settings_.features[0].to, FeatureEnd(2));
+    EXPECT_GE(log_.lines.size(), 2u);
+    EXPECT_TRUE(log_.lines.front().starts_with(folder_.path(""))) << log_.lines.front();
+    EXPECT_EQ(log_.count("is not taken over, the old one stays"), 1u);
+  }
+  std::filesystem::remove(path_);
+  EXPECT_FALSE(reload(path_, settings_, log_));
+  EXPECT_EQ(settings_.features.size(), 1u);
+}
+
+TEST_F(Reload, ASiteThatDoesNotFitTheMeshThereIsIsRefused) {
+  std::string more = with("features_max = 9", "features_max = 20");
+  for (int i = 10; i < 20; ++i) {
+    more += "[[feature]]\nfrom = " + std::to_string(i) + "\nto = 2\n";
+  }
+  EXPECT_FALSE(reload_with(more));
+  EXPECT_EQ(log_.count("features_max in [mesh] is 9"), 1u);
+  EXPECT_EQ(settings_.features.size(), 1u);
+}
+
+TEST_F(Reload, TheRunningGatewayGoesByIt) {
+  Rig rig;
+  rig.put(1, 10, 10);
+  rig.run(500ms);
+  const std::uint32_t asked = rig.bus.reads[1];
+  rig.settings.poll.interval = 50ms;
+  rig.settings.poll.dead_band = 100;
+  rig.gateway->update_settings();
+  rig.run(1s);
+  EXPECT_GE(rig.bus.reads[1] - asked, 17u);
+  rig.put(1, 50, 10);
+  rig.run(500ms);
+  EXPECT_EQ(rig.log.count("moved"), 0u);
+}
+
+}  // namespace
+}  // namespace etcm::firmware

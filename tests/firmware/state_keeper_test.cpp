@@ -1,0 +1,305 @@
+// What is saved and when, and what of it is believed.
+#include "state_keeper.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "fakes.h"
+#include "memory_store.h"
+#include "support/allocation_watch.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+Settings settings_with_state() {
+  Settings settings;
+  settings.mesh = {.vertices_max = 100, .features_max = 10};
+  for (const char* const name : {"yard", "gate"}) {
+    settings.buses.emplace_back();
+    settings.buses.back().name = name;
+  }
+  settings.state = StateSettings{.folder = "/state", .interval = 1min};
+  return settings;
+}
+
+void write_all(StateWriter& writer) {
+  writer.add_bus("yard");
+  writer.add_bus("gate");
+  writer.add(SavedNode{.serial = 1001, .position = {-5, 7}, .age_ms = 123456, .bus = 0, .unit = 7});
+  writer.add(
+      SavedNode{.serial = 0xfffffffe, .position = {9, -9}, .age_ms = 0, .bus = 1, .unit = 1});
+  writer.add(SavedNode{.serial = 3, .position = {0, 0}});
+  writer.add(Position{position_max, -position_max});
+  writer.add(SavedFeature{.from = 0, .to = 3});
+  writer.add(SteinerPlace{.feature = 0, .point = {-(std::int64_t{1} << 51), 77}});
+}
+
+std::vector<std::byte> example() {
+  StateWriter writer(1000);
+  writer.begin(41, 99, 0x0123456789abcdef);
+  write_all(writer);
+  const auto bytes = writer.finish();
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(SavedStateForm, SaysAgainWhatWasWritten) {
+  SavedState state;
+  ASSERT_EQ(decode_state(example(), state), "");
+  EXPECT_EQ(state.generation, 41u);
+  EXPECT_EQ(state.next_generation, 99u);
+  EXPECT_EQ(state.mesh_hash, 0x0123456789abcdefu);
+  EXPECT_EQ(state.buses, (std::vector<std::string>{"yard", "gate"}));
+  ASSERT_EQ(state.nodes.size(), 3u);
+  EXPECT_EQ(state.nodes[0].serial, 1001u);
+  EXPECT_EQ(state.nodes[0].position, (Position{-5, 7}));
+  EXPECT_EQ(state.nodes[0].age_ms, 123456u);
+  EXPECT_EQ(state.nodes[0].unit, 7);
+  EXPECT_EQ(state.nodes[1].bus, 1);
+  EXPECT_EQ(state.nodes[2].bus, no_saved_bus);
+  EXPECT_EQ(state.anchors, (std::vector{Position{position_max, -position_max}}));
+  ASSERT_EQ(state.features.size(), 1u);
+  EXPECT_EQ(state.features[0].to, 3u);
+  ASSERT_EQ(state.steiner.size(), 1u);
+  EXPECT_EQ(state.steiner[0].point, (Point{-(std::int64_t{1} << 51), 77}));
+}
+
+TEST(SavedStateForm, IsTheOneItsHeaderDescribes) {
+  const auto bytes = example();
+  EXPECT_EQ(bytes.size(), 40u + 5 + 5 + 3 * 20 + 8 + 8 + 20);
+  const auto at = [&](std::size_t i) { return std::to_integer<unsigned>(bytes[i]); };
+  EXPECT_EQ(at(0), 1u);
+  EXPECT_EQ(at(4), 41u);
+  EXPECT_EQ(at(8), 99u);
+  EXPECT_EQ(at(12), 0xefu);
+  EXPECT_EQ(at(19), 0x01u);
+  EXPECT_EQ((std::vector{at(20), at(24), at(28), at(32), at(36)}),
+            (std::vector{2u, 3u, 1u, 1u, 1u}));
+  EXPECT_EQ(at(40), 4u);
+  EXPECT_EQ(at(41), unsigned{'y'});
+  EXPECT_EQ(at(50), 1001u & 0xff);
+}
+
+TEST(SavedStateForm, RefusesWhatIsCutOffOrTooLong) {
+  const auto bytes = example();
+  SavedState state;
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_EQ(decode_state(std::span(bytes).first(size), state), "it is cut off") << size;
+  }
+  auto longer = bytes;
+  longer.push_back({});
+  EXPECT_EQ(decode_state(longer, state), "it is too long");
+}
+
+TEST(SavedStateForm, RefusesOtherVersions) {
+  auto bytes = example();
+  SavedState state;
+  bytes[0] = std::byte{2};
+  EXPECT_EQ(decode_state(bytes, state), "it is from a newer gateway (form 2, this one knows 1)");
+  bytes[0] = std::byte{0};
+  EXPECT_EQ(decode_state(bytes, state), "it is from an older gateway (form 0, this one knows 1)");
+}
+
+TEST(SavedStateForm, TakesNoMemoryForCountsThatCannotBe) {
+  for (std::size_t count = 20; count < 40; count += 4) {
+    auto bytes = example();
+    for (std::size_t i = 0; i < 4; ++i) bytes[count + i] = std::byte{0xff};
+    SavedState state;
+    EXPECT_EQ(decode_state(bytes, state), "it is cut off") << count;
+  }
+}
+
+TEST(SavedStateForm, AnyByteChangedIsReadWithoutHarm) {
+  const auto bytes = example();
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    for (const int value : {0x00, 0x01, 0x7f, 0x80, 0xff}) {
+      auto changed = bytes;
+      changed[i] = static_cast<std::byte>(value);
+      SavedState state;
+      if (!decode_state(changed, state).empty()) continue;
+      for (const SavedFeature& feature : state.features) {
+        ASSERT_LT(std::max(feature.from, feature.to), state.nodes.size() + state.anchors.size());
+      }
+    }
+  }
+}
+
+TEST(SavedStateForm, RefusesWhatContradictsItself) {
+  StateWriter writer(1000);
+  SavedState state;
+  writer.begin(7, 7, 0);
+  EXPECT_EQ(decode_state(writer.finish(), state), "its generations contradict each other");
+  writer.begin(7, 8, 0);
+  writer.add(SavedNode{.serial = 5});
+  writer.add(SavedNode{.serial = 5});
+  EXPECT_EQ(decode_state(writer.finish(), state), "two nodes have one serial");
+  writer.begin(7, 8, 0);
+  writer.add(SavedNode{.serial = 5, .bus = 0});
+  EXPECT_EQ(decode_state(writer.finish(), state), "node 5 is on a bus it does not name");
+  writer.begin(7, 8, 0);
+  writer.add(SavedNode{.serial = no_serial});
+  EXPECT_EQ(decode_state(writer.finish(), state), "a node has no serial");
+  writer.begin(7, 8, 0);
+  writer.add(SavedFeature{.from = 0, .to = 0});
+  EXPECT_EQ(decode_state(writer.finish(), state), "a feature ends at no node");
+}
+
+TEST(SavedStateForm, FitsWhatASettingAllows) {
+  Settings settings = settings_with_state();
+  settings.buses.front().name = std::string(300, 'n');
+  StateWriter writer(saved_state_size_max(settings));
+  const test::AllocationWatch watch;
+  writer.begin(1, 2, 0);
+  for (const BusSettings& bus : settings.buses) writer.add_bus(bus.name);
+  for (std::uint32_t i = 0; i < 50; ++i) writer.add(SavedNode{.serial = i});
+  for (std::uint32_t i = 0; i < 10; ++i) writer.add(SavedFeature{.from = i, .to = i + 1});
+  for (std::uint32_t i = 0; i < 50; ++i) writer.add(SteinerPlace{});
+  EXPECT_LE(writer.finish().size(), saved_state_size_max(settings));
+  EXPECT_EQ(watch.allocations(), 0u);
+}
+
+class StateKeeperTest : public testing::Test {
+ protected:
+  // What the gateway does in a step.
+  void step(std::int32_t x) {
+    keeper_.step();
+    if (!keeper_.is_due(clock_.now())) return;
+    StateWriter& writer = keeper_.begin(generation_, static_cast<std::uint64_t>(x));
+    writer.add_bus("yard");
+    writer.add(SavedNode{.serial = 1, .position = {x, 0}});
+    keeper_.save(clock_.now());
+  }
+  SavedState saved() const {
+    SavedState state;
+    EXPECT_EQ(decode_state(store_.last, state), "");
+    return state;
+  }
+  const Settings settings_ = settings_with_state();
+  SimulatedClock clock_;
+  RecordingLog log_;
+  MemoryStore store_;
+  StateKeeper keeper_{settings_, 100ms, store_, log_};
+  std::uint32_t generation_ = 1;
+};
+
+TEST_F(StateKeeperTest, SavesAtOnceAndThenAtTheMostOnceEveryInterval) {
+  EXPECT_FALSE(keeper_.is_due(clock_.now())) << "nothing was published";
+  EXPECT_EQ(keeper_.next_deadline(), port::never);
+  for (std::int32_t i = 0; i < 6000; ++i) {
+    keeper_.outdate();
+    ++generation_;
+    step(i);
+    clock_.pass(100ms);
+  }
+  EXPECT_EQ(store_.saves, 10u);
+  EXPECT_LE(keeper_.next_deadline(), clock_.now() + 1min);
+}
+
+TEST_F(StateKeeperTest, SavesNothingThatIsSavedAlready) {
+  for (int i = 0; i < 100; ++i) {
+    keeper_.outdate();
+    step(5);
+    clock_.pass(1min);
+  }
+  EXPECT_EQ(store_.saves, 1u);
+  EXPECT_EQ(keeper_.next_deadline(), port::never);
+}
+
+TEST_F(StateKeeperTest, NoGenerationIsGivenOutTwiceWhateverTheMomentOfThePowerFailure) {
+  // The mesh goes to and fro, so that what is saved is often what was.
+  for (std::int32_t i = 0; i < 20'000; ++i) {
+    keeper_.outdate();
+    ++generation_;
+    step(i / 3000 % 2);
+    ASSERT_GT(saved().next_generation, generation_);
+    clock_.pass(100ms);
+  }
+  EXPECT_LT(store_.saves, 33u);
+}
+
+TEST_F(StateKeeperTest, TheLastStateGoesOnWithTheVeryNextGeneration) {
+  keeper_.outdate();
+  step(1);
+  generation_ = 5;
+  keeper_.step();
+  keeper_.finish();
+  step(1);
+  EXPECT_EQ(store_.saves, 2u);
+  EXPECT_EQ(saved().next_generation, 6u);
+  keeper_.step();
+  keeper_.finish();
+  step(1);
+  EXPECT_EQ(store_.saves, 2u) << "once is enough";
+}
+
+TEST_F(StateKeeperTest, SaysOnceThatItCannotSaveTriesAgainAndSaysWhenItCan) {
+  store_.why = "/state: cannot write the file (No space left on device); make room on that disk";
+  for (int i = 0; i < 600; ++i) {
+    keeper_.outdate();
+    step(i);
+    clock_.pass(1s);
+  }
+  EXPECT_EQ(store_.saves, 10u);
+  EXPECT_EQ(log_.lines, (std::vector<std::string>{"state is not saved: " + store_.why +
+                                                  "; goes on, and tries again"}));
+  EXPECT_TRUE(keeper_.is_failing());
+  store_.why = "/state: cannot write the file (Input/output error); the disk may be failing";
+  for (int i = 0; i < 120; ++i, clock_.pass(1s)) step(1);
+  EXPECT_EQ(log_.lines.size(), 2u) << "another reason is news";
+  store_.why.clear();
+  for (int i = 0; i < 120; ++i, clock_.pass(1s)) step(1);
+  EXPECT_EQ(log_.lines.back(), "state is saved again");
+  EXPECT_EQ(log_.lines.size(), 3u);
+  EXPECT_FALSE(keeper_.is_failing());
+}
+
+TEST_F(StateKeeperTest, WaitsForASaveThatTakesLong) {
+  store_.is_slow = true;
+  for (int i = 0; i < 600; ++i, clock_.pass(1s)) {
+    keeper_.outdate();
+    step(i);
+  }
+  EXPECT_EQ(store_.saves, 1u);
+  store_.is_slow = false;
+  step(1);
+  step(2);
+  EXPECT_EQ(store_.saves, 2u);
+}
+
+TEST_F(StateKeeperTest, LoadsTheLastElseThePrevious) {
+  EXPECT_FALSE(keeper_.load().has_value());
+  EXPECT_TRUE(log_.lines.empty());
+  store_.last = store_.previous = example();
+  ASSERT_TRUE(keeper_.load().has_value());
+  EXPECT_TRUE(log_.lines.empty());
+  store_.last[0] = std::byte{9};
+  const auto state = keeper_.load();
+  ASSERT_TRUE(state.has_value());
+  EXPECT_EQ(state->generation, 41u);
+  EXPECT_EQ(log_.lines,
+            (std::vector<std::string>{
+                "state: the last copy is not used, it is from a newer gateway (form 9, this one "
+                "knows 1); it is kept as /state/aside-1",
+                "state: takes the copy before the last"}));
+  EXPECT_EQ(store_.aside.size(), 1u);
+}
+
+TEST_F(StateKeeperTest, RefusesTheStateOfAnotherConfiguration) {
+  StateWriter writer(1000);
+  writer.begin(1, 2, 0);
+  writer.add_bus("roof");
+  const auto bytes = writer.finish();
+  store_.last.assign(bytes.begin(), bytes.end());
+  EXPECT_FALSE(keeper_.load().has_value());
+  EXPECT_EQ(log_.lines,
+            (std::vector<std::string>{
+                "state: the last copy is not used, it is of another configuration, without any bus "
+                "of this one (it has roof); it is kept as /state/aside-1"}));
+}
+
+}  // namespace
+}  // namespace etcm::firmware

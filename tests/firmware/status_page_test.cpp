@@ -1,0 +1,311 @@
+// What is shown over HTTP, on a simulated clock; read in pieces as odd as a network makes them.
+#include "status_page.h"
+
+#include <gtest/gtest.h>
+
+#include <regex>
+#include <set>
+
+#include "fakes.h"
+#include "page_files.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+// Whether brackets and quotation marks of a JSON text match, and no comma stands where none may.
+testing::AssertionResult is_sound_json(const std::string& text) {
+  std::string open;
+  char before = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') {
+      for (++i; i < text.size() && text[i] != '"'; ++i) {
+        if (static_cast<unsigned char>(text[i]) < 0x20) {
+          return testing::AssertionFailure() << "a control character in a text";
+        }
+        if (text[i] == '\\') ++i;
+      }
+    } else if (c == '{' || c == '[') {
+      if (before == '}' || before == ']') return testing::AssertionFailure() << "no comma at " << i;
+      open += c;
+    } else if (c == '}' || c == ']') {
+      if (before == ',') return testing::AssertionFailure() << "a comma too many at " << i;
+      if (open.empty() || open.back() != (c == '}' ? '{' : '[')) {
+        return testing::AssertionFailure() << "unmatched at " << i;
+      }
+      open.pop_back();
+    } else if (c == ',' && (before == ',' || before == '{' || before == '[')) {
+      return testing::AssertionFailure() << "a comma too many at " << i;
+    }
+    if (c != ' ' && c != '\n') before = c;
+  }
+  if (!open.empty()) return testing::AssertionFailure() << "not closed: " << open;
+  return testing::AssertionSuccess();
+}
+
+class StatusPageTest : public testing::Test {
+ protected:
+  // The gateway must not be started before.
+  void open_page() {
+    rig_.start();
+    sources_.emplace(StatusSources{.gateway = *rig_.gateway,
+                                   .settings = rig_.settings,
+                                   .events = events_,
+                                   .masters = masters_,
+                                   .readers = readers_,
+                                   .version = "1.2.3",
+                                   .started_at = rig_.clock.now()});
+    page_.emplace(*sources_, 4);
+  }
+  void run(port::Duration duration) {
+    for (port::Duration passed{}; passed < duration; passed += 100ms) {
+      rig_.run(100ms);
+      page_->advance(rig_.clock.now());
+    }
+  }
+  std::string rest(std::size_t reader, std::size_t piece = 7) {
+    std::string text;
+    std::vector<char> out(piece);
+    while (const std::size_t size = page_->read(reader, out)) text.append(out.data(), size);
+    page_->end(reader);
+    return text;
+  }
+  std::string get(const std::string& path, std::size_t piece = 7) {
+    answer_ = page_->begin(0, path);
+    return rest(0, piece);
+  }
+  void put_square() {
+    rig_.put(1, 0, 0);
+    rig_.put(2, 100, 0);
+    rig_.put(3, 100, 100);
+    rig_.put(4, 0, 100);
+    rig_.put(5, 50, 40);
+  }
+
+  Rig rig_{{{.from = 1001, .to = 1003, .place = "site.toml:1"}}};
+  RecentEvents events_{rig_.clock, rig_.log};
+  port::ServiceCounters masters_;
+  port::ServiceCounters readers_;
+  std::optional<StatusSources> sources_;
+  std::optional<StatusPage> page_;
+  port::WebAnswer answer_;
+};
+
+TEST_F(StatusPageTest, TheMeshIsTheSameHoweverItIsRead) {
+  open_page();
+  put_square();
+  run(1s);
+  const std::string mesh = get("/mesh.geojson");
+  EXPECT_STREQ(answer_.media_type, "application/geo+json");
+  EXPECT_TRUE(is_sound_json(mesh)) << mesh;
+  EXPECT_EQ(count(mesh, "\"kind\":\"node\""), 5u);
+  EXPECT_EQ(count(mesh, "\"kind\":\"steiner\""), rig_.gateway->snapshot().steiner_count);
+  EXPECT_NE(mesh.find("\"coordinates\":[50,40]},\"properties\":{\"kind\":\"node\",\"serial\":1005,"
+                      "\"bus\":\"yard\",\"unit\":5,\"in_mesh\":true,\"stale\":false"),
+            std::string::npos)
+      << mesh;
+  for (const std::size_t piece : {1u, 100u, 4096u}) EXPECT_EQ(get("/mesh.geojson", piece), mesh);
+}
+
+TEST_F(StatusPageTest, AnEmptyMeshIsAMeshToo) {
+  open_page();
+  EXPECT_TRUE(is_sound_json(get("/mesh.geojson")));
+  EXPECT_TRUE(is_sound_json(get("/status.json")));
+  EXPECT_EQ(get("/ages.json"), "[]\n");
+  EXPECT_EQ(get("/healthz"), "ok\n");
+}
+
+TEST_F(StatusPageTest, TheVersionOfTheMeshIsAnotherWithEachGeneration) {
+  open_page();
+  put_square();
+  run(1s);
+  get("/mesh.geojson");
+  const std::uint64_t before = answer_.version;
+  run(1s);
+  get("/mesh.geojson");
+  EXPECT_EQ(answer_.version, before) << "nothing has changed";
+  rig_.put(6, 20, 80);
+  run(1s);
+  get("/mesh.geojson");
+  EXPECT_NE(answer_.version, before);
+}
+
+TEST_F(StatusPageTest, ASlowReaderHasOneGenerationToTheEnd) {
+  open_page();
+  put_square();
+  run(1s);
+  const std::string mesh = get("/mesh.geojson");
+  std::array<char, 20> out;
+  page_->begin(1, "/mesh.geojson");
+  std::string slow(out.data(), page_->read(1, out));
+  for (std::uint8_t unit = 6; unit <= 12; ++unit) {
+    rig_.put(unit, 7 * unit, 5 * unit);
+    run(500ms);
+    // Others have the newest meanwhile.
+    EXPECT_EQ(count(get("/mesh.geojson"), "\"kind\":\"node\""), unit);
+  }
+  EXPECT_EQ(slow + rest(1), mesh);
+}
+
+TEST_F(StatusPageTest, WhenSlowReadersHoldAllPlacesOthersHaveTheNewerOfTheirs) {
+  open_page();
+  put_square();
+  run(1s);
+  page_->begin(1, "/mesh.geojson");
+  rig_.put(6, 20, 80);
+  run(500ms);
+  page_->begin(2, "/mesh.geojson");
+  rig_.put(7, 80, 20);
+  run(500ms);
+  EXPECT_EQ(count(get("/mesh.geojson"), "\"kind\":\"node\""), 6u);
+  EXPECT_EQ(count(rest(1), "\"kind\":\"node\""), 5u);
+  EXPECT_EQ(count(get("/mesh.geojson"), "\"kind\":\"node\""), 7u);
+  EXPECT_EQ(count(rest(2), "\"kind\":\"node\""), 6u);
+}
+
+TEST_F(StatusPageTest, WhoIsRefusedIsShownWithTheReason) {
+  open_page();
+  put_square();
+  rig_.put(6, 50, 40);
+  run(1s);
+  const std::string mesh = get("/mesh.geojson");
+  EXPECT_TRUE(is_sound_json(mesh));
+  EXPECT_EQ(count(mesh, "\"in_mesh\":false,\"refused\":\"Another node stands exactly there"), 1u)
+      << mesh;
+  const std::string status = get("/status.json");
+  EXPECT_TRUE(is_sound_json(status)) << status;
+  EXPECT_EQ(count(status, "\"why\":\"Another node stands exactly there"), 1u) << status;
+}
+
+TEST_F(StatusPageTest, NamesAndEventsMayHoldAnything) {
+  rig_.settings.buses.front().name =
+      "a \"b\" \\ \n\t\x01 <script> \xc3\xa9" + std::string(2000, '"');
+  open_page();
+  put_square();
+  events_.write(port::Level::error, "quote \" and \\ and \x02 and " + std::string(5000, '\x01'));
+  run(12s);
+  EXPECT_TRUE(is_sound_json(get("/mesh.geojson")));
+  EXPECT_TRUE(is_sound_json(get("/status.json")));
+  const std::string metrics = get("/metrics");
+  EXPECT_EQ(metrics.find("<script> \n"), std::string::npos);
+  EXPECT_NE(metrics.find("bus=\"a \\\"b\\\" \\\\ \\n"), std::string::npos) << metrics;
+}
+
+TEST_F(StatusPageTest, TheNewestEventsAreKeptAndTheNewestIsFirst) {
+  open_page();
+  for (int i = 1; i <= 250; ++i) events_.write(port::Level::info, "event " + std::to_string(i));
+  const std::string status = get("/status.json");
+  EXPECT_EQ(count(status, "\"number\":"), recent_events_max);
+  EXPECT_NE(status.find("\"events\":[\n{\"number\":250,"), std::string::npos) << status;
+  EXPECT_EQ(count(status, "\"event 151\""), 1u);
+  EXPECT_EQ(count(status, "\"event 150\""), 0u);
+  EXPECT_EQ(rig_.log.count("event"), 250u) << "all are handed on";
+}
+
+TEST_F(StatusPageTest, EventsThatComeWhileTheyAreReadDoNoHarm) {
+  open_page();
+  for (int i = 0; i < 150; ++i) events_.write(port::Level::info, "old");
+  page_->begin(1, "/status.json");
+  std::string status;
+  std::array<char, 50> out;
+  while (const std::size_t size = page_->read(1, out)) {
+    status.append(out.data(), size);
+    events_.write(port::Level::info, "new");
+  }
+  page_->end(1);
+  EXPECT_TRUE(is_sound_json(status)) << status;
+}
+
+TEST_F(StatusPageTest, AgesAreThoseOfTheLastAnswer) {
+  open_page();
+  put_square();
+  run(500ms);
+  rig_.bus.silence(5);
+  run(700ms);
+  std::smatch found;
+  const std::string ages = get("/ages.json");
+  ASSERT_TRUE(std::regex_search(ages, found, std::regex(R"(\[1005,(\d+)\])"))) << ages;
+  EXPECT_GT(std::stoi(found[1]), 500);
+  ASSERT_TRUE(std::regex_search(ages, found, std::regex(R"(\[1001,(\d+)\])"))) << ages;
+  EXPECT_LT(std::stoi(found[1]), 300);
+}
+
+TEST_F(StatusPageTest, MetricsAreWhatPrometheusReads) {
+  open_page();
+  put_square();
+  run(12s);
+  masters_.refused = 3;
+  const std::string metrics = get("/metrics");
+  EXPECT_STREQ(answer_.media_type, metrics_media_type);
+  const std::regex sample(
+      R"re(([a-z_]+)(\{([a-z]+="[^"\n]*",?)+\})? [0-9]+(\.[0-9]+)?(e[+-][0-9]+)?)re");
+  std::set<std::string> seen;
+  std::string family;
+  std::istringstream lines(metrics);
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch found;
+    if (std::regex_match(line, found, std::regex("# HELP ([a-z_]+) .+"))) {
+      family = found[1];
+      EXPECT_TRUE(seen.insert(family).second) << family << " comes twice";
+    } else if (line.starts_with("# ")) {
+      EXPECT_TRUE(line == "# TYPE " + family + " counter" ||
+                  line == "# TYPE " + family + " gauge" || line == "# TYPE " + family + " summary")
+          << line;
+    } else {
+      EXPECT_TRUE(std::regex_match(line, found, sample)) << line;
+      EXPECT_TRUE(std::string(found[1]).starts_with(family)) << line;
+    }
+  }
+  const auto& unit = rig_.gateway->poller().counters(0);
+  EXPECT_NE(metrics.find("\netcm_unit_requests_total{bus=\"yard\",unit=\"1\"} " +
+                         std::to_string(unit.requests) + "\n"),
+            std::string::npos);
+  EXPECT_NE(metrics.find("\netcm_nodes 5\n"), std::string::npos);
+  EXPECT_NE(metrics.find("\netcm_refused_total{server=\"modbus\"} 3\n"), std::string::npos);
+  EXPECT_EQ(count(metrics, "\netcm_unit_errors_total{"), 20u * 6);
+  EXPECT_EQ(count(metrics, "\netcm_bus_efficiency_ratio{"), 0u) << "a network has no floor";
+}
+
+TEST_F(StatusPageTest, HealthNamesTheBusThatIsSilent) {
+  open_page();
+  put_square();
+  run(5s);
+  EXPECT_EQ(get("/healthz"), "ok\n");
+  for (std::uint8_t unit = 1; unit <= 5; ++unit) rig_.bus.silence(unit);
+  run(5s);
+  EXPECT_EQ(get("/healthz").find("bus yard: no unit has answered for "), 0u);
+  EXPECT_EQ(answer_.status, port::web_status::unavailable);
+  put_square();
+  run(2s);
+  EXPECT_EQ(get("/healthz"), "ok\n");
+  EXPECT_EQ(answer_.status, port::web_status::ok);
+}
+
+TEST_F(StatusPageTest, FilesAreThereAndNothingElse) {
+  open_page();
+  for (const PageFile& file : page_files()) {
+    EXPECT_EQ(get(std::string(file.path)), file.content);
+    EXPECT_EQ(answer_.status, port::web_status::ok);
+    EXPECT_NE(answer_.version, 0u);
+    // Nothing comes from elsewhere: it works without a network.
+    EXPECT_EQ(count(std::string(file.content), "https://"), 0u) << file.path;
+    EXPECT_EQ(count(std::string(file.content), "\"//"), 0u) << file.path;
+  }
+  EXPECT_EQ(get("/").find("<!doctype html>"), 0u);
+  for (const char* path :
+       {"/index.html", "/map.js/", "//", "/../etc/passwd", "/embed.cmake", "/ "}) {
+    get(path);
+    EXPECT_EQ(answer_.status, port::web_status::not_found) << path;
+  }
+}
+
+}  // namespace
+}  // namespace etcm::firmware

@@ -1,0 +1,259 @@
+"""The Debian packages of the build in ETCM_BUILD, made by ETCM_CPACK: their content and their life in
+a scratch system."""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import urllib.request
+
+from programs import PATIENCE_S, ProgramCase
+
+BUILD = pathlib.Path(os.environ["ETCM_BUILD"])
+SKIPPED = 77
+PROGRAMS = ["etcm", "etcm-bus", "etcm-gateway", "etcm-nodes"]
+
+
+def run(*command, code=0):
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True,
+                          timeout=PATIENCE_S)
+    if done.returncode != code:
+        raise AssertionError(f"{command}: {done.returncode}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def setUpModule():
+    global MADE, GATEWAY, DEVELOPMENT
+    MADE = tempfile.TemporaryDirectory(prefix="etcm_packages_")
+    unittest.addModuleCleanup(MADE.cleanup)
+    run(os.environ["ETCM_CPACK"], "--config", BUILD / "CPackConfig.cmake", "-B", MADE.name)
+    folder = pathlib.Path(MADE.name)
+    GATEWAY, = folder.glob("etcm-gateway_*.deb")
+    DEVELOPMENT, = folder.glob("libetcm-dev_*.deb")
+
+
+def files_under(root):
+    return sorted(str(path.relative_to(root)) for path in root.rglob("*")
+                  if path.is_symlink() or path.is_file())
+
+
+class Content(ProgramCase):
+    def unpacked(self, package):
+        root = self.folder / package.name
+        run("dpkg-deb", "-x", package, root)
+        return root
+
+    def test_everything_is_where_debian_wants_it(self):
+        found = files_under(self.unpacked(GATEWAY))
+        for path in [*(f"usr/bin/{name}" for name in PROGRAMS), "etc/etcm/gateway.toml",
+                     "usr/lib/systemd/system/etcm-gateway.service",
+                     "usr/share/doc/etcm-gateway/copyright",
+                     "usr/share/doc/etcm-gateway/changelog.gz", "usr/share/man/man1/etcm.1.gz",
+                     "usr/share/man/man1/etcm-bus.1.gz", "usr/share/man/man1/etcm-nodes.1.gz",
+                     "usr/share/man/man8/etcm-gateway.8.gz",
+                     "usr/share/man/man5/gateway.toml.5.gz"]:
+            self.assertIn(path, found)
+        self.assertEqual([path for path in found if path.endswith((".h", ".a", ".cmake"))], [])
+        development = files_under(self.unpacked(DEVELOPMENT))
+        self.assertIn("usr/include/etcm/mesh.h", development)
+        self.assertEqual([path for path in development if "/bin/" in path or path[:4] == "etc/"], [])
+
+    def test_it_depends_on_what_its_programs_link(self):
+        depends = run("dpkg-deb", "--field", GATEWAY, "Depends")
+        names = re.findall(r"([a-z0-9.+-]+)(?: \([^)]*\))?(?:, |$)", depends.strip())
+        for name in names:
+            self.assertIn("install ok", run("dpkg-query", "-W", "-f", "${Status}", name))
+        for library in ("libc6", "libmodbus5", "libstdc++6"):
+            self.assertIn(library, names)
+
+    def test_the_service_is_shut_in(self):
+        unit = self.unpacked(GATEWAY) / "usr/lib/systemd/system/etcm-gateway.service"
+        self.assertIn("ExecStart=/usr/bin/etcm-gateway --config /etc/etcm/gateway.toml",
+                      unit.read_text())
+        if shutil.which("systemd-analyze") is None:
+            self.skipTest("systemd is not installed")
+        # Exposure at most 2.0, in tenths.
+        run("systemd-analyze", "security", "--offline=true", "--no-pager", "--threshold=20", unit)
+
+    def test_systemd_understands_every_line_of_the_service(self):
+        if shutil.which("systemd-analyze") is None:
+            self.skipTest("systemd is not installed")
+        root = self.unpacked(GATEWAY)
+        unit = root / "usr/lib/systemd/system/etcm-gateway.service"
+        # It looks whether the program is there.
+        unit.write_text(unit.read_text().replace("/usr/bin/", f"{root}/usr/bin/"))
+        done = subprocess.run(["systemd-analyze", "verify", "--man=no", "--recursive-errors=no",
+                               unit], capture_output=True, text=True, timeout=PATIENCE_S)
+        about_ours = [line for line in done.stderr.splitlines() if "etcm" in line]
+        self.assertEqual((done.returncode, about_ours), (0, []), done.stderr)
+
+    def test_manual_pages_are_well_formed(self):
+        if shutil.which("mandoc") is None:
+            self.skipTest("mandoc is not installed")
+        pages = list((self.unpacked(GATEWAY) / "usr/share/man").rglob("*.gz"))
+        self.assertGreaterEqual(len(pages), 5)
+        for page in pages:
+            plain = self.folder / page.stem
+            plain.write_bytes(subprocess.run(["gzip", "-dc", page], capture_output=True,
+                                             check=True).stdout)
+            self.assertEqual(run("mandoc", "-T", "lint", "-W", "warning", plain), "")
+
+    def test_the_manual_names_every_option(self):
+        root = self.unpacked(GATEWAY)
+        for name, section in (("etcm-bus", 1), ("etcm-nodes", 1), ("etcm-gateway", 8), ("etcm", 1)):
+            page = subprocess.run(["gzip", "-dc", root / f"usr/share/man/man{section}" /
+                                   f"{name}.{section}.gz"], capture_output=True, text=True,
+                                  check=True).stdout
+            # The requests of manual pages, taken out.
+            text = re.sub(r"\\-", "-", re.sub(r"^\.\w+ ", "", page, flags=re.M))
+            help_texts = [run(root / "usr/bin" / name, "--help")]
+            for command in re.findall(r"^  (\w+) {3,}", help_texts[0].split("Subcommands:")[-1],
+                                      re.M) if "Subcommands:" in help_texts[0] else []:
+                help_texts.append(run(root / "usr/bin" / name, command, "--help"))
+            for option in set(re.findall(r"--([a-z][a-z-]+)", "".join(help_texts))) - {"help"}:
+                self.assertIn(option, text, f"{name}.{section}: --{option}")
+
+
+class SystemCalls(ProgramCase):
+    """A call that the service must not make ends in an error only where systemd is; here it shows."""
+
+    def groups(self):
+        text = run("systemd-analyze", "syscall-filter")
+        found = {}
+        for line in text.splitlines():
+            line = re.sub(r"\x1b\[[0-9;]*m", "", line).split("#")[0].rstrip()
+            if line.startswith("@"):
+                members = found.setdefault(line, [])
+            elif line.strip():
+                members.append(line.strip())
+        return found
+
+    def expanded(self, name, groups):
+        if not name.startswith("@"):
+            return {name}
+        return set().union(*(self.expanded(member, groups) for member in groups[name]))
+
+    def test_the_service_may_make_every_call_that_the_gateway_makes(self):
+        if shutil.which("systemd-analyze") is None or shutil.which("strace") is None:
+            self.skipTest("systemd or strace is not installed")
+        root = self.folder / "root"
+        run("dpkg-deb", "-x", GATEWAY, root)
+        unit = (root / "usr/lib/systemd/system/etcm-gateway.service").read_text()
+        groups = self.groups()
+        allowed = self.expanded("@default", groups)
+        for line in re.findall(r"^SystemCallFilter=(.*)$", unit, re.M):
+            for name in line.lstrip("~").split():
+                calls = self.expanded(name, groups)
+                allowed = allowed - calls if line.startswith("~") else allowed | calls
+
+        (self.folder / "nodes.csv").write_text("time_ms,serial,event,x,y\n0,1,join,0,0\n"
+                                               "0,2,join,90,0\n0,3,join,0,90\n")
+        line = self.folder / "line"
+        nodes = self.start("nodes", [root / "usr/bin/etcm-nodes", "--rtu", line, "--nodes",
+                                     "nodes.csv"])
+        nodes.wait_for_line("ready:")
+        settings = (root / "etc/etcm/gateway.toml").read_text()
+        settings = settings.replace("/var/lib/etcm", str(self.folder))
+        settings = re.sub(r'(?m)^(listen = "127.0.0.1):\d+', r"\1:0", settings)
+        settings += f'[[bus]]\nrtu = "{line}"\nunits = "1-3"\n'
+        (self.folder / "gateway.toml").write_text(settings)
+        gateway = self.start("gateway", ["strace", "-D", "-f", "-qq", "-o", "calls", root /
+                                         "usr/bin/etcm-gateway", "--config", "gateway.toml"])
+        gateway.wait_for_line(r"node 3 joined")
+        if address := re.search(r"http://127\.0\.0\.1:\d+", gateway.log()):
+            for path in ("", "metrics", "mesh.geojson", "healthz"):
+                urllib.request.urlopen(f"{address.group()}/{path}", timeout=PATIENCE_S).read()
+        self.assertEqual(gateway.stop(), 0, gateway.log())
+        made = set(re.findall(r"^\d+ +(\w+)\(", (self.folder / "calls").read_text(), re.M))
+        self.assertIn("epoll_wait", made)
+        # What starts a program is done before the filter holds.
+        self.assertEqual(made - allowed - {"execve", "arch_prctl"}, set())
+
+
+class Life(ProgramCase):
+    def setUp(self):
+        super().setUp()
+        self.root = self.folder / "system"
+        for path in ("var/lib/dpkg/updates", "var/lib/dpkg/info", "usr/bin", "etc/systemd/system",
+                     "var/lib/systemd", "tmp"):
+            (self.root / path).mkdir(parents=True)
+        for path in ("status", "available"):
+            (self.root / "var/lib/dpkg" / path).touch()
+        (self.root / "etc/passwd").write_text("root:x:0:0:root:/root:/bin/sh\n")
+        (self.root / "etc/group").write_text("root:x:0:\ndialout:x:20:\n")
+        self.before = self.left()
+
+    def left(self):
+        """Files of the system, those of dpkg and of the group apart."""
+        return [path for path in files_under(self.root)
+                if not path.startswith(("var/lib/dpkg/", "etc/group", "etc/gshadow", "etc/.pwd"))]
+
+    def dpkg(self, *arguments):
+        return run("dpkg", f"--root={self.root}", "--force-script-chrootless", "--force-depends",
+                   "--force-confdef", "--log=/dev/null", *arguments)
+
+    def with_version(self, version):
+        """The same package of another version, whose settings had other words in them."""
+        parts = self.folder / f"parts_{version}"
+        run("dpkg-deb", "-R", GATEWAY, parts)
+        control = parts / "DEBIAN/control"
+        control.write_text(re.sub(r"(?m)^Version: .*", f"Version: {version}", control.read_text()))
+        settings = parts / "etc/etcm/gateway.toml"
+        settings.write_text("# As it was in an earlier version.\n" + settings.read_text())
+        package = self.folder / f"{version}.deb"
+        run("dpkg-deb", "--root-owner-group", "-b", parts, package)
+        return package
+
+    def test_installed_started_upgraded_removed_and_purged(self):
+        settings = self.root / "etc/etcm/gateway.toml"
+        enabled = self.root / "etc/systemd/system/multi-user.target.wants/etcm-gateway.service"
+        gateway = self.root / "usr/bin/etcm-gateway"
+        self.dpkg("-i", self.with_version("0.0.1"))
+        self.assertTrue(enabled.is_symlink(), "not enabled")
+        self.assertIn("gpio", (self.root / "etc/group").read_text())
+        self.assertIn("good", run(gateway, "--config", settings, "--check-config"))
+
+        # What the owner changes, so that it also runs here.
+        state = self.root / "var/lib/etcm"
+        mine = re.sub(r'(?m)^(listen = "127.0.0.1):\d+', r"\1:0", settings.read_text())
+        mine = mine.replace("/var/lib/etcm", str(state))
+        settings.write_text(mine)
+        program = self.start("gateway", [gateway, "--config", settings])
+        program.wait_for_line(r"serves the mesh on 127.0.0.1:\d+")
+        self.assertEqual(program.stop(), 0, program.log())
+        self.assertTrue((state / "mesh").is_dir())
+
+        self.dpkg("-i", GATEWAY)
+        self.assertEqual(settings.read_text(), mine, "an upgrade has overwritten the settings")
+        self.assertTrue(enabled.is_symlink(), "no longer enabled")
+        enabled.unlink()
+        self.dpkg("-i", GATEWAY)
+        self.assertFalse(enabled.is_symlink(), "enabled again against its owner's will")
+
+        self.dpkg("-r", "etcm-gateway")
+        self.assertFalse(gateway.exists())
+        self.assertEqual(settings.read_text(), mine)
+        self.assertTrue((state / "mesh").is_dir(), "its state is gone before the purge")
+
+        self.dpkg("-P", "etcm-gateway")
+        self.assertEqual(self.left(), self.before)
+        self.assertFalse(state.exists())
+
+    def test_what_a_purge_leaves_is_the_users(self):
+        self.dpkg("-i", GATEWAY)
+        site = self.root / "etc/etcm/site.poly"
+        site.write_text("0 2\n0\n0\n")
+        self.dpkg("-P", "etcm-gateway")
+        self.assertTrue(site.is_file())
+        site.unlink()
+        self.assertEqual(self.left(), self.before)
+
+
+if __name__ == "__main__":
+    if os.geteuid() != 0 or shutil.which("dpkg") is None:
+        print("needs root and dpkg; skipped")
+        sys.exit(SKIPPED)
+    unittest.main(verbosity=2)

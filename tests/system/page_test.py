@@ -1,0 +1,270 @@
+"""The status page in a real browser, over a real gateway and simulated nodes.
+
+ETCM_BIN is the programs' folder. ETCM_SCREENSHOTS, where it is set, is a folder for screenshots.
+Every wait is for a condition.
+"""
+import json
+import os
+import pathlib
+import re
+import signal
+import socket
+import unittest
+import urllib.error
+import urllib.request
+
+from selenium import webdriver
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.chrome.service import Service
+
+from gateway_test import GatewayCase, wait_for
+
+
+def open_browser():
+    options = webdriver.ChromeOptions()
+    options.binary_location = "/usr/bin/chromium"
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    for argument in ["--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run",
+                     "--disable-background-networking", "--disable-component-update",
+                     "--disable-sync", "--disable-dev-shm-usage"]:
+        options.add_argument(argument)
+    return webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+
+
+class PageCase(GatewayCase):
+    HTTP = '[http]\nlisten = "127.0.0.1:0"\n'
+
+    def start_page(self, rows, more=""):
+        gateway = self.start_gateway(self.start_nodes(rows), self.HTTP + more)
+        match = gateway.wait_for_line(r"status page on (http://\S+)")
+        self.url = match.group(1)
+        return gateway
+
+    def get(self, path):
+        with urllib.request.urlopen(self.url + path, timeout=40) as answer:
+            return answer.read()
+
+
+class InABrowser(PageCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.browser = open_browser()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.quit()
+
+    def setUp(self):
+        super().setUp()
+        # What the browser complained about before is not this test's.
+        self.browser.get("about:blank")
+        self.browser.get_log("browser")
+
+    def size(self, width, height, colours="light"):
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500})
+        self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {
+            "features": [{"name": "prefers-color-scheme", "value": colours}]})
+
+    def find(self, selector):
+        return self.browser.find_element(By.CSS_SELECTOR, selector)
+
+    def text(self, selector):
+        return self.browser.execute_script(
+            "return document.querySelector(arguments[0])?.innerText ?? ''", selector)
+
+    def wait_for_text(self, selector, pattern):
+        wait_for(f"'{pattern}' in {selector}", lambda: re.search(pattern, self.text(selector)))
+
+    def picture(self):
+        """The map's pixels, as text."""
+        return self.browser.execute_script("return document.querySelector('#map').toDataURL()")
+
+    def wait_for_another_picture(self, before):
+        return wait_for("another picture of the map", lambda: self.picture() != before)
+
+    def screenshot(self, name):
+        if folder := os.environ.get("ETCM_SCREENSHOTS"):
+            self.browser.save_screenshot(str(pathlib.Path(folder) / f"{name}.png"))
+
+    def click_at(self, across, up):
+        """Clicks the map at a part of its width and height, from its middle."""
+        canvas = self.find("#map")
+        ActionChains(self.browser).move_to_element_with_offset(
+            canvas, round(across), round(up)).click().perform()
+
+    def test_an_operator_finds_a_node(self):
+        # A node in the middle of a square, one that stands on another, one that joins later.
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,1000,1000", "0,4,join,0,1000",
+                         "0,5,join,500,500", "300,6,join,0,0", "9000,7,join,700,250",
+                         "0,8,join,480,20"],
+                        "[[feature]]\nfrom = 1\nto = 2\n[[feature]]\nfrom = 1\nto = 3\n")
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#counts", r"Nodes\s*6")
+        self.wait_for_text("#state", r"1 in quarantine")
+        self.wait_for_text("#refused", r"(?s)Node 6.*stands exactly there")
+        self.wait_for_text("#nodes-title", r"Nodes \(7\)")
+        self.wait_for_text("#events", r"node 5 joined at \(500, 500\)")
+
+        # The node in the middle of the site is in the middle of the map.
+        self.click_at(0, 0)
+        self.wait_for_text("#details-title", r"^Node 5$")
+        self.wait_for_text("#facts", r"(?s)fresh.*bus\s+5, 127\.0\.0\.1:\d+.*500, 500")
+        neighbours = self.text("#neighbours").split()
+        self.assertGreaterEqual(len(neighbours), 3)
+        self.screenshot("details")
+
+        # Another by its neighbour, another by a search.
+        self.find("#neighbours button").click()
+        self.wait_for_text("#details-title", r"^(Node|Steiner vertex) \d+$")
+        search = self.find("#search")
+        search.send_keys("8")
+        self.wait_for_text("#nodes-title", r"\(1 of \d\)")
+        self.find("tr.row button").click()
+        self.wait_for_text("#details-title", r"^Node 8$")
+        search.send_keys(Keys.ESCAPE)
+        wait_for("closed details", lambda: not self.find("#details").is_displayed())
+        search.clear()
+        search.send_keys("quarantined")
+        self.wait_for_text("#body", r"^6\s")
+        search.clear()
+        search.send_keys(" ")
+
+        # Sorted by another column, and the other way round.
+        self.browser.find_elements(By.CSS_SELECTOR, "#columns button")[0].click()
+        self.wait_for_text("#body", r"^[78]\s")
+
+        # A node joins while one looks.
+        before = self.text("#counts")
+        self.wait_for_text("#counts", r"Nodes\s*7")
+        self.assertNotEqual(before.split()[1], self.text("#counts").split()[1])
+        self.wait_for_text("#nodes-title", r"8")
+        self.wait_for_text("#events", r"node 7 joined")
+        self.assertEqual([entry for entry in self.browser.get_log("browser")
+                          if entry["level"] == "SEVERE"], [])
+
+    def test_the_map_pans_and_zooms(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700"])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#counts", r"Nodes\s*3")
+        canvas = self.find("#map")
+        scale = lambda: self.text("#scale")
+        fitted = wait_for("a scale", scale)
+        picture = self.picture()
+        for _ in range(4):
+            self.find("#zoom-in").click()
+        wait_for("a finer scale", lambda: scale() != fitted)
+        self.find("#fit").click()
+        wait_for("the first scale", lambda: scale() == fitted)
+        ActionChains(self.browser).drag_and_drop_by_offset(canvas, 120, 60).perform()
+        self.wait_for_another_picture(picture)
+        dragged = self.picture()
+        canvas.send_keys(Keys.ARROW_LEFT)
+        self.wait_for_another_picture(dragged)
+        canvas.send_keys("+++++")
+        wait_for("a finer scale by keys", lambda: scale() != fitted)
+        canvas.send_keys("0")
+        wait_for("the first scale by a key", lambda: scale() == fitted)
+        self.browser.execute_script(
+            "document.querySelector('#map').dispatchEvent(new WheelEvent('wheel',"
+            "{deltaY: -900, clientX: 300, clientY: 300, cancelable: true}))")
+        self.browser.execute_script(
+            "for (let i = 0; i < 5; ++i) document.querySelector('#map').dispatchEvent("
+            "new WheelEvent('wheel', {deltaY: -300, clientX: 300, clientY: 300}))")
+        wait_for("a finer scale by the wheel", lambda: scale() != fitted)
+
+    def test_a_gateway_that_is_gone_is_said_and_so_is_its_return(self):
+        gateway = self.start_page(["0,1,join,0,0", "0,2,join,90,0"])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#counts", r"Nodes\s*2")
+        self.assertFalse(self.find("#lost").is_displayed())
+        gateway.stop(signal.SIGKILL)
+        self.wait_for_text("#lost", r"has not answered since \d")
+        self.wait_for_text("#state", r"No answer")
+        self.screenshot("lost")
+        self.assertRegex(self.text("#counts"), r"Nodes\s*2")
+        address = self.url.removeprefix("http://")
+        text = (self.folder / "site.toml").read_text()
+        (self.folder / "site.toml").write_text(
+            text.replace('[http]\nlisten = "127.0.0.1:0"', f'[http]\nlisten = "{address}"'))
+        self.start("again", [gateway.process.args[0], "--config", "site.toml"])
+        wait_for("no alarm", lambda: not self.find("#lost").is_displayed())
+        self.wait_for_text("#counts", r"Nodes\s*2")
+
+    def test_it_fits_a_telephone_and_the_night(self):
+        rows = [f"0,{1000 + n},join,{n * 137 % 1009},{n * n * 7 % 641}" for n in range(1, 81)]
+        features = "".join(f"[[feature]]\nfrom = {a}\nto = {b}\n"
+                           for a, b in ((1001, 1020), (1020, 1041), (1007, 1066)))
+        self.start_page(rows, features)
+        for name, width, height, colours in (("light", 1400, 860, "light"),
+                                             ("dark", 1400, 860, "dark"),
+                                             ("narrow", 360, 760, "light")):
+            self.size(width, height, colours)
+            self.browser.get(self.url)
+            self.wait_for_text("#counts", r"Nodes\s*80")
+            across, background = self.browser.execute_script(
+                "return [document.documentElement.scrollWidth,"
+                " getComputedStyle(document.body).backgroundColor]")
+            self.assertEqual(across, width, "nothing sticks out")
+            level = sum(int(part) for part in re.findall(r"\d+", background)[:3])
+            self.assertEqual(level < 200, colours == "dark", background)
+            self.screenshot(name)
+
+    def test_thousands_of_nodes_stay_smooth(self):
+        count = 3000
+        self.vertices_max = 2 * count
+        self.start_page([f"0,{n},join,{n * 7919 % 10007},{n * n % 9973}"
+                         for n in range(1, count + 1)])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#counts", rf"Nodes\s*{count}")
+        self.wait_for_text("#nodes-title", rf"\({count}\)")
+        self.assertLess(len(self.browser.find_elements(By.CSS_SELECTOR, "tr.row")), 100,
+                        "only rows that are seen are made")
+        self.screenshot("thousands")
+
+
+class ForPrograms(PageCase):
+    def test_documents_are_what_they_say(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700", "0,4,join,400,100"],
+                        "[[feature]]\nfrom = 1\nto = 2\n")
+        self.wait_for_header(nodes=4, features=1)
+        mesh = wait_for("four nodes", lambda: (lambda m: m if sum(
+            f["properties"].get("in_mesh", False) for f in m["features"]) == 4 else None)(
+                json.loads(self.get("/mesh.geojson"))))
+        points = {f["id"]: f for f in mesh["features"] if "id" in f}
+        for point in points.values():
+            for neighbour in point["properties"]["neighbours"]:
+                self.assertIn(neighbour, points)
+        lines = {f["properties"]["kind"]: f["geometry"]["coordinates"] for f in mesh["features"]
+                 if f["geometry"] and f["geometry"]["type"] == "MultiLineString"}
+        status = json.loads(self.get("/status.json"))
+        self.assertEqual(len(lines["edges"]) + len(lines["features"]), status["edges"])
+        self.assertEqual(len(json.loads(self.get("/ages.json"))), 4)
+        self.assertIn(b"etcm_nodes 4\n", self.get("/metrics"))
+        self.assertEqual(self.get("/healthz"), b"ok\n")
+        with self.assertRaises(urllib.error.HTTPError) as missing:
+            self.get("/../etc/passwd")
+        self.assertEqual(missing.exception.code, 404)
+
+    def test_two_hundred_connections_do_not_stop_the_polls(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "4000,3,join,400,700"])
+        address = self.url.removeprefix("http://").split(":")
+        crowd = []
+        for number in range(200):
+            client = socket.create_connection((address[0], int(address[1])), timeout=40)
+            client.sendall(b"GET / HTTP/1.1\r\nX: " if number % 2 else b"")
+            crowd.append(client)
+        self.wait_for_header(nodes=3)
+        for client in crowd:
+            client.close()
+        wait_for("the page again", lambda: b"etcm_nodes 3\n" in self.get("/metrics"))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
