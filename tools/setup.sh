@@ -5,6 +5,7 @@
 #                                 missing; does nothing, quickly, when none is
 #   etcm_step LABEL COMMAND...    runs the command with its output in a log, shows one line with the
 #                                 progress and the time; if it fails, shows what failed and ends
+#   etcm_log LABEL                the file with the output of the step of that label
 #   etcm_packages GROUP...        the names of the packages of these groups
 #   etcm_build_all PRESET [OPTION...]  configures and builds everything that the preset and the
 #                                 options have
@@ -13,6 +14,11 @@
 
 etcm_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 etcm_log_dir=$etcm_root/build/log
+
+# Presets share most of what they compile.
+if command -v ccache >/dev/null; then
+  export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
+fi
 
 etcm_fail() {
   printf '%s: %s\n' "$(basename "$0")" "$1" >&2
@@ -61,11 +67,15 @@ etcm_show_failure() {
   printf 'the whole log: %s\n' "$1"
 }
 
+etcm_log() {
+  printf '%s/%s.log' "$etcm_log_dir" "${1//[^a-zA-Z0-9]/_}"
+}
+
 etcm_step() {
   local label=$1 started=$SECONDS log status=0 watcher=
   shift
   mkdir -p "$etcm_log_dir"
-  log=$etcm_log_dir/${label//[^a-zA-Z0-9]/_}.log
+  log=$(etcm_log "$label")
   : >"$log"
   # The watcher is the one in the background, so that an interrupt reaches the command.
   if [[ -t 1 ]]; then

@@ -1,14 +1,19 @@
-# etcm_mesh_variant(NAME [ID_BITS 16|32] [FORCE_LIMBS] [OPTIONS option...])
+# etcm_mesh_variant(NAME [ID_BITS 16|32] [FORCE_LIMBS] [ANALYSIS] [OPTIONS option...])
 #
 # The library once more, compiled in another way than this build's own: an object library of the
-# same sources with the same flags, and OPTIONS after them. For tests.
+# same sources with the same flags, and OPTIONS after them; with ANALYSIS those of etcm_analysis
+# too. For tests.
 function(etcm_mesh_variant name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "FORCE_LIMBS" "ID_BITS" "OPTIONS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "FORCE_LIMBS;ANALYSIS" "ID_BITS" "OPTIONS")
   if(NOT arg_ID_BITS)
     set(arg_ID_BITS ${ETCM_ID_BITS})
   endif()
   get_target_property(folder etcm_mesh SOURCE_DIR)
   get_target_property(sources etcm_mesh SOURCES)
+  if(arg_ANALYSIS)
+    get_target_property(more etcm_analysis SOURCES)
+    list(APPEND sources ${more})
+  endif()
   get_target_property(options etcm_mesh COMPILE_OPTIONS)
   list(TRANSFORM sources PREPEND "${folder}/")
 

@@ -23,6 +23,20 @@ files::Placement PlacementOptions::placement() const {
   return placement;
 }
 
+void DomainOption::add_to(CLI::App& command) {
+  command
+      .add_option("--domain", name_,
+                  "What bounds the domain: the convex hull, closed features, or features where "
+                  "every node is within them (automatic)")
+      ->check(CLI::IsMember({"automatic", "hull", "features"}))
+      ->capture_default_str();
+}
+
+Exterior DomainOption::exterior() const {
+  if (name_ == "hull") return Exterior::hull;
+  return name_ == "features" ? Exterior::features : Exterior::automatic;
+}
+
 void add_policy_option(CLI::App& command, std::string& name) {
   command.add_option("--policy", name, "Where a feature is split")
       ->check(CLI::IsMember({"default", "paper"}))

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "etcm/domain.h"
 #include "etcm/files/grid.h"
 
 namespace etcm::cli {
@@ -28,6 +29,7 @@ class UsageError : public std::runtime_error {
 // Each adds its subcommand; the callback it leaves in `run` does the work when it is chosen and
 // returns an ExitCode. Errors of etcm/files/error.h pass through.
 using Run = std::function<int()>;
+void add_analyse_command(CLI::App& program, Run& run);
 void add_mesh_command(CLI::App& program, Run& run);
 void add_replay_command(CLI::App& program, Run& run);
 void add_verify_command(CLI::App& program, Run& run);
@@ -43,6 +45,16 @@ class PlacementOptions {
  private:
   std::string scale_;
   bool round_ = false;
+};
+
+// --domain, likewise.
+class DomainOption {
+ public:
+  void add_to(CLI::App& command);
+  Exterior exterior() const;
+
+ private:
+  std::string name_ = "automatic";
 };
 
 // --policy, and what its values name.

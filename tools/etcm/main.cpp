@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
       "written; 3 written, but some feature is not conforming (over budget); 4 verify: a rule of\n"
       "the mesh is broken.");
   cli::Run run;
+  cli::add_analyse_command(program, run);
   cli::add_mesh_command(program, run);
   cli::add_replay_command(program, run);
   cli::add_verify_command(program, run);

@@ -14,19 +14,9 @@ void OutputOptions::add_to(CLI::App& command) {
       .add_option("-o,--output", base_, "Write OUT.node, OUT.ele, OUT.edge, OUT.poly and OUT.svg")
       ->required()
       ->type_name("OUT");
-  command
-      .add_option("--domain", domain_,
-                  "What bounds the domain: the convex hull, closed features, or features where "
-                  "every node is within them (automatic)")
-      ->check(CLI::IsMember({"automatic", "hull", "features"}))
-      ->capture_default_str();
+  domain_.add_to(command);
   command.add_option("--unit", unit_, "What the scale bar of the picture counts")
       ->capture_default_str();
-}
-
-Exterior OutputOptions::exterior() const {
-  if (domain_ == "hull") return Exterior::hull;
-  return domain_ == "features" ? Exterior::features : Exterior::automatic;
 }
 
 void OutputOptions::refuse_overwriting(const files::ConstraintGraph& graph) const {

@@ -13,7 +13,7 @@ class OutputOptions {
   void add_to(CLI::App& command);
 
   const std::string& base() const { return base_; }
-  Exterior exterior() const;
+  Exterior exterior() const { return domain_.exterior(); }
   // Throws UsageError where an output would replace one of the graph's own files.
   void refuse_overwriting(const files::ConstraintGraph& graph) const;
   // Throws OutputError. Says so on the standard error where the domain came out empty.
@@ -21,7 +21,7 @@ class OutputOptions {
 
  private:
   std::string base_;
-  std::string domain_ = "automatic";
+  DomainOption domain_;
   std::string unit_ = "units";
 };
 

@@ -1,6 +1,7 @@
 // The simulated nodes as Modbus units.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,7 +20,11 @@ struct Fault {
   std::uint16_t value = 0;
 };
 
-// Node n is unit n % 247 + 1 of port n / 247.
+// Node n is unit n % 247 + 1 of port n / 247, until it is given another unit of that port.
+//
+// Of several nodes at one unit sometimes one is heard, sometimes another, sometimes nobody (two at
+// a time are nobody), as of nodes that answer after a pause by chance; each of them hears what is
+// written.
 class Fleet {
  public:
   explicit Fleet(const Script& script);
@@ -34,32 +39,57 @@ class Fleet {
   std::uint32_t port_count() const;
   std::uint32_t unit_count(std::uint32_t port) const;
 
+  // Of whoever answered last there.
   Fault fault(std::uint32_t port, std::uint8_t unit) const;
 
   // The answer of a unit, as RequestHandler has it; with those faults that are in its bytes.
   std::size_t answer(std::uint32_t port, std::uint8_t unit, std::span<const std::uint8_t> request,
-                     std::span<std::uint8_t> answer) const;
+                     std::span<std::uint8_t> answer);
 
  private:
   struct Node {
     firmware::NodeReading reading;
+    std::uint32_t port = 0;
+    std::uint8_t unit = 0;
     std::uint16_t sequence = 0;
     bool answers = false;
     Fault fault;
+    std::uint16_t jitter = 0;
+    Position drift;  // a second, since drift_ms
+    std::uint32_t drift_ms = 0;
+    std::array<std::uint16_t, firmware::configuration_register_count> configuration{};
+  };
+  // Who is at a unit.
+  struct Place {
+    std::vector<std::uint32_t> nodes;
+    std::uint32_t last = 0;  // of them, who answered
+    std::uint32_t questions = 0;
   };
 
-  // Null where there is none.
-  const Node* node_at(std::uint32_t port, std::uint8_t unit) const;
+  void happen(Node& node, const Event& event);
+  void move_to(std::uint32_t node, std::uint8_t unit);
+  Place& place(std::uint32_t port, std::uint8_t unit) {
+    return places_[port * (units_per_port + 1) + unit];
+  }
+  Position position_of(const Node& node) const;
+  std::size_t answer_of(std::uint32_t node, std::span<const std::uint8_t> request,
+                        std::span<std::uint8_t> answer);
+  std::size_t take_write(std::uint32_t node, std::span<const std::uint8_t> request,
+                         std::span<std::uint8_t> answer);
+  std::size_t answer_read(const Node& node, std::span<const std::uint8_t> request,
+                          std::span<std::uint8_t> answer) const;
 
   std::vector<Event> events_;
   std::size_t next_event_ = 0;
+  std::uint32_t time_ms_ = 0;
   std::vector<Node> nodes_;
+  std::vector<Place> places_;  // by port and unit
 };
 
 // One port of the fleet.
 class FleetPort final : public port::RequestHandler {
  public:
-  FleetPort(const Fleet& fleet, std::uint32_t port) : fleet_(fleet), port_(port) {}
+  FleetPort(Fleet& fleet, std::uint32_t port) : fleet_(fleet), port_(port) {}
 
   void connected(std::size_t) override {}
   void disconnected(std::size_t) override {}
@@ -69,7 +99,7 @@ class FleetPort final : public port::RequestHandler {
   }
 
  private:
-  const Fleet& fleet_;
+  Fleet& fleet_;
   std::uint32_t port_;
 };
 

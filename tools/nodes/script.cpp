@@ -67,11 +67,18 @@ class LineReader {
   std::size_t number_ = 0;
 };
 
-constexpr std::array<std::pair<std::string_view, Action>, 12> action_words{{
+constexpr std::array<std::pair<std::string_view, Action>, 19> action_words{{
     {"join", Action::join},
     {"move", Action::move},
     {"silent", Action::silent},
     {"leave", Action::leave},
+    {"unit", Action::unit},
+    {"twin", Action::twin},
+    {"jitter", Action::jitter},
+    {"drift", Action::drift},
+    {"no_fix", Action::no_fix},
+    {"low_battery", Action::low_battery},
+    {"boot", Action::boot},
     {"exception", Action::exception},
     {"torn", Action::torn},
     {"late", Action::late},
@@ -81,6 +88,16 @@ constexpr std::array<std::pair<std::string_view, Action>, 12> action_words{{
     {"noise", Action::noise},
     {"sound", Action::sound},
 }};
+
+bool has_position(Action action) {
+  return action == Action::join || action == Action::move || action == Action::twin ||
+         action == Action::drift;
+}
+
+bool has_value(Action action) {
+  return action == Action::exception || action == Action::late || action == Action::unit ||
+         action == Action::jitter;
+}
 
 Action parse_action(const LineReader& reader, std::string_view text) {
   std::string list;
@@ -107,11 +124,20 @@ Script read_script(const std::string& path) {
     event.time_ms = reader.number<std::uint32_t>(column[0], "time_ms");
     const auto serial = reader.number<std::uint32_t>(column[1], "serial");
     event.action = parse_action(reader, column[2]);
-    if (event.action == Action::join || event.action == Action::move) {
+    if (has_position(event.action)) {
       event.position = {.x = reader.number<std::int32_t>(column[3], "x"),
                         .y = reader.number<std::int32_t>(column[4], "y")};
-    } else if (event.action == Action::exception || event.action == Action::late) {
+    } else if (has_value(event.action)) {
       event.value = reader.number<std::uint16_t>(column[3], "x");
+    }
+    if (event.action == Action::unit && (event.value < 1 || event.value > 247)) {
+      reader.fail("x '" + std::string(column[3]) + "' is no unit; give 1 to 247");
+    }
+    if (event.action == Action::twin) {
+      event.node = static_cast<std::uint32_t>(script.serials.size());
+      script.serials.push_back(serial);
+      script.events.push_back(event);
+      continue;
     }
     const auto [entry, is_new] =
         node_of.emplace(serial, static_cast<std::uint32_t>(script.serials.size()));

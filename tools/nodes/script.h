@@ -14,6 +14,13 @@ enum class Action : std::uint8_t {
   move,    // stands at x,y from now on
   silent,  // answers no more
   leave,   // answers, with the status bit that asks to be taken out
+  unit,    // answers at unit `value` of its port from now on
+  twin,    // another node with this serial answers from now on, at x,y
+  jitter,  // stands up to `value` beside its place, elsewhere every 100 ms
+  drift,   // moves by x,y a second from now on
+  no_fix,  // answers, but does not know where it stands
+  low_battery,
+  boot,  // starts afresh: what was written to it is gone
   // From now on it answers, but
   exception,   // with exception `value`
   torn,        // with two sequence numbers that differ
@@ -32,10 +39,11 @@ constexpr bool is_fault(Action action) { return action >= Action::exception; }
 
 struct Event {
   std::uint32_t time_ms = 0;
-  std::uint32_t node = 0;  // counts the serials in the order in which the file first names them
+  // Counts the nodes in the order in which the file first names them; a twin is one of its own.
+  std::uint32_t node = 0;
   Action action = Action::join;
-  Position position;        // of join and move
-  std::uint16_t value = 0;  // of exception and late
+  Position position;        // of join, move, twin and drift
+  std::uint16_t value = 0;  // of exception, late, unit and jitter
 };
 
 struct Script {

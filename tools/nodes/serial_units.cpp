@@ -7,7 +7,7 @@
 
 namespace etcm::nodes {
 
-SerialUnits::SerialUnits(port::EventLoop& loop, const Fleet& fleet, int descriptor,
+SerialUnits::SerialUnits(port::EventLoop& loop, Fleet& fleet, int descriptor,
                          const port::SerialLine& line)
     : loop_(loop),
       fleet_(fleet),

@@ -18,8 +18,7 @@ namespace etcm::nodes {
 class SerialUnits final : private port::EventHandler {
  public:
   // `descriptor` is our end of a line set to `line`; it, `loop` and `fleet` must outlive this.
-  SerialUnits(port::EventLoop& loop, const Fleet& fleet, int descriptor,
-              const port::SerialLine& line);
+  SerialUnits(port::EventLoop& loop, Fleet& fleet, int descriptor, const port::SerialLine& line);
   ~SerialUnits();
   SerialUnits(const SerialUnits&) = delete;
   SerialUnits& operator=(const SerialUnits&) = delete;
@@ -38,7 +37,7 @@ class SerialUnits final : private port::EventHandler {
   bool is_sending() const { return sent_ < answer_.size(); }
 
   port::EventLoop& loop_;
-  const Fleet& fleet_;
+  Fleet& fleet_;
   int descriptor_;
   port::Duration character_;
   port::Duration silence_;

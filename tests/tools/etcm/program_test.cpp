@@ -57,6 +57,36 @@ std::string comb() {
   return text + "1 0\n1 1 2\n0\n";
 }
 
+TEST(Program, AnalysesWhatRadiosReachAndNodesSee) {
+  ScratchFolder folder;
+  folder.write("field.poly",
+               "4 2 0 0\n1 0 0\n2 100 0\n3 100 100\n4 0 100\n"
+               "4 0\n1 1 2\n2 2 3\n3 3 4\n4 4 1\n0\n");
+  const std::string field = folder.path("field.poly");
+  Outcome outcome = run("analyse " + field + " --radio-range 60 --sensing-range 45 -o " +
+                        folder.path("field.svg"));
+  EXPECT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_THAT(outcome.output,
+              AllOf(HasSubstr("4 separate networks; it takes 100 to keep the nodes in one\n"),
+                    HasSubstr("5 edges of the mesh are longer\n4 relays"),
+                    HasSubstr("5 holes, the widest 71 from the nearest node, at 50 50\n"),
+                    HasSubstr("4 gaps along features, 4 not watched")));
+  EXPECT_THAT(folder.read("field.svg"),
+              AllOf(HasSubstr("clipPath"), HasSubstr(">relay<"), HasSubstr(">hole<")));
+  outcome = run("analyse " + field + " --sensing-range 71 --json");
+  EXPECT_EQ(outcome.output,
+            "{\"sensing_range\":71,\"holes\":0,\"gaps\":0,\"hole_list\":[],\"gap_list\":[]}\n");
+  outcome = run("analyse " + field + " --sensing-range 50 --json");
+  EXPECT_THAT(outcome.output, HasSubstr("{\"place\":[50,50],\"distance\":71,\"on_boundary\":"
+                                        "false}"));
+  outcome = run("analyse " + field);
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.errors, HasSubstr("give --radio-range, --sensing-range or both"));
+  EXPECT_EQ(run("analyse " + field + " --sensing-range 0").code, 2);
+  EXPECT_EQ(run("analyse " + field + " --sensing-range 9 -o " + folder.path("no/such/a.svg")).code,
+            1);
+}
+
 TEST(Program, MeshesAndVerifiesRealData) {
   const ScratchFolder folder;
   for (const char* name : {"norway_small", "norway"}) {

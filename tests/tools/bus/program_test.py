@@ -1,0 +1,286 @@
+"""etcm-bus as a person runs it: on simulated nodes over TCP and on a serial line, on pymodbus, and
+on what is no bus at all. The programs are in ETCM_BUS and ETCM_NODES."""
+import json
+import os
+import pathlib
+import pty
+import re
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import unittest
+
+from programs import PATIENCE_S, ProgramCase, free_port, wait_for
+
+BUS, NODES = os.environ["ETCM_BUS"], os.environ["ETCM_NODES"]
+# A busy machine lets units wait for their turn longer than a bus would.
+PATIENT = ["-o", "0.5"]
+PEER = pathlib.Path(__file__).resolve().parents[2] / "system" / "pymodbus_nodes.py"
+
+
+class BusCase(ProgramCase):
+    def start_nodes(self, rows, *link):
+        (self.folder / "nodes.csv").write_text("time_ms,serial,event,x,y\n" + "\n".join(rows) + "\n")
+        nodes = self.start("nodes", [NODES, *link, "--nodes", "nodes.csv"])
+        nodes.wait_for_line(r"ready:")
+        return nodes
+
+    def start_line(self, rows):
+        """Nodes on a serial line, fast enough that tests do not wait for bytes."""
+        line = str(self.folder / "line")
+        self.start_nodes(rows, "--rtu", line, "--baud", "115200")
+        return ["-b", "115200", line]
+
+    def start_tcp(self, rows):
+        nodes = self.start_nodes(rows, "--listen", "127.0.0.1:0")
+        return [re.search(r"listens on (\S+)", nodes.log()).group(1)]
+
+    def bus(self, *arguments, code=0):
+        done = subprocess.run([BUS, *arguments], capture_output=True, text=True, timeout=PATIENCE_S)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done
+
+    def complaint(self, *arguments, code=1):
+        """What it says, which is one line and all it says."""
+        done = self.bus(*arguments, code=code)
+        self.assertRegex(done.stderr, r"\Aetcm-bus: [^\n]+\n\Z")
+        self.assertEqual(done.stdout, "")
+        return done.stderr
+
+
+THREE = ["0,70001,join,100,-5", "0,70002,join,-900,0", "0,70003,join,400,700"]
+
+
+class Scan(BusCase):
+    def test_finds_who_is_there_on_either_kind_of_bus(self):
+        for start in (self.start_line, self.start_tcp):
+            device = start(THREE + ["0,4,join,0,0", "0,4,exception,2,"])
+            done = self.bus("scan", *PATIENT, "-a", "1:6", *device)
+            rows = [line.split() for line in done.stdout.splitlines()[1:]]
+            self.assertEqual([row[0] for row in rows], ["1", "2", "3", "4"])
+            self.assertEqual(rows[0][1:4], ["70001", "100,", "-5"])
+            self.assertIn("ETCM simulated node 1", done.stdout)
+            self.assertIn("exception 2: Illegal data address", done.stdout)
+            self.assertIn("4 answer, 3 of them position nodes", done.stderr)
+
+    def test_tells_a_program_in_json(self):
+        found = json.loads(self.bus("scan", *PATIENT, "-a", "1:5", "--json", *self.start_line(THREE)).stdout)
+        self.assertEqual([unit["unit"] for unit in found], [1, 2, 3])
+        self.assertEqual(found[1]["node"], {"serial": 70002, "x": -900, "y": 0, "status": 1,
+                                            "boots": 1})
+        self.assertEqual(found[1]["product"], "simulated node")
+
+    def test_units_that_misbehave_are_named_and_hide_nobody(self):
+        device = self.start_line(["0,1,join,0,0", "0,1,garbled,,", "0,2,join,5,5", "0,2,noise,,",
+                                  "0,3,join,1,1", "0,3,truncated,,", "0,4,join,2,2", "0,4,torn,,",
+                                  "0,5,join,3,3"])
+        found = {unit["unit"]: unit for unit in json.loads(
+            self.bus("scan", *PATIENT, "-a", "1:6", "--json", *device).stdout)}
+        self.assertEqual(sorted(found), [1, 2, 3, 4, 5])
+        self.assertIn("garbled", found[1]["trouble"])
+        self.assertEqual(found[2]["node"]["serial"], 2)
+        self.assertIn("garbled", found[3]["trouble"])
+        self.assertIn("torn", found[4]["trouble"])
+        self.assertEqual(found[5]["trouble"], "")
+
+    def test_nobody_there_says_where_to_look(self):
+        serial = self.bus("scan", "-a", "50:52", *self.start_line(THREE), code=1).stderr
+        self.assertIn("nobody answers: try A and B exchanged, another speed", serial)
+        tcp = self.bus("scan", "-a", "50:52", *self.start_tcp(THREE), code=1).stderr
+        self.assertIn("serial side of the converter", tcp)
+
+    def test_a_wrong_byte_order_is_named(self):
+        answer = self.bus("scan", *PATIENT, "-a", "1", "-w", "BADC", *self.start_tcp(THREE)).stdout
+        self.assertIn("bytes swapped", answer)
+
+    def test_an_interrupt_leaves_what_was_found(self):
+        device = self.start_tcp(THREE)
+        scan = self.start("scan", [BUS, "scan", "-o", "5", *device])
+        scan.wait_for_line(r"70003")
+        self.assertEqual(scan.stop(signal.SIGINT), 130)
+        self.assertIn("3 answer", scan.log())
+
+    def test_shows_progress_to_a_person(self):
+        device = self.start_line(THREE)
+        near, far = pty.openpty()
+        self.addCleanup(os.close, near)
+        done = subprocess.Popen([BUS, "scan", *PATIENT, "-a", "1:5", *device], stderr=far,
+                                stdout=subprocess.DEVNULL)
+        os.close(far)
+        shown = b""
+        try:
+            while piece := os.read(near, 4096):
+                shown += piece
+        except OSError:  # the other end is closed
+            pass
+        self.assertEqual(done.wait(PATIENCE_S), 0)
+        self.assertIn(b"unit 4, 3 of 5 asked, 3 found", shown)
+
+
+class Poll(BusCase):
+    def test_shows_the_nodes_round_after_round(self):
+        device = self.start_line(THREE + ["0,4,join,0,0", "0,4,silent,,"])
+        done = self.bus("poll", *PATIENT, "-a", "1:4", "-l", "10", "-n", "3", *device)
+        last = done.stdout.strip().splitlines()[-4:]
+        self.assertRegex(last[0], r"^ +1 +70001 +100 +-5 +\d+\.\d s +\d+\.\d ms +\d+\.\d ms +3 +0  fix$")
+        self.assertRegex(last[3], r"^ +4 .* 3 +3  no answer$")
+
+    def test_nobody_is_no_success(self):
+        self.assertIn("no position node answered",
+                      self.bus("poll", "-n", "1", "-a", "9", *self.start_tcp(THREE), code=1).stderr)
+
+    def test_ends_well_when_interrupted(self):
+        poll = self.start("poll", [BUS, "poll", *PATIENT, "-l", "50", *self.start_tcp(THREE)])
+        poll.wait_for_line(r"70001")
+        self.assertEqual(poll.stop(signal.SIGINT), 0)
+
+
+class Read(BusCase):
+    def values(self, *arguments):
+        text = self.bus("read", *arguments).stdout
+        return [line.split()[1] for line in text.splitlines() if not line.startswith("unit")]
+
+    def test_reads_what_mbpoll_reads(self):
+        device = self.start_line(THREE)
+        ours = self.values("-t", "3:hex", "-r", "0", "-c", "12", "-a", "2", *device)
+        done = subprocess.run(["mbpoll", "-m", "rtu", "-a", "2", "-b", "115200", "-P", "even", "-t",
+                               "3:hex", "-0", "-r", "0", "-c", "12", "-1", device[-1]],
+                              capture_output=True, text=True, timeout=PATIENCE_S)
+        self.assertEqual(ours, re.findall(r"^\[\d+\]:\s+(\S+)", done.stdout, re.M), done.stdout)
+
+    def test_reads_what_pymodbus_serves(self):
+        port = free_port()
+        self.start("peer", [sys.executable, PEER, port, "70001,-3,4", "70002,100,0"])
+        device = f"127.0.0.1:{port}"
+        wait_for("the peer", lambda: subprocess.run([BUS, "read", device],
+                                                    capture_output=True).returncode == 0)
+        self.assertEqual(self.values("-t", "3:i32", "-r", "5", "-c", "2", "-a", "1,2", device),
+                         ["-3", "4", "100", "0"])
+        self.assertEqual(self.values("-t", "3:u32", "-r", "2", "-a", "1", "-w", "CDAB", device),
+                         [str((70001 & 0xFFFF) << 16 | 70001 >> 16)])
+
+    def test_types_change_what_stands_there(self):
+        device = self.start_tcp(["0,1,join,-2,16256"])
+        self.assertEqual(self.values("-r", "5", "-c", "2", *device), ["65535", "65534"])
+        self.assertEqual(self.values("-t", "4:i16", "-r", "5", "-c", "2", *device), ["-1", "-2"])
+        self.assertEqual(self.values("-t", "4:int", "-r", "0x5", *device), ["-2"])
+        self.assertEqual(self.values("-t", "4:float", "-r", "8", "-w", "ABCD", *device)[0][:4],
+                         "1.00")
+
+    def test_troubles_are_one_line_each_with_the_unit(self):
+        device = self.start_line(THREE)
+        self.assertIn("unit 9 on", self.complaint("read", "-a", "9", *device))
+        self.assertIn("exception 2: Illegal data address",
+                      self.complaint("read", "-c", "100", *device))
+
+
+class Write(BusCase):
+    """On pymodbus, whose registers can be written and which has FC 6 and 16 of its own."""
+
+    def setUp(self):
+        super().setUp()
+        port = free_port()
+        self.start("peer", [sys.executable, PEER, port, "70001,-3,4", "70002,100,0"])
+        self.device = f"127.0.0.1:{port}"
+        wait_for("the peer", lambda: subprocess.run([BUS, "read", self.device],
+                                                    capture_output=True).returncode == 0)
+
+    def test_tells_what_was_there_and_what_is(self):
+        done = self.bus("write", "-a", "1", "-t", "4:i32", "-r", "5", self.device, "-70000", "8")
+        self.assertEqual(done.stdout, "unit 1\n    5  was -3, is -70000\n    7  was 4, is 8\n")
+        self.assertEqual(self.bus("read", "-a", "2", "-t", "4:i32", "-r", "5", self.device).stdout,
+                         "    5  100\n", "the other unit")
+
+    def test_what_mbpoll_reads_is_what_was_written(self):
+        self.bus("write", "-a", "2", "-r", "0", "-t", "4:hex", self.device, "0x1234", "0xBEEF")
+        done = subprocess.run(["mbpoll", "-m", "tcp", "-p", self.device.split(":")[1], "-a", "2",
+                               "-t", "4:hex", "-0", "-r", "0", "-c", "2", "-1", "127.0.0.1"],
+                              capture_output=True, text=True, timeout=PATIENCE_S)
+        self.assertEqual(re.findall(r"^\[\d+\]:\s+(\S+)", done.stdout, re.M), ["0x1234", "0xBEEF"])
+
+    def test_a_broadcast_is_asked_for(self):
+        said = self.complaint("write", "-a", "0", self.device, "1", code=2)
+        self.assertIn("--broadcast", said)
+        self.complaint("write", "-a", "1", "--broadcast", self.device, "1", code=2)
+        self.complaint("write", "-a", "0,1", "--broadcast", self.device, "1", code=2)
+
+    def test_nothing_is_written_where_nothing_can_be_read(self):
+        self.assertIn("nothing was written",
+                      self.complaint("write", "-a", "1", "-r", "500", self.device, "1"))
+        self.assertIn("does not take it",
+                      self.complaint("write", "--blind", "-a", "1", "-r", "500", self.device, "1"))
+
+    def test_values_that_do_not_fit_send_nothing(self):
+        for arguments in (["65536"], ["-t", "4:i16", "40000"], ["x"], ["-t", "3", "1"],
+                          ["-r", "65535", "1", "2"], ["1"] * 124):
+            options = arguments[:2] if arguments[0].startswith("-") else []
+            values = arguments[len(options):]
+            self.complaint("write", *options, self.device, *values, code=2)
+
+
+class Refusals(BusCase):
+    def test_bad_command_lines_send_nothing(self):
+        for arguments, what in ((["read", "-t", "5"], "-t 5"), (["read", "-r", "65536"], "-r 65536"),
+                                (["read", "-a", "0"], "-a 0"), (["scan", "-a", "1:300"], "-a 1:300"),
+                                (["read", "-r", "65530", "-c", "10"], "65535"),
+                                (["read", "-t", "4:u64"], "-t 4:u64"), (["scan", "-o", "x"], "-o x"),
+                                (["scan", "-o", "0"], "-o 0"), (["scan", "-o", "nan"], "-o nan"),
+                                (["scan", "-b", "1234"], "-b 1234"), (["poll", "-w", "AB"], "-w AB"),
+                                (["read", "-c", "0"], "--count")):
+            self.assertIn(what, self.complaint(*arguments, "/dev/null/x", code=2))
+        self.assertIn("device", self.complaint("scan", code=2))
+        self.assertIn("subcommand", self.complaint(code=2))
+
+    def test_ports_that_cannot_be_had_come_with_the_cure(self):
+        self.assertIn("ls /dev/serial/by-path", self.complaint("scan", "/dev/no such port"))
+        self.assertIn("no serial port", self.complaint("scan", "/dev/null"))
+        device = self.start_line(THREE)
+        busy = self.start("busy", [BUS, "poll", *PATIENT, *device])
+        busy.wait_for_line("70001")
+        self.assertIn("another program has it", self.complaint("scan", *device))
+        self.assertEqual(busy.stop(signal.SIGTERM), 0)
+
+    def test_hosts_that_cannot_be_reached_come_with_the_cure(self):
+        refused = self.complaint("scan", f"127.0.0.1:{free_port()}")
+        self.assertIn("Connection refused; check address and port (-p)", refused)
+        self.assertIn("no port behind the colon", self.complaint("scan", "127.0.0.1:x", code=2))
+
+    def hostile(self, answer):
+        """A peer that answers whatever comes with these bytes."""
+        server = socket.create_server(("127.0.0.1", 0))
+        self.addCleanup(server.close)
+
+        def serve():
+            try:
+                client, _ = server.accept()
+                with client:
+                    while request := client.recv(300):
+                        client.sendall(answer(request))
+            except OSError:
+                pass
+
+        threading.Thread(target=serve, daemon=True).start()
+        return f"127.0.0.1:{server.getsockname()[1]}"
+
+    def test_what_is_no_modbus_is_said_and_harms_nobody(self):
+        self.assertIn("no Modbus TCP",
+                      self.complaint("read", self.hostile(lambda _: b"HTTP/1.1 400 Bad\r\n")))
+        wrong_number = self.hostile(lambda request: b"\xff\xff" + request[2:])
+        self.assertIn("no answer", self.complaint("read", "-o", "0.1", wrong_number))
+        wrong_unit = self.hostile(lambda request: request[:2] + bytes([0, 0, 0, 3, 99, 0x84, 1]))
+        self.assertIn("garbled", self.complaint("read", wrong_unit))
+
+    def test_texts_of_a_device_cannot_steer_the_terminal(self):
+        def answer(request):
+            pdu = {4: b"\x84\x02", 43: b"\x2b\x0e\x01\x81\0\0\x01\0\x04\x1b[2J"}[request[7]]
+            return request[:2] + bytes([0, 0, 0, 1 + len(pdu), request[6]]) + pdu
+
+        done = self.bus("scan", *PATIENT, "-a", "1", self.hostile(answer))
+        self.assertIn("?[2J", done.stdout)
+        self.assertNotIn("\x1b", done.stdout + done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

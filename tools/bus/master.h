@@ -1,0 +1,67 @@
+// What one asks the units of a bus, in words: registers, and who is there.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "link.h"
+
+namespace etcm::bus {
+
+// Why there is no result.
+struct Trouble {
+  enum class Kind : std::uint8_t { silence, garbled, exception } kind = Kind::silence;
+  std::uint8_t exception = 0;
+
+  // Nobody is there: silence, or a converter that says so for the unit.
+  bool is_absence() const;
+};
+// "no answer", "exception 2: Illegal data address".
+std::string to_string(const Trouble& trouble);
+
+// Who a unit says it is; empty texts where it does not say. Printable characters only.
+struct Identification {
+  std::string vendor;
+  std::string product;
+  std::string version;
+  std::string server_id;  // of FC 17, where FC 43/14 is not served
+};
+// All of it in one line; empty where it said nothing.
+std::string to_string(const Identification& who);
+
+using Registers = std::vector<std::uint16_t>;
+
+class Master {
+ public:
+  // `link` must outlive this.
+  Master(Link& link, port::Duration timeout) : link_(link), timeout_(timeout) {}
+
+  Link& link() { return link_; }
+
+  // Reads 1 to 125 registers with FC 3 or FC 4 into `registers`, which gives the count.
+  std::optional<Trouble> read(std::uint8_t unit, std::uint8_t function, std::uint16_t first,
+                              std::span<std::uint16_t> registers);
+
+  // Writes 1 to 123 holding registers with FC 16.
+  std::optional<Trouble> write(std::uint8_t unit, std::uint16_t first,
+                               std::span<const std::uint16_t> registers);
+
+  // The same to all units at once. Nobody answers that, so nobody knows.
+  void broadcast(std::uint16_t first, std::span<const std::uint16_t> registers);
+
+  Identification identify(std::uint8_t unit);
+
+  // How long the last question took to be answered.
+  port::Duration took() const { return took_; }
+
+ private:
+  bool identify_by_objects(std::uint8_t unit, Identification& who);
+  Reply ask(std::uint8_t unit, std::span<const std::uint8_t> request);
+
+  Link& link_;
+  port::Duration timeout_;
+  port::Duration took_{};
+};
+
+}  // namespace etcm::bus

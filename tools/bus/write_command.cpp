@@ -1,0 +1,159 @@
+// etcm-bus write: registers, with what was there before, and a look at what is there after.
+#include <cstdio>
+
+#include "command.h"
+#include "etcm/port/node_bus.h"
+#include "modbus/frame.h"
+
+namespace etcm::bus {
+
+namespace {
+
+constexpr std::uint8_t everybody = 0;
+constexpr std::uint32_t register_end = 0x10000;
+
+struct WriteOptions {
+  BusOptions bus{"1", "0.5"};
+  TypeOptions type;
+  std::string first;
+  std::vector<std::string> values;
+  bool is_broadcast = false;
+  bool is_blind = false;
+};
+
+// What the user wants to stand there.
+Registers wanted_by(const WriteOptions& options, ValueType type, std::uint16_t first) {
+  Registers wanted;
+  for (const std::string& value : options.values) {
+    if (!parse_value(value, type, wanted)) {
+      throw UsageError("value " + value + " does not fit -t; see -t in etcm-bus write --help");
+    }
+  }
+  if (wanted.size() > port::write_registers_max) {
+    throw UsageError(std::to_string(wanted.size()) + " registers; at most " +
+                     std::to_string(port::write_registers_max) + " are written at a time");
+  }
+  if (first + wanted.size() > register_end) throw UsageError("ends behind register 65535");
+  return wanted;
+}
+
+class Writer {
+ public:
+  Writer(Master& master, ValueType type, std::uint16_t first, const Registers& wanted)
+      : master_(master), type_(type), first_(first), wanted_(wanted) {}
+
+  int write_blindly(std::uint8_t unit) const {
+    if (const auto trouble = master_.write(unit, first_, wanted_)) {
+      return complain(unit, "does not take it: " + to_string(*trouble));
+    }
+    std::printf("unit %u took %zu registers from %u\n", unit, wanted_.size(), first_);
+    return exit_ok;
+  }
+
+  int write(std::uint8_t unit) const {
+    Registers before(wanted_.size()), after(wanted_.size());
+    if (const auto trouble = read(unit, before)) {
+      return complain(
+          unit,
+          "nothing was written, for what stands there cannot be read: " + to_string(*trouble) +
+              (trouble->kind == Trouble::Kind::exception ? "; --blind writes without reading"
+                                                         : ""));
+    }
+    if (const auto trouble = master_.write(unit, first_, wanted_)) {
+      return complain(unit, "does not take it: " + to_string(*trouble) +
+                                (trouble->kind == Trouble::Kind::exception
+                                     ? ""
+                                     : "; read what stands there before you try again"));
+    }
+    if (const auto trouble = read(unit, after)) {
+      return complain(unit, "took it, but cannot be read any more: " + to_string(*trouble));
+    }
+    print(unit, before, after);
+    if (after == wanted_) return exit_ok;
+    return complain(unit,
+                    "took it, but other values stand there now: the registers may be "
+                    "read-only in part, or change by themselves");
+  }
+
+ private:
+  std::optional<Trouble> read(std::uint8_t unit, Registers& registers) const {
+    return master_.read(unit, port::read_holding_registers, first_, registers);
+  }
+
+  std::string value_at(const Registers& registers, std::size_t at) const {
+    return format_value(std::span(registers).subspan(at, type_.register_count()), type_);
+  }
+
+  void print(std::uint8_t unit, const Registers& before, const Registers& after) const {
+    std::printf("unit %u\n", unit);
+    for (std::size_t at = 0; at < before.size(); at += type_.register_count()) {
+      std::printf("%5zu  was %s, is %s\n", first_ + at, value_at(before, at).c_str(),
+                  value_at(after, at).c_str());
+    }
+    std::fflush(stdout);
+  }
+
+  int complain(std::uint8_t unit, const std::string& what) const {
+    std::fprintf(stderr, "etcm-bus: unit %u on %s: %s\n", unit, master_.link().name().c_str(),
+                 what.c_str());
+    return exit_trouble;
+  }
+
+  Master& master_;
+  ValueType type_;
+  std::uint16_t first_;
+  const Registers& wanted_;
+};
+
+int write(const WriteOptions& options) {
+  const auto units = options.bus.units(everybody);
+  const bool has_everybody = units.front() == everybody;
+  if (has_everybody && !options.is_broadcast) {
+    throw UsageError(
+        "-a 0 writes to every unit of the bus, and none answers; give --broadcast "
+        "where that is meant");
+  }
+  if (options.is_broadcast && !(has_everybody && units.size() == 1)) {
+    throw UsageError("--broadcast goes to every unit; give it with -a 0");
+  }
+  if (options.type.function() != port::read_holding_registers) {
+    throw UsageError("-t 3: input registers cannot be written; give -t 4");
+  }
+  const ValueType type = options.type.type();
+  const std::uint16_t first = parse_first(options.first);
+  const Registers wanted = wanted_by(options, type, first);
+  const port::Duration timeout = options.bus.timeout();
+  const auto link = options.bus.open();
+  Master master(*link, timeout);
+  if (has_everybody) {
+    master.broadcast(first, wanted);
+    std::printf("%zu registers from %u sent to every unit; read them to see who took them\n",
+                wanted.size(), first);
+    return exit_ok;
+  }
+  const Writer writer(master, type, first, wanted);
+  int result = exit_ok;
+  for (const std::uint8_t unit : units) {
+    const int outcome = options.is_blind ? writer.write_blindly(unit) : writer.write(unit);
+    if (outcome != exit_ok) result = outcome;
+  }
+  return result;
+}
+
+}  // namespace
+
+void add_write_command(CLI::App& program, Run& run) {
+  CLI::App* const command =
+      program.add_subcommand("write", "holding registers, with what was there before and after");
+  const auto options = std::make_shared<WriteOptions>();
+  options->bus.add_to(*command);
+  options->type.add_to(*command, "4");
+  add_first_option(*command, options->first);
+  command->add_option("value", options->values, "what to write, one after the other")->required();
+  command->add_flag("--broadcast", options->is_broadcast, "with -a 0: to every unit of the bus");
+  command->add_flag("--blind", options->is_blind,
+                    "neither read before nor after, for registers that cannot be read");
+  command->callback([options, &run] { run = [options] { return write(*options); }; });
+}
+
+}  // namespace etcm::bus
