@@ -281,14 +281,6 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
   finish(gateway, store.get(), clock, log);
 }
 
-// Prints every mistake.
-bool read(const std::string& path, firmware::Settings& settings) {
-  std::vector<std::string> mistakes;
-  settings = firmware::read_configuration(path, mistakes);
-  for (const std::string& mistake : mistakes) std::fprintf(stderr, "%s\n", mistake.c_str());
-  return mistakes.empty();
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -318,8 +310,17 @@ int main(int argc, char** argv) {
   const port::SteadyClock clock;
   port::StreamLog log(STDERR_FILENO);
   try {
-    firmware::Settings settings;
-    if (!read(config, settings)) return exit_bad_settings;
+    std::vector<std::string> mistakes;
+    firmware::Settings settings = firmware::read_configuration(config, mistakes);
+    for (const std::string& mistake : mistakes) {
+      // Who checks reads them as they are; of a service they are errors in its log.
+      if (check_config) {
+        std::fprintf(stderr, "%s\n", mistake.c_str());
+      } else {
+        log.write(port::Level::error, mistake);
+      }
+    }
+    if (!mistakes.empty()) return exit_bad_settings;
     if (check_config) {
       std::printf("%s: good\n", config.c_str());
       return EXIT_SUCCESS;

@@ -77,6 +77,7 @@ FileDescriptor open_serial(const SerialLine& line, std::string& why) {
     const int error = errno;
     why = std::strerror(error);
     if (error == EACCES) why += "; whoever runs this must be in the group dialout";
+    if (error == EPERM) why += "; a service needs DeviceAllow for its driver (systemctl edit)";
     if (error == ENOENT) why += "; ls /dev/serial/by-path lists the ports there are";
     return {};
   }

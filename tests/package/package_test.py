@@ -35,6 +35,19 @@ def setUpModule():
     DEVELOPMENT, = folder.glob("libetcm-dev_*.deb")
 
 
+def with_version(folder, version):
+    """The same package of another version, whose settings have other words in them."""
+    parts = folder / f"parts_{version}"
+    run("dpkg-deb", "-R", GATEWAY, parts)
+    control = parts / "DEBIAN/control"
+    control.write_text(re.sub(r"(?m)^Version: .*", f"Version: {version}", control.read_text()))
+    settings = parts / "etc/etcm/gateway.toml"
+    settings.write_text("# As it is in another version.\n" + settings.read_text())
+    package = folder / f"{version}.deb"
+    run("dpkg-deb", "--root-owner-group", "-b", parts, package)
+    return package
+
+
 def files_under(root):
     return sorted(str(path.relative_to(root)) for path in root.rglob("*")
                   if path.is_symlink() or path.is_file())
@@ -195,23 +208,11 @@ class Life(ProgramCase):
         return run("dpkg", f"--root={self.root}", "--force-script-chrootless", "--force-depends",
                    "--force-confdef", "--log=/dev/null", *arguments)
 
-    def with_version(self, version):
-        """The same package of another version, whose settings had other words in them."""
-        parts = self.folder / f"parts_{version}"
-        run("dpkg-deb", "-R", GATEWAY, parts)
-        control = parts / "DEBIAN/control"
-        control.write_text(re.sub(r"(?m)^Version: .*", f"Version: {version}", control.read_text()))
-        settings = parts / "etc/etcm/gateway.toml"
-        settings.write_text("# As it was in an earlier version.\n" + settings.read_text())
-        package = self.folder / f"{version}.deb"
-        run("dpkg-deb", "--root-owner-group", "-b", parts, package)
-        return package
-
     def test_installed_started_upgraded_removed_and_purged(self):
         settings = self.root / "etc/etcm/gateway.toml"
         enabled = self.root / "etc/systemd/system/multi-user.target.wants/etcm-gateway.service"
         gateway = self.root / "usr/bin/etcm-gateway"
-        self.dpkg("-i", self.with_version("0.0.1"))
+        self.dpkg("-i", with_version(self.folder, "0.0.1"))
         self.assertTrue(enabled.is_symlink(), "not enabled")
         self.assertIn("gpio", (self.root / "etc/group").read_text())
         self.assertIn("good", run(gateway, "--config", settings, "--check-config"))
