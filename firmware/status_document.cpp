@@ -9,11 +9,11 @@ namespace {
 using namespace std::chrono_literals;
 
 // Sections of the documents.
-enum : std::uint32_t { head, counts, quarantine, buses, events, tail };
+enum : std::uint32_t { opening, counts, quarantine, buses, events, closing };
 enum : std::uint32_t { ages_head, ages, ages_tail };
 
 // Nodes that are looked at in one piece.
-constexpr std::uint32_t looks_max = 50;
+constexpr std::uint32_t age_looks_max = 50;
 
 const char* word(port::Level level) {
   switch (level) {
@@ -31,7 +31,7 @@ const char* word(port::Level level) {
 
 bool StatusDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const {
   switch (cursor.section) {
-    case head:
+    case opening:
       write_head(asked_at, piece);
       cursor.next_section();
       return true;
@@ -49,7 +49,7 @@ bool StatusDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWrit
     case events:
       write_event(cursor, asked_at, piece);
       return true;
-    case tail:
+    case closing:
       piece << "]}\n";
       cursor.next_section();
       return true;
@@ -168,7 +168,7 @@ bool AgesDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWriter
       return true;
     case ages: {
       const std::span<const NodeRecord> nodes = sources_.gateway.roster().records();
-      for (std::uint32_t look = 0; look < looks_max; ++look) {
+      for (std::uint32_t look = 0; look < age_looks_max; ++look) {
         if (cursor.item >= nodes.size()) {
           cursor.next_section();
           return true;

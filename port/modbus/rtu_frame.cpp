@@ -32,12 +32,12 @@ constexpr std::array<std::uint16_t, 256> checksum_table = make_checksum_table();
 // there.
 std::size_t identification_bytes(std::span<const std::uint8_t> pdu) {
   constexpr std::size_t header_bytes = 7;
-  constexpr std::size_t object_header_bytes = 2;
+  constexpr std::size_t object_head = 2;
   if (pdu.size() < header_bytes || pdu[1] != read_device_identification) return 0;
   std::size_t end = header_bytes;
   for (int left = pdu[6]; left > 0; --left) {
-    if (end + object_header_bytes > pdu.size()) return 0;
-    end += object_header_bytes + pdu[end + 1];
+    if (end + object_head > pdu.size()) return 0;
+    end += object_head + pdu[end + 1];
   }
   return end;
 }
@@ -45,8 +45,8 @@ std::size_t identification_bytes(std::span<const std::uint8_t> pdu) {
 // How long the PDU of an answer would be that starts with these two bytes or more; 0 where none
 // starts so, or more are needed to tell.
 std::size_t answer_pdu_bytes(std::span<const std::uint8_t> pdu) {
-  constexpr std::uint8_t exception_bit = 0x80;
-  const std::uint8_t function = pdu[0] & static_cast<std::uint8_t>(~exception_bit);
+  constexpr std::uint8_t failed_bit = 0x80;
+  const std::uint8_t function = pdu[0] & static_cast<std::uint8_t>(~failed_bit);
   std::size_t size = 0;
   switch (function) {
     case read_holding_registers:

@@ -31,6 +31,9 @@ using inputs::vertex_of;
 
 inline constexpr std::size_t default_steiner_room = 1500;
 
+// Its last node is on the edge between the first two.
+inline const std::vector<Position> square{{0, 0}, {10, 0}, {10, 10}, {0, 10}, {5, 0}};
+
 // An open, empty mesh.
 std::unique_ptr<OwnedMesh> empty_mesh(std::uint32_t vertices_max = 2000,
                                       std::uint32_t features_max = 500,

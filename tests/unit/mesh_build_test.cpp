@@ -117,8 +117,6 @@ TEST_P(MeshBuildRefuses, AndStaysEmpty) {
   EXPECT_EQ((*mesh)->join({0, 0}, id), Status::ok) << "the mesh is still of use";
 }
 
-const std::vector<Position> square{{0, 0}, {10, 0}, {10, 10}, {0, 10}, {5, 0}};
-
 INSTANTIATE_TEST_SUITE_P(
     Inputs, MeshBuildRefuses,
     testing::Values(

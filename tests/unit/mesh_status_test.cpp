@@ -15,8 +15,6 @@
 namespace etcm::test {
 namespace {
 
-const std::vector<Position> square{{0, 0}, {10, 0}, {10, 10}, {0, 10}, {5, 0}};
-
 Status open_with(const MeshConfig& config) { return OwnedMesh(config).opened(); }
 
 Status build_with(const MeshConfig& config, const Graph& graph) {

@@ -30,6 +30,8 @@ function(etcm_add_test name)
   # bin/ is for programs a user would run.
   set_target_properties(${name} PROPERTIES
     RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests/bin"
+    # GoogleTest's headers take longer to compile than most tests.
+    UNITY_BUILD ON
   )
   # PRE_TEST: a cross build must not run the program while it builds.
   gtest_discover_tests(${name}

@@ -18,6 +18,7 @@ function(etcm_mesh_variant name)
   list(TRANSFORM sources PREPEND "${folder}/")
 
   add_library(${name} OBJECT ${sources})
+  set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
   target_compile_features(${name} PUBLIC cxx_std_20)
   target_include_directories(${name} PUBLIC "${folder}/include")
   target_compile_definitions(${name} PUBLIC ETCM_ID_BITS=${arg_ID_BITS}

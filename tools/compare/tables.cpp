@@ -146,10 +146,10 @@ constexpr Criterion criteria[] = {
 // A row for each criterion: ours against the best of the other conforming systems.
 void write_lead(std::ostream& out, const Results& results, FeatureLength length) {
   out << "| criterion | ours | best other | ours is |\n|---|---:|---:|---|\n";
-  const auto systems = all_systems();
+  const auto compared = all_systems();
   std::vector<Standing> standings;
   std::vector<double> undulations;
-  for (std::size_t i = 0; i < systems.size(); ++i) {
+  for (std::size_t i = 0; i < compared.size(); ++i) {
     standings.push_back(standing_of(results, length, i));
     undulations.push_back(undulation(results, length, i));
   }
@@ -157,8 +157,8 @@ void write_lead(std::ostream& out, const Results& results, FeatureLength length)
   for (const Criterion& criterion : criteria) {
     const auto value = [&](std::size_t i) { return criterion.value(standings[i], undulations[i]); };
     std::size_t best = ours;
-    for (std::size_t i = 0; i < systems.size(); ++i) {
-      if (i == ours || !systems[i].conforms || standings[i].good() == 0) continue;
+    for (std::size_t i = 0; i < compared.size(); ++i) {
+      if (i == ours || !compared[i].conforms || standings[i].good() == 0) continue;
       const bool is_better =
           criterion.less_is_better ? value(i) < value(best) : value(i) > value(best);
       if (best == ours || is_better) best = i;
@@ -167,7 +167,7 @@ void write_lead(std::ostream& out, const Results& results, FeatureLength length)
         (criterion.less_is_better ? value(best) - value(ours) : value(ours) - value(best)) /
         value(best);
     out << "| " << criterion.name << " | " << decimal(value(ours), criterion.digits) << " | "
-        << systems[best].label << ", " << decimal(value(best), criterion.digits) << " | ";
+        << compared[best].label << ", " << decimal(value(best), criterion.digits) << " | ";
     if (value(ours) == value(best)) {
       out << "level |\n";
     } else {

@@ -1,7 +1,5 @@
 #include "mesher.h"
 
-#include <algorithm>
-#include <chrono>
 #include <span>
 #include <utility>
 
@@ -11,12 +9,6 @@
 namespace etcm::cli {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double microseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
 
 bool is_shortfall(Status status) {
   return status == Status::out_of_vertices || status == Status::steiner_budget ||
@@ -44,7 +36,7 @@ std::pair<Status, double> timed_build(Mesh& mesh, const files::GridGraph& grid,
   double fastest_us = 0;
   double total_us = 0;
   for (int run = 0;; ++run) {
-    const auto start = Clock::now();
+    const auto start = std::chrono::steady_clock::now();
     const Status status = mesh.build(grid.nodes, features);
     const double us = microseconds_since(start);
     fastest_us = run == 0 ? us : std::min(fastest_us, us);
@@ -65,6 +57,11 @@ double time_delaunay(const files::GridGraph& grid) {
 }
 
 }  // namespace
+
+double microseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start)
+      .count();
+}
 
 Meshed build_mesh(const files::ConstraintGraph& graph, const files::GridGraph& grid,
                   const MeshingPlan& plan) {

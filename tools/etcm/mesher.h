@@ -1,6 +1,8 @@
 // A graph to a mesh, with room that grows until it fits, and the time it took.
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 
@@ -31,6 +33,8 @@ struct Meshed {
 // Throws InputError where the library refuses the graph.
 Meshed build_mesh(const files::ConstraintGraph& graph, const files::GridGraph& grid,
                   const MeshingPlan& plan);
+
+double microseconds_since(std::chrono::steady_clock::time_point start);
 
 // Why conforming stopped, in one line.
 std::string describe_shortfall(const files::ConstraintGraph& graph, const Trouble& trouble,

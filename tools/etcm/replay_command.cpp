@@ -42,7 +42,6 @@ std::size_t count_kind(const std::vector<Event>& events, EventKind kind) {
 Replayed replay(const ReplayOptions& options, const files::ConstraintGraph& graph,
                 const files::GridGraph& grid, const std::vector<Event>& events,
                 const MeshingPlan& plan) {
-  using Clock = std::chrono::steady_clock;
   Replayed result;
   result.meshed = build_mesh(graph, grid, plan);
   result.graph = graph;
@@ -50,10 +49,9 @@ Replayed replay(const ReplayOptions& options, const files::ConstraintGraph& grap
   Mesh& mesh = **result.meshed.mesh;
   History history(mesh, graph);
   for (const Event& event : events) {
-    const auto start = Clock::now();
+    const auto start = std::chrono::steady_clock::now();
     const Status status = history.apply(event);
-    result.latency_us.push_back(
-        std::chrono::duration<double, std::micro>(Clock::now() - start).count());
+    result.latency_us.push_back(microseconds_since(start));
     if (status == Status::ok) continue;
     if (status == Status::out_of_vertices || status == Status::out_of_features) {
       result.needs_room = true;

@@ -44,7 +44,7 @@ Outcome run(const std::string& arguments, const std::string& before = "") {
 }
 
 const char* const crossed = "4 2 0 0\n1 0 0\n2 10 10\n3 10 0\n4 0 10\n2 0\n1 1 2\n2 3 4\n0\n";
-const char* const plate =
+const char* const small_plate =
     "6 2 0 0\n1 0 0\n2 100 0\n3 100 60\n4 0 60\n5 10 20\n6 90 22\n5 0\n1 1 2\n2 2 3\n3 3 4\n4 4 1\n"
     "5 5 6\n0\n";
 // A long feature between two rows of nodes: it needs Steiner vertices.
@@ -151,7 +151,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Program, RefusesAWrongCommandLine) {
   const ScratchFolder folder;
-  const std::string input = folder.write("in.poly", plate);
+  const std::string input = folder.write("in.poly", small_plate);
   const std::string mesh = "mesh " + input + " -o " + folder.path("out");
   const std::vector<std::string> table = {"",
                                           "frobnicate",
@@ -173,7 +173,7 @@ TEST(Program, RefusesAWrongCommandLine) {
     EXPECT_EQ(outcome.code, 2) << arguments;
     EXPECT_EQ(outcome.errors.find('\n'), outcome.errors.size() - 1) << outcome.errors;
     EXPECT_EQ(folder.file_count(), 1u) << arguments;
-    EXPECT_EQ(folder.read("in.poly"), plate);
+    EXPECT_EQ(folder.read("in.poly"), small_plate);
   }
   EXPECT_EQ(run("--help").code, 0);
   EXPECT_EQ(run("mesh --help").code, 0);
@@ -207,7 +207,7 @@ TEST(Program, WritesTheMeshThatStandsWhenTheBudgetIsHit) {
 
 TEST(Program, NamesTheViolation) {
   const ScratchFolder folder;
-  const std::string input = folder.write("in.poly", plate);
+  const std::string input = folder.write("in.poly", small_plate);
   const std::string base = folder.path("out");
   ASSERT_EQ(run("mesh " + input + " -o " + base).code, 0);
   std::string nodes = folder.read("out.node");
@@ -233,7 +233,7 @@ TEST(Program, LeavesNoHalfWrittenFile) {
 
 TEST(Program, SurvivesAReaderThatLeaves) {
   const ScratchFolder folder;
-  const std::string input = folder.write("in.poly", plate);
+  const std::string input = folder.write("in.poly", small_plate);
   // The pipe's reader is gone before the program starts.
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe(ends.data()), 0);
@@ -257,7 +257,7 @@ TEST(Program, SurvivesAReaderThatLeaves) {
 
 TEST(Program, Exports) {
   const ScratchFolder folder;
-  const std::string input = folder.write("in.poly", plate);
+  const std::string input = folder.write("in.poly", small_plate);
   const std::string base = folder.path("out");
   ASSERT_EQ(run("mesh " + input + " -o " + base + " --unit m").code, 0);
   const std::string options = " --geojson " + folder.path("a.json") + " --vtk " +
@@ -272,7 +272,7 @@ TEST(Program, Exports) {
 
 TEST(Program, ReplaysAHistory) {
   const ScratchFolder folder;
-  const std::string input = folder.write("in.poly", plate);
+  const std::string input = folder.write("in.poly", small_plate);
   const std::string base = folder.path("out");
   const std::string events = folder.write("events",
                                           "# a node joins, moves and leaves\n"
@@ -292,7 +292,7 @@ TEST(Program, ReplaysAHistory) {
 
 TEST(Program, NamesARefusedEvent) {
   const ScratchFolder folder;
-  const std::string input = folder.write("in.poly", plate);
+  const std::string input = folder.write("in.poly", small_plate);
   const std::pair<const char*, const char*> table[] = {
       {"\njump 1\n", ":2: no event starts like this"},
       {"join 7 1\n", ":1: this join has 3 fields, not 4"},
