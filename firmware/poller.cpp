@@ -123,20 +123,21 @@ bool Poller::ask_next(std::uint32_t number, port::Instant now) {
   Line& line = lines_[number];
   if (errand_start(number, now) <= now && start_errand(number, now)) return true;
   if (scan_start(line, now) <= now) {
-    ask(line, next_sought(line), Asking::scan, now);
+    ask(line, {.due = now, .unit = next_sought(line)}, Asking::scan, now);
     return true;
   }
   std::vector<Turn>* const turns = next_turns(line, now);
   if (turns == nullptr) return false;
   std::pop_heap(turns->begin(), turns->end(), later);
-  const std::uint32_t unit = turns->back().unit;
+  const Turn turn = turns->back();
   turns->pop_back();
-  ask(line, unit, turns == &line.probes ? Asking::probe : Asking::turn, now);
+  ask(line, turn, turns == &line.probes ? Asking::probe : Asking::turn, now);
   return true;
 }
 
-void Poller::ask(Line& line, std::uint32_t index, Asking asking, port::Instant now) {
-  Unit& unit = units_[index];
+void Poller::ask(Line& line, const Turn& turn, Asking asking, port::Instant now) {
+  Unit& unit = units_[turn.unit];
+  unit.due = turn.due;
   unit.asking = asking;
   if (asking == Asking::probe) ++line.probes_under_way;
   if (asking == Asking::scan) line.scan_under_way = true;
@@ -148,7 +149,7 @@ void Poller::ask(Line& line, std::uint32_t index, Asking asking, port::Instant n
                                .first = node_register_first,
                                .count = node_register_count,
                                .timeout = unit.timeout,
-                               .ticket = index},
+                               .ticket = turn.unit},
                               now);
 }
 
@@ -254,7 +255,7 @@ void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Inst
   if (fault == ReadingFault::torn && unit.torn_repeats < torn_repeats_max) {
     ++unit.torn_repeats;
     ++unit.counters.torn;
-    return ask_again(index, now);
+    return ask_again(index, unit.due);
   }
   unit.torn_repeats = 0;
   if (fault != ReadingFault::none) {
@@ -266,7 +267,7 @@ void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Inst
     return fail(index, {}, true, now);  // the listener has said why
   }
   count_sound(index, now);
-  ask_again(index, std::max(now, unit.asked_at + settings_.interval));
+  ask_again(index, std::max(now, next_due(unit, settings_.interval)));
 }
 
 void Poller::count_answer(Unit& unit, port::BusResult result, port::Instant now) {
@@ -308,7 +309,13 @@ void Poller::fail(std::uint32_t index, std::string_view why, bool is_silence, po
   }
   const bool is_lost = unit.failures >= failures_of_the_lost && lines_[unit.bus].sound > 0;
   if (!unit.is_listed && (!unit.has_answered || is_lost)) return rest(index);
-  ask_again(index, std::max(now, unit.asked_at + pause_of(index)));
+  ask_again(index, std::max(now, next_due(unit, pause_of(index))));
+}
+
+// Being late does not add up, but what was missed by a whole interval is not made up for either.
+port::Instant Poller::next_due(const Unit& unit, port::Duration pause) const {
+  const bool is_on_time = unit.asked_at - unit.due < settings_.interval;
+  return (is_on_time ? unit.due : unit.asked_at) + pause;
 }
 
 port::Duration Poller::pause_of(std::uint32_t index) const {

@@ -34,6 +34,11 @@ class ReadingListener {
   ~ReadingListener() = default;
 };
 
+// Questions to a unit are due one interval after the other, however late each was asked: on a busy
+// machine no poll is missed. Where one was late by an interval and more (a line that is too slow
+// for so many units, a program that was stopped), the next is due an interval after it: missed
+// polls are not made up for.
+//
 // A unit that does not answer, or not soundly, is asked ever less often, down to absent_interval
 // (a little earlier each time, differently for each unit, so that such units do not meet). What it
 // costs the others is bounded too: where a bus takes several requests at a time, such units never
@@ -104,6 +109,7 @@ class Poller {
     Asking asking = Asking::turn;  // why it was asked last
     std::uint8_t torn_repeats = 0;
     std::uint32_t failures = 0;  // in a row
+    port::Instant due{};         // for the question asked at
     port::Instant asked_at{};
     UnitCounters counters{};
   };
@@ -139,7 +145,7 @@ class Poller {
 
   void add_unit(Line& line, std::uint8_t address, bool is_listed);
   bool ask_next(std::uint32_t bus, port::Instant now);
-  void ask(Line& line, std::uint32_t unit, Asking asking, port::Instant now);
+  void ask(Line& line, const Turn& turn, Asking asking, port::Instant now);
   bool start_errand(std::uint32_t bus, port::Instant now);
   void finish_errand(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now);
   port::Instant errand_start(std::uint32_t bus, port::Instant now) const;
@@ -158,6 +164,7 @@ class Poller {
   void fail(std::uint32_t unit, std::string_view why, bool is_silence, port::Instant now);
   void count_sound(std::uint32_t unit, port::Instant now);
   void ask_again(std::uint32_t unit, port::Instant due);
+  port::Instant next_due(const Unit& unit, port::Duration pause) const;
   port::Duration pause_of(std::uint32_t unit) const;
 
   const PollSettings& settings_;

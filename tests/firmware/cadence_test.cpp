@@ -1,0 +1,81 @@
+// When units are asked, on a machine that is late: simulated time, steps at odd moments.
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "fakes.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+// Asked every 100 ms; a step every 37 ms is late by 18 ms on average.
+class Cadence : public testing::Test {
+ protected:
+  Cadence() {
+    for (std::uint8_t unit = 1; unit <= 20; ++unit) rig_.put(unit, unit * 100, unit % 7);
+    rig_.run(300ms);
+  }
+  void run(port::Duration duration, port::Duration step) {
+    for (port::Duration passed{}; passed < duration; passed += step) {
+      rig_.gateway->step(rig_.clock.now());
+      rig_.clock.pass(step);
+    }
+  }
+  std::uint32_t asked(std::uint8_t unit) { return rig_.bus.reads[unit]; }
+
+  Rig rig_;
+};
+
+TEST_F(Cadence, BeingLateDoesNotAddUp) {
+  const std::uint32_t before = asked(7);
+  run(10s, 37ms);
+  EXPECT_GE(asked(7) - before, 99u);
+  EXPECT_LE(asked(7) - before, 101u);
+}
+
+TEST_F(Cadence, AStallIsNotMadeUpFor) {
+  rig_.clock.pass(30s);
+  const std::uint32_t before = asked(7);
+  run(100ms, 10ms);
+  EXPECT_EQ(asked(7) - before, 1u);
+  run(1s, 10ms);
+  EXPECT_EQ(asked(7) - before, 11u);
+}
+
+// One question each, then the old times again.
+TEST_F(Cadence, AShortStallMovesNothing) {
+  const std::uint32_t before = asked(7);
+  rig_.clock.pass(90ms);
+  run(910ms, 10ms);
+  EXPECT_EQ(asked(7) - before, 10u);
+}
+
+TEST_F(Cadence, ATornReadKeepsItsTime) {
+  NodeRegisters torn = encode_node({.serial = 1007, .position = {5, 5}}, 7);
+  torn.back() = 8;
+  rig_.bus.set_registers(7, torn);
+  const std::uint32_t before = asked(7);
+  run(30ms, 10ms);
+  rig_.put(7, 700, 0);
+  run(9970ms, 37ms);
+  EXPECT_LE(asked(7) - before, 104u);
+  EXPECT_GE(asked(7) - before, 99u);
+}
+
+// Each question takes a step, and twenty units do not fit into an interval: all have as many.
+TEST_F(Cadence, ALineThatIsTooSlowIsFair) {
+  rig_.bus.outstanding_max = 1;
+  run(20s, 10ms);
+  std::array<std::uint32_t, 21> before{};
+  for (std::uint8_t unit = 1; unit <= 20; ++unit) before[unit] = asked(unit);
+  run(20s, 10ms);
+  for (std::uint8_t unit = 1; unit <= 20; ++unit) {
+    EXPECT_GE(asked(unit) - before[unit], 95u) << "unit " << int{unit};
+    EXPECT_LE(asked(unit) - before[unit], 105u) << "unit " << int{unit};
+  }
+}
+
+}  // namespace
+}  // namespace etcm::firmware
