@@ -48,6 +48,9 @@ Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports
   if (ports.store != nullptr && settings.state) {
     state_keeper_.emplace(settings, publish_pause, *ports.store, ports.log);
   }
+  if (ports.files != nullptr) {
+    files_keeper_.emplace(*settings.files, publish_share, *ports.files, ports.clock, ports.log);
+  }
 }
 
 void Gateway::restore(port::Instant now) {
@@ -83,7 +86,10 @@ void Gateway::step(port::Instant now) {
   changed_ = keeper_.take_changed() || changed_;
   changed_ = admission_.take_changed() || changed_;
   if (changed_ && publish_due_ <= now) publish(now);
-  if (files_due() <= now) write_files(now);
+  if (files_keeper_) {
+    files_keeper_->step(now);
+    if (files_keeper_->is_due(now)) files_keeper_->write(keeper_.mesh(), keeper_.serials(), now);
+  }
   if (state_keeper_) {
     state_keeper_->step();
     if (state_keeper_->is_due(now)) save_state(now);
@@ -98,7 +104,8 @@ void Gateway::update_settings() {
 }
 
 port::Instant Gateway::next_deadline() const {
-  port::Instant deadline = std::min({poller_.next_deadline(), sweep_due_, files_due()});
+  port::Instant deadline = std::min(poller_.next_deadline(), sweep_due_);
+  if (files_keeper_) deadline = std::min(deadline, files_keeper_->next_deadline());
   if (state_keeper_) deadline = std::min(deadline, state_keeper_->next_deadline());
   if (changed_) deadline = std::min(deadline, publish_due_);
   return deadline;
@@ -106,7 +113,10 @@ port::Instant Gateway::next_deadline() const {
 
 void Gateway::finish(port::Instant now) {
   if (changed_) publish(now);
-  if (ports_.files != nullptr && files_outdated_) write_files(now);
+  if (files_keeper_) {
+    files_keeper_->step(now);
+    files_keeper_->write(keeper_.mesh(), keeper_.serials(), now);
+  }
   if (state_keeper_ && !ports_.store->is_saving()) {
     state_keeper_->step();
     state_keeper_->finish();
@@ -125,8 +135,9 @@ void Gateway::finish(port::Instant now) {
                                 : std::string("audit failed: ") + to_string(audited.broken)));
 }
 
-void Gateway::finish_saving() {
+void Gateway::finish_saving(port::Instant now) {
   if (state_keeper_) state_keeper_->step();
+  if (files_keeper_) files_keeper_->step(now);
 }
 
 void Gateway::save_state(port::Instant now) {
@@ -226,7 +237,7 @@ void Gateway::sweep_silent(port::Instant now) {
 void Gateway::publish(port::Instant now) {
   ++generation_;
   changed_ = false;
-  files_outdated_ = true;
+  if (files_keeper_) files_keeper_->outdate();
   if (state_keeper_) state_keeper_->outdate();
   const port::Instant started = ports_.clock.now();
   write_back_.look_again();
@@ -236,23 +247,6 @@ void Gateway::publish(port::Instant now) {
   ports_.server.publish(images_.encode(snapshot));
   // A large mesh takes its time; polling must not wait for it often.
   publish_due_ = now + std::max(publish_pause, publish_share * (ports_.clock.now() - started));
-}
-
-port::Instant Gateway::files_due() const {
-  if (ports_.files == nullptr || !files_outdated_) return port::never;
-  return files_tried_at_ + settings_.files->interval;
-}
-
-void Gateway::write_files(port::Instant now) {
-  files_tried_at_ = now;
-  std::string why;
-  if (ports_.files->write(keeper_.mesh(), keeper_.serials(), why)) {
-    if (files_failing_) ports_.log.write(port::Level::info, "files are written again");
-    files_outdated_ = files_failing_ = false;
-  } else {
-    if (!files_failing_) ports_.log.write(port::Level::error, why + "; goes on, and tries again");
-    files_failing_ = true;
-  }
 }
 
 std::shared_ptr<const port::RegisterImage> empty_image(const Settings& settings) {

@@ -20,6 +20,7 @@
 #include "etcm/port/mesh_files.h"
 #include "etcm/port/mesh_server.h"
 #include "etcm/port/store.h"
+#include "files_keeper.h"
 #include "image_pool.h"
 #include "mesh_keeper.h"
 #include "poller.h"
@@ -58,11 +59,11 @@ class Gateway final : private ReadingListener, private Errands {
   void step(port::Instant now);
   port::Instant next_deadline() const;
 
-  // Publishes what is still unpublished, and says how things stand. Also starts the last save,
-  // unless one is under way.
+  // Publishes what is still unpublished, and says how things stand. Also starts the last save and
+  // the last files, unless such are under way.
   void finish(port::Instant now);
-  // Hears how that save went.
-  void finish_saving();
+  // Hears how these went.
+  void finish_saving(port::Instant now);
 
   // Asks the units with this address next: somebody says that a node is there.
   void ask_at_once(std::uint8_t address, port::Instant now) { poller_.ask_at_once(address, now); }
@@ -94,8 +95,6 @@ class Gateway final : private ReadingListener, private Errands {
   void place(NodeRecord& node);
   void sweep_silent(port::Instant now);
   void publish(port::Instant now);
-  void write_files(port::Instant now);
-  port::Instant files_due() const;
   void save_state(port::Instant now);
 
   const Settings& settings_;
@@ -112,15 +111,13 @@ class Gateway final : private ReadingListener, private Errands {
   ImagePool images_;
   StateTransfer state_transfer_;
   std::optional<StateKeeper> state_keeper_;
+  std::optional<FilesKeeper> files_keeper_;
   port::Duration sweep_interval_;
   port::Instant sweep_due_{};
-  port::Instant publish_due_{};  // not before
-  port::Instant files_tried_at_{};
+  port::Instant publish_due_{};   // not before
   std::uint32_t generation_ = 0;  // published last
   std::uint16_t state_ = 0;
   bool changed_ = false;  // since then
-  bool files_outdated_ = false;
-  bool files_failing_ = false;
 };
 
 // The image a server has before the first generation.

@@ -162,18 +162,25 @@ class Web {
 // A disk that does not answer holds up the end no longer than this.
 constexpr port::Duration exit_patience = std::chrono::seconds(5);
 
-void finish(firmware::Gateway& gateway, port::BackgroundStore* store, const port::Clock& clock,
-            port::Log& log) {
+void finish(firmware::Gateway& gateway, port::BackgroundStore* store, port::MeshFolder* folder,
+            const port::Clock& clock, port::Log& log) {
   const port::Instant end = clock.now() + exit_patience;
-  if (store != nullptr) store->wait(exit_patience);
+  const auto is_answered = [&](auto* disk) {
+    return disk == nullptr || disk->wait(std::max<port::Duration>(end - clock.now(), {}));
+  };
+  // What is under way first; then there is room for the last ones.
+  static_cast<void>(is_answered(store));
+  static_cast<void>(is_answered(folder));
   gateway.finish(clock.now());
-  if (store == nullptr) return;
-  if (!store->wait(end - clock.now())) {
+  if (!is_answered(store)) {
     log.write(port::Level::error, "state: the disk of " + store->folder() +
                                       " does not answer; a restart finds an earlier state");
-    return;
   }
-  gateway.finish_saving();
+  if (!is_answered(folder)) {
+    log.write(port::Level::error, "files: the disk of " + folder->base() +
+                                      ".node does not answer; the files show an earlier mesh");
+  }
+  gateway.finish_saving(clock.now());
 }
 
 std::string list_of(const std::vector<port::Network>& networks) {
@@ -211,7 +218,8 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
                                    list_of(settings.server.allow));
   std::unique_ptr<port::MeshFolder> folder;
   if (settings.files) {
-    folder = std::make_unique<port::MeshFolder>(settings.files->folder, settings.files->name);
+    folder = std::make_unique<port::MeshFolder>(settings.files->folder, settings.files->name,
+                                                settings.mesh);
     log.write(port::Level::info, "writes " + folder->base() + ".node, .ele and .svg");
   }
 
@@ -278,7 +286,7 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
     loop.wait(deadline - clock.now());
   }
   watch.stopping();
-  finish(gateway, store.get(), clock, log);
+  finish(gateway, store.get(), folder.get(), clock, log);
 }
 
 }  // namespace

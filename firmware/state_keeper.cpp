@@ -55,7 +55,7 @@ std::string StateKeeper::judge(std::span<const std::byte> bytes, SavedState& sta
 }
 
 void StateKeeper::step() {
-  port::SaveResult result;
+  port::DiskResult result;
   if (!store_.take_result(result)) return;
   is_saving_ = false;
   if (result.ok) {

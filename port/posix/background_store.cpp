@@ -1,34 +1,8 @@
 #include "posix/background_store.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 
 namespace etcm::port {
-
-namespace {
-
-const char* cure_of(int error) {
-  switch (error) {
-    case ENOSPC:
-    case EDQUOT:
-      return "make room on that disk";
-    case EROFS:
-      return "mount that disk for writing";
-    case EACCES:
-    case EPERM:
-      return "let the gateway's user write there";
-    case EWOULDBLOCK:
-      return "end the other program, or give this gateway a folder of its own";
-    case EIO:
-      return "the disk may be failing: replace it";
-    default:
-      return "look at `folder` of [state]";
-  }
-}
-
-}  // namespace
 
 BackgroundStore::BackgroundStore(const std::string& folder, std::size_t size_max, Log& log)
     : folder_(folder),
@@ -69,18 +43,13 @@ void BackgroundStore::start_save(std::span<const std::byte> bytes) {
   worker_.start();
 }
 
-bool BackgroundStore::take_result(SaveResult& result) {
+bool BackgroundStore::take_result(DiskResult& result) {
   if (!is_result_due_ || worker_.is_busy()) return false;
   is_result_due_ = false;
   const StateFile::Failure& failure = saving_->failure;
   result = {.ok = failure.action == nullptr, .why = {}};
   if (result.ok) return true;
-  // strerrordesc_np() needs no memory and no locale, unlike strerror().
-  const char* const error = ::strerrordesc_np(failure.error);
-  const int length =
-      std::snprintf(why_.data(), why_.size(), "%s: %s (%s); %s", folder_.c_str(), failure.action,
-                    error != nullptr ? error : "unknown error", cure_of(failure.error));
-  result.why = {why_.data(), std::min(static_cast<std::size_t>(length), why_.size() - 1)};
+  result.why = words_.describe(folder_, failure.action, failure.error, "state");
   return true;
 }
 

@@ -1,13 +1,13 @@
 // Store in a file (posix/state_file.h), saved by a thread of its own.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "etcm/port/log.h"
 #include "etcm/port/store.h"
+#include "posix/disk_failure.h"
 #include "posix/state_file.h"
 #include "posix/worker.h"
 
@@ -22,7 +22,7 @@ class BackgroundStore final : public Store {
   std::string_view set_aside(Copy copy) override;
   void start_save(std::span<const std::byte> bytes) override;
   bool is_saving() const override { return worker_.is_busy(); }
-  bool take_result(SaveResult& result) override;
+  bool take_result(DiskResult& result) override;
 
   // Waits for a save under way; false when that takes longer than `at_most`. It is then left
   // behind.
@@ -46,7 +46,7 @@ class BackgroundStore final : public Store {
   bool is_result_due_ = false;
   std::vector<std::byte> loaded_;
   std::string aside_;
-  std::array<char, 512> why_{};
+  DiskFailure words_;
 };
 
 }  // namespace etcm::port

@@ -1,25 +1,40 @@
-// MeshFiles in a folder: NAME.node, NAME.ele and NAME.svg.
+// MeshFiles in a folder: NAME.node, NAME.ele and NAME.svg, written by a thread of its own.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "etcm/port/mesh_files.h"
+#include "posix/disk_failure.h"
+#include "posix/worker.h"
 
 namespace etcm::port {
 
 class MeshFolder final : public MeshFiles {
  public:
   // Makes the folder where there is none; throws std::filesystem::filesystem_error where it cannot.
-  MeshFolder(const std::string& folder, const std::string& name);
+  // Takes all the memory now that meshes of this size need.
+  MeshFolder(const std::string& folder, const std::string& name, const MeshConfig& config);
 
-  bool write(const Mesh& mesh, std::span<const std::uint32_t> serials, std::string& why) override;
+  void start_write(const Mesh& mesh, std::span<const std::uint32_t> serials) override;
+  bool is_writing() const override { return worker_.is_busy(); }
+  bool take_result(DiskResult& result) override;
+
+  // Waits for a write under way; false when that takes longer than `at_most`. It is then left
+  // behind.
+  bool wait(Duration at_most) { return worker_.wait(at_most); }
 
   // The path without its extension.
   const std::string& base() const { return base_; }
 
  private:
+  struct Writing;
+
   std::string base_;
-  std::string title_;
+  std::shared_ptr<Writing> writing_;
+  Worker worker_;
+  bool is_result_due_ = false;
+  DiskFailure words_;
 };
 
 }  // namespace etcm::port

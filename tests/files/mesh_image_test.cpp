@@ -74,17 +74,18 @@ TEST(MeshImage, SurvivesTheFiles) {
   EXPECT_EQ(back.triangles, image.triangles);
   EXPECT_EQ(back.edges, image.edges);
   EXPECT_EQ(back.attributes, image.attributes);
-  EXPECT_EQ(node_text(back), node_text(image));
-  EXPECT_EQ(ele_text(back), ele_text(image));
-  EXPECT_EQ(edge_text(back), edge_text(image));
-  EXPECT_EQ(poly_text(back), poly_text(image));
+  EXPECT_EQ(text_of(write_node, back), text_of(write_node, image));
+  EXPECT_EQ(text_of(write_ele, back), text_of(write_ele, image));
+  EXPECT_EQ(text_of(write_edge, back), text_of(write_edge, image));
+  EXPECT_EQ(text_of(write_poly, back), text_of(write_poly, image));
 }
 
 TEST(MeshImage, SaysInWhatUnitItIs) {
   const ScratchFolder folder;
   const ConstraintGraph graph =
       read_graph(folder.write("d.node", "3 2\n1 0 0\n2 0.5 0\n3 0 0.5\n"));
-  const std::string text = node_text(image_of_graph(graph, {Decimal::parse("2e1"), false}));
+  const std::string text =
+      text_of(write_node, image_of_graph(graph, {Decimal::parse("2e1"), false}));
   EXPECT_THAT(text, ::testing::HasSubstr("coordinates are 20 times those of the input"));
   EXPECT_THAT(text, ::testing::HasSubstr("\n2 10 0 0\n"));
 }
@@ -125,10 +126,10 @@ TEST(MeshImage, DoesNotDependOnTheHistory) {
   MeshImage image = image_of(*mesh, Exterior::automatic, grid.holes);
   carry_through(graph, {}, image);
   const MeshImage built = image_of_graph(graph);
-  EXPECT_EQ(node_text(image), node_text(built));
-  EXPECT_EQ(ele_text(image), ele_text(built));
-  EXPECT_EQ(edge_text(image), edge_text(built));
-  EXPECT_EQ(poly_text(image), poly_text(built));
+  EXPECT_EQ(text_of(write_node, image), text_of(write_node, built));
+  EXPECT_EQ(text_of(write_ele, image), text_of(write_ele, built));
+  EXPECT_EQ(text_of(write_edge, image), text_of(write_edge, built));
+  EXPECT_EQ(text_of(write_poly, image), text_of(write_poly, built));
 }
 
 TEST(MeshReader, RefusesWhatIsOffTheGrid) {

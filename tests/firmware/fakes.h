@@ -103,18 +103,25 @@ class RecordingServer final : public port::MeshServer {
 
 class RecordingFiles final : public port::MeshFiles {
  public:
-  bool write(const Mesh& mesh, std::span<const std::uint32_t>, std::string& why) override {
+  void start_write(const Mesh& mesh, std::span<const std::uint32_t>) override {
     ++attempts;
-    if (failing) {
-      why = "the disk is full";
-      return false;
-    }
-    nodes_written.push_back(mesh.node_count());
+    has_news_ = true;
+    if (!failing) nodes_written.push_back(mesh.node_count());
+  }
+  bool is_writing() const override { return has_news_ && is_hanging; }
+  bool take_result(port::DiskResult& result) override {
+    if (!has_news_ || is_hanging) return false;
+    has_news_ = false;
+    result = {.ok = !failing, .why = failing ? "the disk is full" : ""};
     return true;
   }
   bool failing = false;
+  bool is_hanging = false;
   std::uint32_t attempts = 0;
   std::vector<std::uint32_t> nodes_written;
+
+ private:
+  bool has_news_ = false;
 };
 
 // One bus with units 1 to 20, asked every 100 ms.

@@ -354,33 +354,6 @@ TEST(Gateway, AfterALostLinkAllAreAskedWithinAPoll) {
   EXPECT_EQ(rig.server.header("stale_count"), 0u);
 }
 
-TEST(Gateway, FilesAreWrittenNotMoreOftenThanAskedAndFinallyComplete) {
-  Rig rig;
-  rig.settings.files->interval = 10s;
-  rig.put(1, 0, 0);
-  rig.run(1s);
-  const std::size_t before = rig.files.attempts;
-  rig.put(2, 10, 0);
-  rig.run(1s);
-  EXPECT_EQ(rig.files.attempts, before);
-  rig.gateway->finish(rig.clock.now());
-  EXPECT_EQ(rig.files.nodes_written.back(), 2u);
-  EXPECT_EQ(rig.log.count("audit passed: conforming"), 1u);
-}
-
-TEST(Gateway, GoesOnWhenFilesCannotBeWrittenAndSaysSoOnce) {
-  Rig rig;
-  rig.files.failing = true;
-  rig.put(1, 0, 0);
-  rig.run(5s);
-  EXPECT_GE(rig.files.attempts, 5u);
-  EXPECT_EQ(rig.log.count("the disk is full"), 1u);
-  EXPECT_EQ(rig.server.header("node_count"), 1u);
-  rig.files.failing = false;
-  rig.run(1s);
-  EXPECT_EQ(rig.log.count("files are written again"), 1u);
-}
-
 TEST(Gateway, AWrongWordOrderShowsAgainstASerialOfTheConfiguration) {
   Rig rig({feature(1001, 1002)});
   rig.bus.set(1,

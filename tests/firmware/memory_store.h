@@ -28,7 +28,7 @@ class MemoryStore final : public port::Store {
     last.assign(bytes.begin(), bytes.end());
   }
   bool is_saving() const override { return has_news_ && is_slow; }
-  bool take_result(port::SaveResult& result) override {
+  bool take_result(port::DiskResult& result) override {
     if (!has_news_ || is_slow) return false;
     has_news_ = false;
     result = {.ok = why.empty(), .why = why};

@@ -180,7 +180,7 @@ TEST_F(Restart, GoesOnWithTheNextGenerationAfterAProperEnd) {
   before->put(1, 5, 0);
   before->run(200ms);
   before->gateway->finish(before->clock.now());
-  before->gateway->finish_saving();
+  before->gateway->finish_saving(before->clock.now());
   const auto after = rig_of({});
   after->start();
   after->gateway->restore(after->clock.now());

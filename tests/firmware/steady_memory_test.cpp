@@ -1,9 +1,11 @@
 // After its start the gateway takes no memory: an hour of simulated time with everything that can
-// happen to nodes, on doubles that take none themselves.
+// happen to nodes, on doubles that take none themselves. The files are real, and so is their
+// thread.
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -13,7 +15,9 @@
 #include "gateway.h"
 #include "limited_log.h"
 #include "node_map.h"
+#include "posix/mesh_folder.h"
 #include "support/allocation_watch.h"
+#include "support/scratch_folder.h"
 
 namespace etcm::firmware {
 namespace {
@@ -113,6 +117,7 @@ Settings settings() {
   settings.server.clients_max = 4;
   settings.analysis = {.radio_range = 150, .sensing_range = 80};
   settings.write_back.is_enabled = true;
+  settings.files = FileSettings{.folder = {}, .name = {}, .interval = 30s};
   BusSettings bus;
   bus.name = "a bus with a name that no short string holds";
   bus.units = {{.first = 1, .last = unit_count}};
@@ -139,13 +144,16 @@ class SteadyMemory : public testing::Test {
     for (std::uint8_t unit = 1; unit <= unit_count; ++unit) bus_.put(unit, place_of(unit, 0));
     gateway_.emplace(
         settings_, mesh_,
-        GatewayPorts{.buses = buses_, .server = server_, .clock = clock_, .log = log_});
+        GatewayPorts{
+            .buses = buses_, .server = server_, .files = &files_, .clock = clock_, .log = log_});
   }
 
   void run(port::Duration duration) {
     for (port::Duration passed{}; passed < duration; passed += 10ms) {
       gateway_->step(clock_.now());
       clock_.pass(10ms);
+      // Simulated time is faster than any disk.
+      EXPECT_TRUE(files_.wait(20s));
     }
   }
 
@@ -174,6 +182,9 @@ class SteadyMemory : public testing::Test {
   LimitedLog log_{told_, clock_};
   QuietBus bus_;
   PinningServer server_;
+  const test::ScratchFolder scratch_;
+  port::MeshFolder files_{scratch_.path("files"), "a mesh with a name that no short string holds",
+                          settings_.mesh};
   const std::array<PolledBus, 1> buses_{{{.bus = &bus_, .settings = &settings_.buses[0]}}};
   std::optional<Gateway> gateway_;
 };
@@ -202,6 +213,22 @@ TEST_F(SteadyMemory, AnHourOfComingAndGoingTakesNone) {
   }
   EXPECT_EQ(allocations, 0u);
   EXPECT_GT(server_.published, published + 1000);
+  EXPECT_GT(told_.lines, lines);
+  EXPECT_FALSE(scratch_.read("files/a mesh with a name that no short string holds.svg").empty());
+}
+
+TEST_F(SteadyMemory, MinutesWithoutTheFolderOfTheFilesTakeNone) {
+  for (std::uint32_t round = 0; round < 12; ++round) eventful(round);
+  std::filesystem::remove_all(scratch_.path("files"));
+  eventful(12);
+  const std::size_t lines = told_.lines;
+  std::size_t allocations = 1;
+  {
+    test::AllocationWatch watch;
+    for (std::uint32_t round = 13; round < 13 + 36; ++round) eventful(round);
+    allocations = watch.allocations();
+  }
+  EXPECT_EQ(allocations, 0u);
   EXPECT_GT(told_.lines, lines);
 }
 

@@ -20,12 +20,12 @@ using test::ScratchFolder;
 
 class BackgroundStoreTest : public testing::Test {
  protected:
-  SaveResult save(std::string_view text) {
+  DiskResult save(std::string_view text) {
     store_->start_save(bytes_of(text));
     EXPECT_TRUE(store_->wait(patience));
-    SaveResult result;
+    DiskResult result;
     EXPECT_TRUE(store_->take_result(result));
-    SaveResult again;
+    DiskResult again;
     EXPECT_FALSE(store_->take_result(again)) << "a result is told once";
     return result;
   }
@@ -37,7 +37,7 @@ class BackgroundStoreTest : public testing::Test {
 
 TEST_F(BackgroundStoreTest, SavesAndLoads) {
   EXPECT_TRUE(store_->load(Copy::last).empty());
-  SaveResult result;
+  DiskResult result;
   EXPECT_FALSE(store_->take_result(result)) << "nothing was saved yet";
   EXPECT_TRUE(save("one").ok);
   EXPECT_TRUE(save("three").ok);
@@ -56,7 +56,7 @@ TEST_F(BackgroundStoreTest, SaysWhatIsBrokenAndWhereItIsKept) {
 
 TEST_F(BackgroundStoreTest, SaysWhatFailedAndTheCure) {
   scratch_.write("s", "in the way");
-  const SaveResult result = save("one");
+  const DiskResult result = save("one");
   EXPECT_FALSE(result.ok);
   EXPECT_EQ(result.why,
             folder_ + ": cannot open the folder (Not a directory); look at `folder` of [state]");
@@ -72,7 +72,7 @@ TEST_F(BackgroundStoreTest, DoesNotWaitForADiskThatHangs) {
   store_->start_save(bytes_of("two"));
   EXPECT_FALSE(store_->wait(20ms));
   EXPECT_TRUE(store_->is_saving());
-  SaveResult result;
+  DiskResult result;
   EXPECT_FALSE(store_->take_result(result));
 
   // It answers: a pipe is no place for a state, and the next save makes a file of it.

@@ -2,7 +2,6 @@
 #include "posix/state_file.h"
 
 #include <gtest/gtest.h>
-#include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -13,6 +12,7 @@
 #include <filesystem>
 #include <string>
 
+#include "mounted_disk.h"
 #include "state_kept.h"
 #include "support/scratch_folder.h"
 
@@ -210,24 +210,6 @@ TEST_F(SaveThatFails, BecauseAFileMustNotBecomeThatLong) {
   }
   expect_goes_on();
 }
-
-class MountedDisk {
- public:
-  explicit MountedDisk(const std::string& path) : path_(path) {
-    std::filesystem::create_directory(path);
-    is_mounted = ::mount("none", path.c_str(), "tmpfs", 0, "size=64k") == 0;
-  }
-  ~MountedDisk() {
-    if (is_mounted) ::umount2(path_.c_str(), MNT_DETACH);
-  }
-  bool remount(unsigned long flags) {
-    return ::mount("none", path_.c_str(), "tmpfs", MS_REMOUNT | flags, "size=64k") == 0;
-  }
-  bool is_mounted = false;
-
- private:
-  std::string path_;
-};
 
 TEST_F(SaveThatFails, BecauseTheDiskIsFull) {
   const MountedDisk disk(folder_);

@@ -1,12 +1,14 @@
 #include "support/allocation_watch.h"
 
+#include <atomic>
 #include <cstdlib>
 #include <new>
 
 namespace {
 
-bool watching = false;
-std::size_t counted = 0;
+// What other threads allocate counts too.
+std::atomic<bool> watching = false;
+std::atomic<std::size_t> counted = 0;
 
 void count() noexcept {
   if (watching) ++counted;

@@ -1,7 +1,5 @@
 #include "command.h"
 
-#include <unistd.h>
-
 #include "etcm/files/file_set.h"
 
 namespace etcm::cli {
@@ -47,6 +45,10 @@ SplitPolicy policy_named(const std::string& name) {
   return name == "paper" ? split_paper : split_default;
 }
 
-void print(const std::string& text) { files::write_all(STDOUT_FILENO, text, "standard output"); }
+void print(const std::string& text) {
+  files::FileSet standard_output;
+  standard_output.add("-", text);
+  standard_output.commit();
+}
 
 }  // namespace etcm::cli

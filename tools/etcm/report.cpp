@@ -36,7 +36,7 @@ std::size_t bytes_of(const files::MeshImage& image) {
 
 std::string json_number(double value) {
   std::string text;
-  files::append_double(text, value);
+  files::TextSink(text) << value;
   return text;
 }
 

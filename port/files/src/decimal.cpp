@@ -161,33 +161,23 @@ Decimal operator*(const Decimal& a, const Decimal& b) {
   return product;
 }
 
-void append_coordinate(std::string& text, std::int64_t subunits) {
-  if (subunits < 0) text += '-';
+void write_coordinate(TextSink& out, std::int64_t subunits) {
+  if (subunits < 0) out << '-';
   const std::uint64_t magnitude = subunits < 0 ? 0 - static_cast<std::uint64_t>(subunits)
                                                : static_cast<std::uint64_t>(subunits);
   constexpr std::uint64_t unit = subunits_per_unit;
-  text += std::to_string(magnitude / unit);
+  out << magnitude / unit;
   std::uint64_t fraction = magnitude % unit;
   if (fraction == 0) return;
-  text += '.';
+  out << '.';
   // Each step takes one factor 2 from the denominator, so it ends after at most 28 digits.
   while (fraction != 0) {
     fraction *= 10;
-    text += static_cast<char>('0' + static_cast<char>(fraction / unit));
+    out << static_cast<char>('0' + static_cast<char>(fraction / unit));
     fraction %= unit;
   }
 }
 
-std::string coordinate_text(std::int64_t subunits) {
-  std::string text;
-  append_coordinate(text, subunits);
-  return text;
-}
-
-void append_double(std::string& text, double value) {
-  std::array<char, 32> buffer;
-  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
-  text.append(buffer.data(), result.ptr);
-}
+std::string coordinate_text(std::int64_t subunits) { return text_of(write_coordinate, subunits); }
 
 }  // namespace etcm::files

@@ -43,9 +43,9 @@ class GeoJson {
   void place(std::uint32_t vertex) {
     const Point& point = image_.vertices[vertex].point;
     text_ += '[';
-    append_double(text_, static_cast<double>(point.x) / unit);
+    TextSink(text_) << static_cast<double>(point.x) / unit;
     text_ += ',';
-    append_double(text_, static_cast<double>(point.y) / unit);
+    TextSink(text_) << static_cast<double>(point.y) / unit;
     text_ += ']';
   }
 
@@ -102,9 +102,9 @@ std::string vtk_text(const MeshImage& image) {
   std::string text = "# vtk DataFile Version 3.0\netcm mesh\nASCII\nDATASET UNSTRUCTURED_GRID\n";
   text += "POINTS " + std::to_string(points) + " double\n";
   for (const ImageVertex& vertex : image.vertices) {
-    append_double(text, static_cast<double>(vertex.point.x) / unit);
+    TextSink(text) << static_cast<double>(vertex.point.x) / unit;
     text += ' ';
-    append_double(text, static_cast<double>(vertex.point.y) / unit);
+    TextSink(text) << static_cast<double>(vertex.point.y) / unit;
     text += " 0\n";
   }
   std::string types;

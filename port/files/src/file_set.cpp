@@ -5,11 +5,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
+#include <climits>
+#include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <set>
+#include <string_view>
 #include <utility>
 
 #include "etcm/files/error.h"
@@ -17,10 +20,6 @@
 namespace etcm::files {
 
 namespace {
-
-[[noreturn]] void fail(const std::string& path, int error) {
-  throw OutputError(path + ": cannot be written: " + std::strerror(error));
-}
 
 // Holds back what would end the program between two renames.
 class SignalsHeld {
@@ -39,20 +38,19 @@ class SignalsHeld {
   sigset_t before_;
 };
 
-bool is_written_directly(const std::string& path) {
+enum class Kind { none, file, folder, device };
+
+Kind kind_of(const std::string& path) {
   struct stat status {};
-  return ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+  if (::stat(path.c_str(), &status) != 0) return Kind::none;
+  if (S_ISREG(status.st_mode)) return Kind::file;
+  return S_ISDIR(status.st_mode) ? Kind::folder : Kind::device;
 }
 
-std::string target_of(const std::string& path) {
-  std::error_code error;
-  std::filesystem::path real = std::filesystem::canonical(path, error);
-  return error ? path : real.string();
-}
-
-std::string folder_of(const std::string& path) {
-  const std::string folder = std::filesystem::path(path).parent_path().string();
-  return folder.empty() ? "." : folder;
+// Links followed, into a string that keeps its memory.
+void find_target(const std::string& path, std::string& target) {
+  std::array<char, PATH_MAX> real;
+  target = ::realpath(path.c_str(), real.data()) != nullptr ? real.data() : path.c_str();
 }
 
 // Opens a new file beside the target.
@@ -73,95 +71,119 @@ int copy_mode(const std::string& target, int descriptor) {
   return ::fchmod(descriptor, status.st_mode & 07777) == 0 ? 0 : errno;
 }
 
-void write_directly(const std::string& path, std::string_view contents) {
-  if (path == "-") return write_all(STDOUT_FILENO, contents, "standard output");
-  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
-  if (file < 0) fail(path, errno);
-  try {
-    write_all(file, contents, path);
-  } catch (...) {
-    ::close(file);
-    throw;
-  }
-  if (::close(file) != 0) fail(path, errno);
+std::string_view folder_of(const std::string& path) {
+  const std::size_t slash = path.rfind('/');
+  if (slash == std::string::npos) return ".";
+  return std::string_view(path).substr(0, std::max<std::size_t>(slash, 1));
+}
+
+void sync_folder(std::string_view folder) {
+  std::array<char, PATH_MAX> path{};
+  if (folder.size() >= path.size()) return;
+  std::copy(folder.begin(), folder.end(), path.begin());
+  const int descriptor = ::open(path.data(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  // Some file systems cannot sync a folder; the files themselves are safe.
+  (void)::fsync(descriptor);
+  ::close(descriptor);
 }
 
 }  // namespace
 
-void write_all(int descriptor, std::string_view text, const std::string& name) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(descriptor, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail(name, errno);
-    text.remove_prefix(static_cast<std::size_t>(written));
-  }
+FileSet::FileSet() : buffer_(std::size_t{1} << 14) {}
+
+void FileSet::add(std::string path, std::function<void(TextSink&)> write) {
+  files_.push_back({std::move(path), std::move(write), {}, {}});
+  // The temporary's name is a little longer, and an absolute path may be.
+  files_.back().target.reserve(files_.back().path.size() + 256);
+  files_.back().temporary.reserve(files_.back().path.size() + 256);
 }
 
 void FileSet::add(std::string path, std::string contents) {
-  files_.push_back({std::move(path), std::move(contents), {}, {}});
-}
-
-std::size_t FileSet::bytes() const {
-  std::size_t sum = 0;
-  for (const File& file : files_) sum += file.contents.size();
-  return sum;
+  add(std::move(path), [contents = std::move(contents)](TextSink& out) { out << contents; });
 }
 
 void FileSet::commit() {
+  const Failure failure = try_commit();
+  if (failure.path == nullptr) return;
+  throw OutputError(*failure.path + ": cannot be written: " + std::strerror(failure.error));
+}
+
+FileSet::Failure FileSet::try_commit() {
   const SignalsHeld held;
-  try {
-    write_temporaries();
-    rename_all();
-  } catch (...) {
-    remove_temporaries();
-    throw;
-  }
-}
-
-void FileSet::write_temporaries() {
+  Failure failure;
   for (File& file : files_) {
-    if (file.path == "-" || is_written_directly(file.path)) continue;
-    file.target = target_of(file.path);
-    if (std::filesystem::is_directory(file.target)) fail(file.path, EISDIR);
-    const std::string temporary = file.target + "." + std::to_string(::getpid()) + ".tmp";
-    const int descriptor = open_temporary(temporary);
-    if (descriptor < 0) fail(file.path, errno);
-    file.temporary = temporary;
-    try {
-      write_all(descriptor, file.contents, file.path);
-    } catch (...) {
-      ::close(descriptor);
-      throw;
-    }
-    int error = copy_mode(file.target, descriptor);
-    if (error == 0 && ::fsync(descriptor) != 0) error = errno;
-    if (::close(descriptor) != 0 && error == 0) error = errno;
-    if (error != 0) fail(file.path, error);
+    file.target.clear();
+    if (file.path == "-" || kind_of(file.path) == Kind::device) continue;
+    if (failure = write_temporary(file); failure.path != nullptr) break;
   }
+  if (failure.path == nullptr) failure = rename_all();
+  remove_temporaries();
+  return failure;
 }
 
-void FileSet::rename_all() {
-  std::set<std::string> folders;
+int FileSet::write(int descriptor, const File& file) {
+  TextSink out(descriptor, buffer_);
+  file.write(out);
+  return out.finish();
+}
+
+FileSet::Failure FileSet::write_temporary(File& file) {
+  find_target(file.path, file.target);
+  if (kind_of(file.target) == Kind::folder) return {&file.path, EISDIR};
+  std::array<char, 16> number{};
+  const auto digits = std::to_chars(number.data(), number.data() + number.size(), ::getpid());
+  file.temporary = file.target;
+  file.temporary += '.';
+  file.temporary.append(number.data(), digits.ptr);
+  file.temporary += ".tmp";
+  const int descriptor = open_temporary(file.temporary);
+  if (descriptor < 0) {
+    file.temporary.clear();
+    return {&file.path, errno};
+  }
+  int error = write(descriptor, file);
+  if (error == 0) error = copy_mode(file.target, descriptor);
+  if (error == 0 && ::fsync(descriptor) != 0) error = errno;
+  if (::close(descriptor) != 0 && error == 0) error = errno;
+  if (error != 0) return {&file.path, error};
+  return {};
+}
+
+FileSet::Failure FileSet::rename_all() {
   for (File& file : files_) {
     if (file.temporary.empty()) continue;
-    if (::rename(file.temporary.c_str(), file.target.c_str()) != 0) fail(file.path, errno);
+    if (::rename(file.temporary.c_str(), file.target.c_str()) != 0) return {&file.path, errno};
     file.temporary.clear();
-    folders.insert(folder_of(file.target));
   }
-  for (const std::string& folder : folders) {
-    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor < 0) continue;
-    // Some file systems cannot sync a folder; the files themselves are safe.
-    (void)::fsync(descriptor);
-    ::close(descriptor);
+  std::string_view synced;
+  for (const File& file : files_) {
+    if (file.target.empty() || folder_of(file.target) == synced) continue;
+    synced = folder_of(file.target);
+    sync_folder(synced);
   }
   // Last, because it cannot be taken back.
   for (const File& file : files_) {
-    if (file.target.empty()) write_directly(file.path, file.contents);
+    if (!file.target.empty()) continue;
+    if (const Failure failure = write_directly(file); failure.path != nullptr) return failure;
   }
+  return {};
 }
 
-void FileSet::remove_temporaries() noexcept {
+FileSet::Failure FileSet::write_directly(const File& file) {
+  static const std::string standard_output = "standard output";
+  if (file.path == "-") {
+    const int error = write(STDOUT_FILENO, file);
+    return error == 0 ? Failure{} : Failure{&standard_output, error};
+  }
+  const int descriptor = ::open(file.path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) return {&file.path, errno};
+  int error = write(descriptor, file);
+  if (::close(descriptor) != 0 && error == 0) error = errno;
+  return error == 0 ? Failure{} : Failure{&file.path, error};
+}
+
+void FileSet::remove_temporaries() {
   for (File& file : files_) {
     if (!file.temporary.empty()) ::unlink(file.temporary.c_str());
     file.temporary.clear();

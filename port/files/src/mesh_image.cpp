@@ -3,111 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace etcm::files {
 
 namespace {
 
 constexpr std::uint32_t unnumbered = static_cast<std::uint32_t>(-1);
-
-// Builds the image of a mesh step by step; index_of_ leads from VertexId to image index.
-class Imager {
- public:
-  explicit Imager(const Mesh& mesh) : mesh_(mesh), index_of_(mesh.vertex_id_end(), unnumbered) {}
-
-  MeshImage make(Exterior exterior, std::span<const Point> holes) {
-    add_nodes();
-    add_features();
-    add_triangles(label(exterior, holes));
-    mark_edges();
-    return std::move(image_);
-  }
-
- private:
-  void add_vertex(VertexId id, bool is_steiner) {
-    index_of_[id.value] = static_cast<std::uint32_t>(image_.vertices.size());
-    image_.vertices.push_back({mesh_.point(id), is_steiner, is_steiner ? -1 : 0});
-  }
-
-  void add_nodes() {
-    for (std::uint32_t i = 1; i < mesh_.vertex_id_end(); ++i) {
-      const VertexId id(static_cast<IdValue>(i));
-      if (mesh_.kind(id) == VertexKind::node) add_vertex(id, false);
-    }
-    image_.node_count = static_cast<std::uint32_t>(image_.vertices.size());
-  }
-
-  void add_features() {
-    std::vector<VertexId> chain;
-    for (std::uint32_t f = 0; f < mesh_.feature_id_end(); ++f) {
-      const FeatureId feature(static_cast<IdValue>(f));
-      if (!mesh_.is_feature(feature)) continue;
-      ++image_.feature_count;
-      chain.resize(mesh_.chain(feature, {}));
-      (void)mesh_.chain(feature, chain);
-      for (std::size_t i = 0; i < chain.size(); ++i) {
-        if (index_of_[chain[i].value] == unnumbered) add_vertex(chain[i], true);
-        if (i == 0) continue;
-        image_.subsegments.push_back(
-            {index_of_[chain[i - 1].value], index_of_[chain[i].value], f, 0, false});
-      }
-    }
-  }
-
-  std::vector<Region> label(Exterior exterior, std::span<const Point> holes) const {
-    std::vector<Region> region(mesh_.triangle_count(), Region::outside);
-    std::vector<TriangleId> scratch(mesh_.triangle_count());
-    if (mesh_.finite_triangle_count() > 0) {
-      // Both buffers have the size it asks for, so it cannot refuse.
-      (void)label_domain(mesh_, exterior, holes, region, scratch);
-    }
-    return region;
-  }
-
-  void add_triangles(const std::vector<Region>& region) {
-    const bool is_flat = mesh_.finite_triangle_count() == 0;
-    for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
-      const Triangle triangle = mesh_.triangle(TriangleId(static_cast<IdValue>(t)));
-      const bool inside = !triangle.is_ghost() && region[t] == Region::inside;
-      for (std::size_t i = 0; i < 3; ++i) {
-        const VertexId from = triangle.corner[(i + 1) % 3];
-        const VertexId to = triangle.corner[(i + 2) % 3];
-        if (from == infinite_vertex || to == infinite_vertex) continue;
-        if (inside || is_flat || triangle.constrained[i]) {
-          add_edge(index_of_[from.value], index_of_[to.value], triangle.constrained[i]);
-        }
-      }
-      if (inside) add_triangle(triangle);
-    }
-    std::sort(image_.triangles.begin(), image_.triangles.end());
-    const auto key = [](const ImageEdge& e) { return std::pair(e.from, e.to); };
-    std::sort(image_.edges.begin(), image_.edges.end(),
-              [&](const ImageEdge& a, const ImageEdge& b) { return key(a) < key(b); });
-    const auto same = std::unique(image_.edges.begin(), image_.edges.end());
-    image_.edges.erase(same, image_.edges.end());
-  }
-
-  void add_edge(std::uint32_t a, std::uint32_t b, bool is_constrained) {
-    image_.edges.push_back({std::min(a, b), std::max(a, b), is_constrained, is_constrained});
-  }
-
-  void add_triangle(const Triangle& triangle) {
-    std::array<std::uint32_t, 3> corner{};
-    for (std::size_t i = 0; i < 3; ++i) corner[i] = index_of_[triangle.corner[i].value];
-    std::rotate(corner.begin(), std::min_element(corner.begin(), corner.end()), corner.end());
-    image_.triangles.push_back(corner);
-  }
-
-  void mark_edges() {
-    for (ImageSubsegment& piece : image_.subsegments) {
-      piece.is_edge = find_edge(image_, piece.from, piece.to) != image_.edges.size();
-    }
-  }
-
-  const Mesh& mesh_;
-  std::vector<std::uint32_t> index_of_;
-  MeshImage image_;
-};
 
 double length(const Point& a, const Point& b) {
   return std::hypot(static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y));
@@ -134,7 +36,7 @@ void carry_attributes(const ConstraintGraph& graph, MeshImage& image) {
       };
       const double from = value(feature.from);
       std::string text;
-      append_double(text, from + (value(feature.to) - from) * along);
+      TextSink(text) << from + (value(feature.to) - from) * along;
       image.attributes[piece.to * graph.attribute_count + a] = std::move(text);
     }
   }
@@ -174,8 +76,115 @@ std::uint32_t MeshImage::unresolved_count() const {
                     [](const ImageSubsegment& piece) { return !piece.is_edge; }));
 }
 
+Imager::Imager(const MeshConfig& config) {
+  const std::size_t vertices = config.vertices_max;
+  const std::size_t triangles = 2 * vertices;  // with ghosts
+  image_.vertices.reserve(vertices);
+  image_.triangles.reserve(triangles);
+  image_.edges.reserve(3 * vertices);
+  image_.subsegments.reserve(vertices + config.features_max);
+  image_.attributes.reserve(vertices);
+  index_of_.reserve(vertices + 1);
+  chain_.reserve(vertices);
+  region_.reserve(triangles);
+  waiting_.reserve(triangles);
+}
+
+MeshImage& Imager::make(const Mesh& mesh, Exterior exterior, std::span<const Point> holes) {
+  image_.vertices.clear();
+  image_.triangles.clear();
+  image_.edges.clear();
+  image_.subsegments.clear();
+  image_.attributes.clear();
+  image_.attribute_count = 0;
+  image_.feature_count = 0;
+  index_of_.assign(mesh.vertex_id_end(), unnumbered);
+  add_nodes(mesh);
+  add_features(mesh);
+  label(mesh, exterior, holes);
+  add_triangles(mesh);
+  mark_edges();
+  return image_;
+}
+
+void Imager::add_vertex(const Mesh& mesh, VertexId id, bool is_steiner) {
+  index_of_[id.value] = static_cast<std::uint32_t>(image_.vertices.size());
+  image_.vertices.push_back({mesh.point(id), is_steiner, is_steiner ? -1 : 0});
+}
+
+void Imager::add_nodes(const Mesh& mesh) {
+  for (std::uint32_t i = 1; i < mesh.vertex_id_end(); ++i) {
+    const VertexId id(static_cast<IdValue>(i));
+    if (mesh.kind(id) == VertexKind::node) add_vertex(mesh, id, false);
+  }
+  image_.node_count = static_cast<std::uint32_t>(image_.vertices.size());
+}
+
+void Imager::add_features(const Mesh& mesh) {
+  for (std::uint32_t f = 0; f < mesh.feature_id_end(); ++f) {
+    const FeatureId feature(static_cast<IdValue>(f));
+    if (!mesh.is_feature(feature)) continue;
+    ++image_.feature_count;
+    chain_.resize(mesh.chain(feature, {}));
+    (void)mesh.chain(feature, chain_);
+    for (std::size_t i = 0; i < chain_.size(); ++i) {
+      if (index_of_[chain_[i].value] == unnumbered) add_vertex(mesh, chain_[i], true);
+      if (i == 0) continue;
+      image_.subsegments.push_back(
+          {index_of_[chain_[i - 1].value], index_of_[chain_[i].value], f, 0, false});
+    }
+  }
+}
+
+void Imager::label(const Mesh& mesh, Exterior exterior, std::span<const Point> holes) {
+  region_.assign(mesh.triangle_count(), Region::outside);
+  waiting_.resize(mesh.triangle_count());
+  if (mesh.finite_triangle_count() == 0) return;
+  // Both buffers have the size it asks for, so it cannot refuse.
+  (void)label_domain(mesh, exterior, holes, region_, waiting_);
+}
+
+void Imager::add_triangles(const Mesh& mesh) {
+  const bool is_flat = mesh.finite_triangle_count() == 0;
+  const auto is_inside = [&](TriangleId id) { return region_[id.value] == Region::inside; };
+  for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+    const TriangleId id(static_cast<IdValue>(t));
+    const Triangle triangle = mesh.triangle(id);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const VertexId from = triangle.corner[(i + 1) % 3];
+      const VertexId to = triangle.corner[(i + 2) % 3];
+      if (from == infinite_vertex || to == infinite_vertex) continue;
+      const bool is_wanted = is_flat || triangle.constrained[i];
+      // Each edge has two triangles: the first one that wants it adds it.
+      const TriangleId other = triangle.neighbour[i];
+      if (other.value < t && (is_wanted || is_inside(other))) continue;
+      if (!is_wanted && !is_inside(id)) continue;
+      const std::uint32_t a = index_of_[from.value];
+      const std::uint32_t b = index_of_[to.value];
+      const bool is_constrained = triangle.constrained[i];
+      image_.edges.push_back({std::min(a, b), std::max(a, b), is_constrained, is_constrained});
+    }
+    if (!is_inside(id)) continue;
+    std::array<std::uint32_t, 3> corner{};
+    for (std::size_t i = 0; i < 3; ++i) corner[i] = index_of_[triangle.corner[i].value];
+    std::rotate(corner.begin(), std::min_element(corner.begin(), corner.end()), corner.end());
+    image_.triangles.push_back(corner);
+  }
+  std::sort(image_.triangles.begin(), image_.triangles.end());
+  std::sort(image_.edges.begin(), image_.edges.end(), [](const ImageEdge& a, const ImageEdge& b) {
+    return std::pair(a.from, a.to) < std::pair(b.from, b.to);
+  });
+}
+
+void Imager::mark_edges() {
+  for (ImageSubsegment& piece : image_.subsegments) {
+    piece.is_edge = find_edge(image_, piece.from, piece.to) != image_.edges.size();
+  }
+}
+
 MeshImage image_of(const Mesh& mesh, Exterior exterior, std::span<const Point> holes) {
-  return Imager(mesh).make(exterior, holes);
+  Imager imager;
+  return std::move(imager.make(mesh, exterior, holes));
 }
 
 void carry_through(const ConstraintGraph& graph, const Placement& placement, MeshImage& image) {

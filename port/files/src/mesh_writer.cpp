@@ -7,117 +7,92 @@ namespace etcm::files {
 
 namespace {
 
-std::string header(const MeshImage& image) {
-  std::string text = "# etcm: " + std::to_string(image.node_count) +
-                     " nodes, Steiner vertices: " + std::to_string(image.steiner_count());
-  if (image.steiner_count() > 0) {
-    text += " (marker " + std::to_string(image.vertices.back().marker) + ")";
-  }
-  text += ", " + std::to_string(image.triangles.size()) + " triangles\n";
-  if (!image.unit_note.empty()) text += "# " + image.unit_note + "\n";
-  return text;
+void write_header(TextSink& out, const MeshImage& image) {
+  out << "# etcm: " << image.node_count << " nodes, Steiner vertices: " << image.steiner_count();
+  if (image.steiner_count() > 0) out << " (marker " << image.vertices.back().marker << ")";
+  out << ", " << image.triangles.size() << " triangles\n";
+  if (!image.unit_note.empty()) out << "# " << image.unit_note << "\n";
 }
 
-void append(std::string& text, std::int64_t value) { text += std::to_string(value); }
-
-void append_fields(std::string& text, std::initializer_list<std::int64_t> values) {
-  const char* separator = "";
+void write_line(TextSink& out, std::initializer_list<std::int64_t> values) {
+  std::string_view separator;
   for (const std::int64_t value : values) {
-    text += separator;
-    append(text, value);
+    out << separator << value;
     separator = " ";
   }
+  out << '\n';
 }
+
+std::int64_t count(const auto& list) { return static_cast<std::int64_t>(list.size()); }
 
 }  // namespace
 
-std::string node_text(const MeshImage& image) {
-  std::string text = header(image);
-  append_fields(text, {static_cast<std::int64_t>(image.vertices.size()), 2,
-                       static_cast<std::int64_t>(image.attribute_count), 1});
-  text += '\n';
+void write_node(TextSink& out, const MeshImage& image) {
+  write_header(out, image);
+  write_line(out, {count(image.vertices), 2, static_cast<std::int64_t>(image.attribute_count), 1});
   for (std::size_t i = 0; i < image.vertices.size(); ++i) {
     const ImageVertex& vertex = image.vertices[i];
-    append(text, static_cast<std::int64_t>(i) + image.index_base);
-    text += ' ';
-    append_coordinate(text, vertex.point.x);
-    text += ' ';
-    append_coordinate(text, vertex.point.y);
+    out << static_cast<std::int64_t>(i) + image.index_base << ' ';
+    write_coordinate(out, vertex.point.x);
+    out << ' ';
+    write_coordinate(out, vertex.point.y);
     for (std::size_t a = 0; a < image.attribute_count; ++a) {
-      text += ' ';
-      text += image.attributes[i * image.attribute_count + a];
+      out << ' ' << image.attributes[i * image.attribute_count + a];
     }
-    text += ' ';
-    append(text, vertex.marker);
-    text += '\n';
+    out << ' ' << vertex.marker << '\n';
   }
-  return text;
 }
 
-std::string ele_text(const MeshImage& image) {
-  std::string text = header(image);
-  append_fields(text, {static_cast<std::int64_t>(image.triangles.size()), 3, 0});
-  text += '\n';
+void write_ele(TextSink& out, const MeshImage& image) {
+  write_header(out, image);
+  write_line(out, {count(image.triangles), 3, 0});
   std::int64_t number = image.index_base;
   for (const auto& corner : image.triangles) {
-    append_fields(text, {number++, std::int64_t{corner[0]} + image.index_base,
-                         std::int64_t{corner[1]} + image.index_base,
-                         std::int64_t{corner[2]} + image.index_base});
-    text += '\n';
+    write_line(out, {number++, std::int64_t{corner[0]} + image.index_base,
+                     std::int64_t{corner[1]} + image.index_base,
+                     std::int64_t{corner[2]} + image.index_base});
   }
-  return text;
 }
 
-std::string edge_text(const MeshImage& image) {
-  std::string text = header(image);
-  append_fields(text, {static_cast<std::int64_t>(image.edges.size()), 1});
-  text += '\n';
+void write_edge(TextSink& out, const MeshImage& image) {
+  write_header(out, image);
+  write_line(out, {count(image.edges), 1});
   std::int64_t number = image.index_base;
   for (const ImageEdge& edge : image.edges) {
-    append_fields(text, {number++, std::int64_t{edge.from} + image.index_base,
-                         std::int64_t{edge.to} + image.index_base, edge.marker});
-    text += '\n';
+    write_line(out, {number++, std::int64_t{edge.from} + image.index_base,
+                     std::int64_t{edge.to} + image.index_base, edge.marker});
   }
-  return text;
 }
 
-std::string poly_text(const MeshImage& image) {
-  std::string text = header(image);
-  append_fields(text, {0, 2, static_cast<std::int64_t>(image.attribute_count), 1});
-  text += '\n';
-  append_fields(text, {static_cast<std::int64_t>(image.subsegments.size()), 1});
-  text += '\n';
+void write_poly(TextSink& out, const MeshImage& image) {
+  write_header(out, image);
+  write_line(out, {0, 2, static_cast<std::int64_t>(image.attribute_count), 1});
+  write_line(out, {count(image.subsegments), 1});
   std::int64_t number = image.index_base;
   for (const ImageSubsegment& piece : image.subsegments) {
-    append_fields(text, {number++, std::int64_t{piece.from} + image.index_base,
-                         std::int64_t{piece.to} + image.index_base, piece.marker});
-    text += '\n';
+    write_line(out, {number++, std::int64_t{piece.from} + image.index_base,
+                     std::int64_t{piece.to} + image.index_base, piece.marker});
   }
-  append(text, static_cast<std::int64_t>(image.holes.size()));
-  text += '\n';
+  write_line(out, {count(image.holes)});
   number = image.index_base;
   for (const GraphHole& hole : image.holes) {
-    append(text, number++);
-    text += ' ' + hole.x.to_string() + ' ' + hole.y.to_string() + '\n';
+    out << number++ << ' ' << hole.x.to_string() << ' ' << hole.y.to_string() << '\n';
   }
-  if (image.regions.empty()) return text;
-  append(text, static_cast<std::int64_t>(image.regions.size()));
-  text += '\n';
+  if (image.regions.empty()) return;
+  write_line(out, {count(image.regions)});
   number = image.index_base;
   for (const GraphRegion& region : image.regions) {
-    append(text, number++);
-    text += ' ' + region.x.to_string() + ' ' + region.y.to_string();
-    for (const std::string& value : region.values) text += ' ' + value;
-    text += '\n';
+    out << number++ << ' ' << region.x.to_string() << ' ' << region.y.to_string();
+    for (const std::string& value : region.values) out << ' ' << value;
+    out << '\n';
   }
-  return text;
 }
 
 void add_mesh_files(const MeshImage& image, const std::string& base, FileSet& files) {
-  files.add(base + ".node", node_text(image));
-  files.add(base + ".ele", ele_text(image));
-  files.add(base + ".edge", edge_text(image));
-  files.add(base + ".poly", poly_text(image));
+  files.add(base + ".node", [&](TextSink& out) { write_node(out, image); });
+  files.add(base + ".ele", [&](TextSink& out) { write_ele(out, image); });
+  files.add(base + ".edge", [&](TextSink& out) { write_edge(out, image); });
+  files.add(base + ".poly", [&](TextSink& out) { write_poly(out, image); });
 }
 
 }  // namespace etcm::files

@@ -35,62 +35,78 @@ constexpr const char* hole_colour = "#b3261e";
 constexpr const char* relay_colour = "#6d3fc0";
 constexpr const char* unresolved_colour = "#c2185b";
 
-// Thin spaces between groups of three digits.
-std::string grouped(std::size_t number) {
-  std::string text = std::to_string(number);
-  for (std::size_t at = text.size(); at > 3; at -= 3) text.insert(at - 3, "\xE2\x80\xAF");
-  return text;
+// With thin spaces between groups of three digits.
+struct Grouped {
+  std::size_t number;
+};
+TextSink& operator<<(TextSink& out, Grouped grouped) {
+  std::size_t power = 1;
+  while (grouped.number / power >= 1000) power *= 1000;
+  out << grouped.number / power;
+  for (power /= 1000; power > 0; power /= 1000) {
+    const std::size_t three = grouped.number / power % 1000;
+    out << "\xE2\x80\xAF" << three / 100 << three / 10 % 10 << three % 10;
+  }
+  return out;
 }
 
-std::string counted(std::size_t number, const char* one, const char* many) {
-  return grouped(number) + " " + (number == 1 ? one : many);
+struct Counted {
+  std::size_t number;
+  const char* one;
+  const char* many;
+};
+TextSink& operator<<(TextSink& out, const Counted& counted) {
+  return out << Grouped{counted.number} << ' '
+             << (counted.number == 1 ? counted.one : counted.many);
 }
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
+// What the user wrote, as SVG wants it.
+struct Escaped {
+  const std::string& text;
+};
+TextSink& operator<<(TextSink& out, Escaped escaped) {
+  for (const char c : escaped.text) {
     switch (c) {
       case '&':
-        out += "&amp;";
+        out << "&amp;";
         break;
       case '<':
-        out += "&lt;";
+        out << "&lt;";
         break;
       case '>':
-        out += "&gt;";
+        out << "&gt;";
         break;
       case '"':
-        out += "&quot;";
+        out << "&quot;";
         break;
       default:
         // A file name may hold any bytes; a picture may not.
-        out += c >= ' ' && c <= '~' ? c : '?';
+        out << (c >= ' ' && c <= '~' ? c : '?');
     }
   }
   return out;
 }
 
 // A length in pixels with two decimals at most, the same text everywhere.
-std::string px(double value) {
-  const long long hundredths = std::llround(value * 100);
-  std::string text = hundredths < 0 ? "-" : "";
-  text += std::to_string(std::llabs(hundredths) / 100);
-  const long long rest = std::llabs(hundredths) % 100;
-  if (rest == 0) return text;
-  text += rest < 10 ? ".0" : ".";
-  text += rest % 10 == 0 ? std::to_string(rest / 10) : std::to_string(rest);
-  return text;
+struct Px {
+  double value;
+};
+TextSink& operator<<(TextSink& out, Px length) {
+  const std::int64_t hundredths = std::llround(length.value * 100);
+  const std::int64_t magnitude = hundredths < 0 ? -hundredths : hundredths;
+  if (hundredths < 0) out << '-';
+  out << magnitude / 100;
+  const std::int64_t rest = magnitude % 100;
+  if (rest == 0) return out;
+  out << (rest < 10 ? ".0" : ".");
+  return out << (rest % 10 == 0 ? rest / 10 : rest);
 }
 
-// A place on the page in hundredths of a pixel, in which all paths of the map are drawn.
-struct Spot {
-  long long x = 0;
-  long long y = 0;
-};
+using Spot = PictureSpot;
 
 // Where a handful of vertices stands so far off that the rest would shrink to a corner, the picture
 // leaves them out (and says so): less than 1 % of all, beyond a gap of a third of the extent.
-std::pair<std::int64_t, std::int64_t> extent_without_outliers(std::vector<std::int64_t> values) {
+std::pair<std::int64_t, std::int64_t> extent_without_outliers(std::vector<std::int64_t>& values) {
   if (values.empty()) return {0, 0};
   std::sort(values.begin(), values.end());
   const std::size_t few = values.size() / 100;
@@ -107,15 +123,13 @@ std::pair<std::int64_t, std::int64_t> extent_without_outliers(std::vector<std::i
 
 class Map {
  public:
-  explicit Map(const MeshImage& image) {
-    std::vector<std::int64_t> xs;
-    std::vector<std::int64_t> ys;
-    for (const ImageVertex& vertex : image.vertices) {
-      xs.push_back(vertex.point.x);
-      ys.push_back(vertex.point.y);
-    }
-    std::tie(low_.x, high_.x) = extent_without_outliers(std::move(xs));
-    std::tie(low_.y, high_.y) = extent_without_outliers(std::move(ys));
+  Map(const MeshImage& image, std::vector<std::int64_t>& coordinates) {
+    coordinates.clear();
+    for (const ImageVertex& vertex : image.vertices) coordinates.push_back(vertex.point.x);
+    std::tie(low_.x, high_.x) = extent_without_outliers(coordinates);
+    coordinates.clear();
+    for (const ImageVertex& vertex : image.vertices) coordinates.push_back(vertex.point.y);
+    std::tie(low_.y, high_.y) = extent_without_outliers(coordinates);
     for (const ImageVertex& vertex : image.vertices) outside_count_ += !shows(vertex.point);
     const double width = static_cast<double>(high_.x - low_.x);
     const double height = static_cast<double>(high_.y - low_.y);
@@ -154,52 +168,81 @@ class Map {
   double bottom_ = header_height;
 };
 
-// SVG path data in relative moves, which are short.
-class PathData {
+// One path in relative moves, which are short; no path at all where nothing is drawn. `style`
+// writes the attributes before the data.
+template <class Style>
+class Path {
  public:
+  Path(TextSink& out, const Style& style) : out_(out), style_(style) {}
+  Path(const Path&) = delete;
+  Path& operator=(const Path&) = delete;
+  ~Path() {
+    if (command_ != ' ') out_ << "\"/>\n";
+  }
+
   void move_to(Spot to) {
-    text_ += started_ ? "m" : "M";
-    append(to);
+    if (command_ == ' ') {
+      out_ << "<path ";
+      style_();
+      out_ << " d=\"M";
+    } else {
+      out_ << 'm';
+    }
+    ends_in_digit_ = false;
     command_ = 'm';
+    append(to);
+    first_ = to;
   }
   void line_to(Spot to) {
-    if (command_ != 'l') text_ += 'l';
+    if (command_ != 'l') {
+      out_ << 'l';
+      ends_in_digit_ = false;
+    }
     command_ = 'l';
     append(to);
   }
   void close() {
-    text_ += 'z';
+    out_ << 'z';
+    ends_in_digit_ = false;
     command_ = 'z';
     at_ = first_;
   }
   void dot(Spot to) {
     move_to(to);
     // Not 0: some renderers draw no caps on a line without length.
-    text_ += "h1";
+    out_ << "h1";
     at_.x += 1;
   }
-  bool empty() const { return text_.empty(); }
-  const std::string& text() const { return text_; }
 
  private:
   void append(Spot to) {
-    const long long dx = to.x - at_.x;
-    const long long dy = to.y - at_.y;
-    if (!text_.empty() && text_.back() >= '0' && text_.back() <= '9' && dx >= 0) text_ += ' ';
-    text_ += std::to_string(dx);
-    if (dy >= 0) text_ += ' ';
-    text_ += std::to_string(dy);
-    if (command_ != 'l') first_ = to;
+    const std::int64_t dx = to.x - at_.x;
+    const std::int64_t dy = to.y - at_.y;
+    if (ends_in_digit_ && dx >= 0) out_ << ' ';
+    out_ << dx;
+    if (dy >= 0) out_ << ' ';
+    out_ << dy;
+    ends_in_digit_ = true;
     at_ = to;
-    started_ = true;
   }
 
-  std::string text_;
+  TextSink& out_;
+  const Style& style_;
   Spot at_;
   Spot first_;
-  bool started_ = false;
   char command_ = ' ';
+  bool ends_in_digit_ = false;
 };
+
+struct Stroke {
+  const char* colour;
+  double width;
+  const char* more = "";
+};
+TextSink& operator<<(TextSink& out, const Stroke& stroke) {
+  return out << "stroke=\"" << stroke.colour << "\" stroke-width=\"" << Px{stroke.width * 100}
+             << '"' << stroke.more;
+}
 
 // Widths that suit the density of the mesh.
 struct Strokes {
@@ -211,45 +254,52 @@ struct Strokes {
 
 class Picture {
  public:
-  Picture(const MeshImage& image, const PictureText& words, const PictureMarks& marks)
-      : image_(image), words_(words), marks_(marks), map_(image) {
-    spots_.reserve(image.vertices.size());
-    for (const ImageVertex& vertex : image.vertices) spots_.push_back(map_.spot(vertex.point));
+  Picture(TextSink& out, const MeshImage& image, const PictureText& words,
+          const PictureMarks& marks, PictureRoom& room)
+      : out_(out),
+        image_(image),
+        words_(words),
+        marks_(marks),
+        room_(room),
+        map_(image, room.coordinates) {
+    room_.spots.clear();
+    for (const ImageVertex& vertex : image.vertices) room_.spots.push_back(map_.spot(vertex.point));
+    room_.outline.find(image);
     strokes_ = choose_strokes();
   }
 
-  std::string make() {
+  void write() {
     open_page();
     add_title();
-    if (map_.outside_count() > 0) {
-      text_ += "<clipPath id=\"map\"><rect x=\"0\" y=\"" + px(header_height - 10) + "\" width=\"" +
-               px(page_width) + "\" height=\"" + px(map_.height_px() + 20) + "\"/></clipPath>\n";
+    const bool is_clipped = map_.outside_count() > 0;
+    if (is_clipped) {
+      out_ << "<clipPath id=\"map\"><rect x=\"0\" y=\"" << Px{header_height - 10} << "\" width=\""
+           << Px{page_width} << "\" height=\"" << Px{map_.height_px() + 20} << "\"/></clipPath>\n";
     }
-    text_ += map_.outside_count() > 0 ? "<g clip-path=\"url(#map)\">\n" : "<g>\n";
-    text_ +=
-        "<g transform=\"scale(.01)\" fill=\"none\" stroke-linejoin=\"round\" "
-        "stroke-linecap=\"round\">\n";
+    out_ << (is_clipped ? "<g clip-path=\"url(#map)\">\n" : "<g>\n")
+         << "<g transform=\"scale(.01)\" fill=\"none\" stroke-linejoin=\"round\" "
+            "stroke-linecap=\"round\">\n";
     add_domain();
     add_edges();
     add_features();
     add_vertices();
     add_marks();
-    text_ += "</g>\n</g>\n";
+    out_ << "</g>\n</g>\n";
     add_legend();
     add_scale_bar();
-    text_ += "</svg>\n";
-    return std::move(text_);
+    out_ << "</svg>\n";
   }
 
  private:
   // Symbols are to stay apart: they follow a low quantile of what the mesh has for edge lengths.
   Strokes choose_strokes() const {
-    std::vector<double> lengths;
-    lengths.reserve(image_.edges.size());
+    std::vector<double>& lengths = room_.lengths;
+    lengths.clear();
     for (const ImageEdge& edge : image_.edges) {
-      lengths.push_back(std::hypot(static_cast<double>(spots_[edge.from].x - spots_[edge.to].x),
-                                   static_cast<double>(spots_[edge.from].y - spots_[edge.to].y)) /
-                        100);
+      const Spot& from = room_.spots[edge.from];
+      const Spot& to = room_.spots[edge.to];
+      lengths.push_back(
+          std::hypot(static_cast<double>(from.x - to.x), static_cast<double>(from.y - to.y)) / 100);
     }
     double spacing = 100;
     if (!lengths.empty()) {
@@ -266,139 +316,150 @@ class Picture {
   }
 
   void open_page() {
-    const std::string height = px(map_.page_height());
-    text_ += "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + px(page_width) + " " +
-             height + "\" width=\"" + px(page_width) + "\" height=\"" + height +
-             "\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n";
-    text_ += "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
+    out_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << Px{page_width} << ' '
+         << Px{map_.page_height()} << "\" width=\"" << Px{page_width} << "\" height=\""
+         << Px{map_.page_height()}
+         << "\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n"
+         << "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
   }
 
-  void add_text(double x, double y, double size, const char* colour, const std::string& text,
-                const char* more = "") {
-    text_ += "<text x=\"" + px(x) + "\" y=\"" + px(y) + "\" font-size=\"" + px(size) +
-             "\" fill=\"" + colour + "\"" + more + ">" + text + "</text>\n";
+  // What stands in it follows, and "</text>\n".
+  TextSink& open_text(double x, double y, double size, const char* colour, const char* more = "") {
+    return out_ << "<text x=\"" << Px{x} << "\" y=\"" << Px{y} << "\" font-size=\"" << Px{size}
+                << "\" fill=\"" << colour << '"' << more << '>';
   }
 
   void add_title() {
-    text_ += "<title>" + escaped(words_.title) + "</title>\n";
-    add_text(margin, 46, 26, ink, escaped(words_.title), " font-weight=\"bold\"");
-    const std::string separator = " \xC2\xB7 ";
-    std::string counts = counted(image_.node_count, "node", "nodes") + separator +
-                         counted(image_.feature_count, "feature", "features") + separator +
-                         counted(image_.steiner_count(), "Steiner vertex", "Steiner vertices") +
-                         separator + counted(image_.triangles.size(), "triangle", "triangles");
+    constexpr const char* separator = " \xC2\xB7 ";
+    out_ << "<title>" << Escaped{words_.title} << "</title>\n";
+    open_text(margin, 46, 26, ink, " font-weight=\"bold\"") << Escaped{words_.title} << "</text>\n";
+    open_text(margin, 73, 16, soft_ink)
+        << Counted{image_.node_count, "node", "nodes"} << separator
+        << Counted{image_.feature_count, "feature", "features"} << separator
+        << Counted{image_.steiner_count(), "Steiner vertex", "Steiner vertices"} << separator
+        << Counted{image_.triangles.size(), "triangle", "triangles"};
     if (image_.unresolved_count() > 0) {
-      counts += separator + grouped(image_.unresolved_count()) + " unresolved";
+      out_ << separator << Grouped{image_.unresolved_count()} << " unresolved";
     }
     if (map_.outside_count() > 0) {
-      counts +=
-          separator + counted(map_.outside_count(), "vertex", "vertices") + " far off, not shown";
+      out_ << separator << Counted{map_.outside_count(), "vertex", "vertices"}
+           << " far off, not shown";
     }
-    add_text(margin, 73, 16, soft_ink, counts);
+    out_ << "</text>\n";
   }
 
-  void add_path(const PathData& path, const std::string& attributes) {
-    if (path.empty()) return;
-    text_ += "<path " + attributes + " d=\"" + path.text() + "\"/>\n";
+  template <class Style, class Draw>
+  void add_path(const Style& style, const Draw& draw) {
+    Path<Style> path(out_, style);
+    draw(path);
   }
-
-  static std::string stroke(const char* colour, double width) {
-    return std::string("stroke=\"") + colour + "\" stroke-width=\"" + px(width * 100) + "\"";
+  template <class Draw>
+  void add_path(const Stroke& stroke, const Draw& draw) {
+    add_path([&] { out_ << stroke; }, draw);
   }
 
   void add_domain() {
-    PathData path;
-    for (const auto& loop : outline_loops(image_)) {
-      path.move_to(spots_[loop.front()]);
-      for (std::size_t i = 1; i < loop.size(); ++i) path.line_to(spots_[loop[i]]);
-      path.close();
-    }
-    const bool has_unseen = marks_.sensing_range > 0 && !path.empty();
-    add_path(path, std::string("fill=\"") + (has_unseen ? unseen_fill : domain_fill) +
-                       "\" fill-rule=\"evenodd\"");
+    const Outline& outline = room_.outline;
+    const auto draw = [&](auto& path) {
+      for (std::size_t i = 0; i < outline.loop_count(); ++i) {
+        const auto loop = outline.loop(i);
+        path.move_to(room_.spots[loop.front()]);
+        for (const std::uint32_t vertex : loop.subspan(1)) path.line_to(room_.spots[vertex]);
+        path.close();
+      }
+    };
+    const bool has_unseen = marks_.sensing_range > 0 && outline.loop_count() > 0;
+    add_path(
+        [&] {
+          out_ << "fill=\"" << (has_unseen ? unseen_fill : domain_fill)
+               << "\" fill-rule=\"evenodd\"";
+        },
+        draw);
     if (!has_unseen) return;
-    text_ += "<clipPath id=\"domain\">";
-    add_path(path, "clip-rule=\"evenodd\"");
-    text_ +=
-        "</clipPath>\n<g clip-path=\"url(#domain)\" fill=\"" + std::string(domain_fill) + "\">\n";
-    const std::string radius =
-        std::to_string(std::llround(marks_.sensing_range * map_.px_per_unit() * 100));
+    out_ << "<clipPath id=\"domain\">";
+    add_path([&] { out_ << "clip-rule=\"evenodd\""; }, draw);
+    out_ << "</clipPath>\n<g clip-path=\"url(#domain)\" fill=\"" << domain_fill << "\">\n";
+    const auto radius = std::llround(marks_.sensing_range * map_.px_per_unit() * 100);
     for (const Point& sensor : marks_.sensors) {
       const Spot spot = map_.spot(sensor);
-      text_ += "<circle cx=\"" + std::to_string(spot.x) + "\" cy=\"" + std::to_string(spot.y) +
-               "\" r=\"" + radius + "\"/>\n";
+      out_ << "<circle cx=\"" << spot.x << "\" cy=\"" << spot.y << "\" r=\"" << radius << "\"/>\n";
     }
-    text_ += "</g>\n";
+    out_ << "</g>\n";
   }
 
   // Relays are rings, holes crosses; both as large as is readable.
   void add_marks() {
     const double size = std::max(strokes_.node, 5.0) * 100;
     const auto reach = std::llround(size * 0.7);
-    PathData rings;
-    for (const Point& relay : marks_.relays) {
-      if (map_.shows(relay)) rings.dot(map_.spot(relay));
-    }
-    add_path(rings, stroke(relay_colour, size / 100 * 1.3));
-    add_path(rings, stroke("#fff", size / 100 * 0.7));
-    PathData crosses;
-    for (const Point& hole : marks_.holes) {
-      if (!map_.shows(hole)) continue;
-      const Spot spot = map_.spot(hole);
-      crosses.move_to({spot.x - reach, spot.y - reach});
-      crosses.line_to({spot.x + reach, spot.y + reach});
-      crosses.move_to({spot.x - reach, spot.y + reach});
-      crosses.line_to({spot.x + reach, spot.y - reach});
-    }
-    add_path(crosses, stroke(hole_colour, size / 100 * 0.35));
+    const auto draw_rings = [&](auto& path) {
+      for (const Point& relay : marks_.relays) {
+        if (map_.shows(relay)) path.dot(map_.spot(relay));
+      }
+    };
+    add_path(Stroke{relay_colour, size / 100 * 1.3}, draw_rings);
+    add_path(Stroke{"#fff", size / 100 * 0.7}, draw_rings);
+    add_path(Stroke{hole_colour, size / 100 * 0.35}, [&](auto& path) {
+      for (const Point& hole : marks_.holes) {
+        if (!map_.shows(hole)) continue;
+        const Spot spot = map_.spot(hole);
+        path.move_to({spot.x - reach, spot.y - reach});
+        path.line_to({spot.x + reach, spot.y + reach});
+        path.move_to({spot.x - reach, spot.y + reach});
+        path.line_to({spot.x + reach, spot.y - reach});
+      }
+    });
   }
 
   void add_edges() {
-    PathData path;
-    std::uint32_t at = static_cast<std::uint32_t>(-1);
-    for (const ImageEdge& edge : image_.edges) {
-      if (edge.is_constrained) continue;
-      if (edge.from != at) path.move_to(spots_[edge.from]);
-      path.line_to(spots_[edge.to]);
-      at = edge.to;
-    }
-    add_path(path, stroke(edge_colour, strokes_.edge));
+    add_path(Stroke{edge_colour, strokes_.edge}, [&](auto& path) {
+      std::uint32_t at = static_cast<std::uint32_t>(-1);
+      for (const ImageEdge& edge : image_.edges) {
+        if (edge.is_constrained) continue;
+        if (edge.from != at) path.move_to(room_.spots[edge.from]);
+        path.line_to(room_.spots[edge.to]);
+        at = edge.to;
+      }
+    });
   }
 
   void add_features() {
-    PathData done;
-    PathData missing;
-    std::uint32_t at = static_cast<std::uint32_t>(-1);
-    for (const ImageSubsegment& piece : image_.subsegments) {
-      if (!piece.is_edge) {
-        missing.move_to(spots_[piece.from]);
-        missing.line_to(spots_[piece.to]);
-        continue;
+    const auto draw = [&](bool are_edges, auto& path) {
+      std::uint32_t at = static_cast<std::uint32_t>(-1);
+      for (const ImageSubsegment& piece : image_.subsegments) {
+        if (piece.is_edge != are_edges) continue;
+        if (!are_edges || piece.from != at) path.move_to(room_.spots[piece.from]);
+        path.line_to(room_.spots[piece.to]);
+        at = piece.to;
       }
-      if (piece.from != at) done.move_to(spots_[piece.from]);
-      done.line_to(spots_[piece.to]);
-      at = piece.to;
-    }
-    add_path(done, stroke(feature_colour, strokes_.feature));
-    const std::string dash = px(strokes_.feature * 300);
-    add_path(missing, stroke(unresolved_colour, strokes_.feature) + " stroke-dasharray=\"" + dash +
-                          " " + dash + "\"");
+    };
+    add_path(Stroke{feature_colour, strokes_.feature}, [&](auto& path) { draw(true, path); });
+    const Px dash{strokes_.feature * 300};
+    add_path(
+        [&] {
+          out_ << Stroke{unresolved_colour, strokes_.feature} << " stroke-dasharray=\"" << dash
+               << ' ' << dash << '"';
+        },
+        [&](auto& path) { draw(false, path); });
   }
 
   void add_vertices() {
-    PathData nodes;
-    PathData steiner;
-    for (std::size_t i = 0; i < spots_.size(); ++i) {
-      if (!map_.shows(image_.vertices[i].point)) continue;
-      (image_.vertices[i].is_steiner ? steiner : nodes).dot(spots_[i]);
-    }
+    const auto draw = [&](bool are_steiner, auto& path) {
+      for (std::size_t i = 0; i < image_.vertices.size(); ++i) {
+        const ImageVertex& vertex = image_.vertices[i];
+        if (vertex.is_steiner == are_steiner && map_.shows(vertex.point)) path.dot(room_.spots[i]);
+      }
+    };
+    const auto draw_nodes = [&](auto& path) { draw(false, path); };
+    const auto draw_steiner = [&](auto& path) { draw(true, path); };
     // A white rim keeps symbols apart from bold features under them.
     const double rim = std::min(1.5, strokes_.node * 0.35);
-    if (strokes_.node > 2) add_path(nodes, stroke("#fff", strokes_.node + rim));
-    add_path(nodes, stroke(node_colour, strokes_.node));
-    const std::string square = " stroke-linecap=\"square\"";
-    if (strokes_.steiner > 2) add_path(steiner, stroke("#fff", strokes_.steiner + rim) + square);
-    add_path(steiner, stroke(steiner_colour, strokes_.steiner) + square);
+    if (strokes_.node > 2) add_path(Stroke{"#fff", strokes_.node + rim}, draw_nodes);
+    add_path(Stroke{node_colour, strokes_.node}, draw_nodes);
+    constexpr const char* square = " stroke-linecap=\"square\"";
+    if (strokes_.steiner > 2) {
+      add_path(Stroke{"#fff", strokes_.steiner + rim, square}, draw_steiner);
+    }
+    add_path(Stroke{steiner_colour, strokes_.steiner, square}, draw_steiner);
   }
 
   double footer_y() const { return header_height + map_.height_px() + 52; }
@@ -407,19 +468,19 @@ class Picture {
     double x = margin;
     const double y = footer_y();
     const auto label = [&](const char* text, double width) {
-      add_text(x + 30, y + 5, 14, ink, text);
+      open_text(x + 30, y + 5, 14, ink) << text << "</text>\n";
       x += 30 + width;
     };
     const auto line = [&](const char* colour, double width, const char* more) {
-      text_ += "<path d=\"M" + px(x) + " " + px(y) + "h22\" stroke=\"" + colour +
-               "\" stroke-width=\"" + px(width) + "\"" + more + "/>\n";
+      out_ << "<path d=\"M" << Px{x} << ' ' << Px{y} << "h22\" stroke=\"" << colour
+           << "\" stroke-width=\"" << Px{width} << '"' << more << "/>\n";
     };
-    text_ += "<circle cx=\"" + px(x + 11) + "\" cy=\"" + px(y) + "\" r=\"5\" fill=\"" +
-             node_colour + "\"/>\n";
+    out_ << "<circle cx=\"" << Px{x + 11} << "\" cy=\"" << Px{y} << "\" r=\"5\" fill=\""
+         << node_colour << "\"/>\n";
     label("node", 58);
     if (image_.steiner_count() > 0) {
-      text_ += "<rect x=\"" + px(x + 6.5) + "\" y=\"" + px(y - 4.5) +
-               "\" width=\"9\" height=\"9\" fill=\"" + steiner_colour + "\"/>\n";
+      out_ << "<rect x=\"" << Px{x + 6.5} << "\" y=\"" << Px{y - 4.5}
+           << "\" width=\"9\" height=\"9\" fill=\"" << steiner_colour << "\"/>\n";
       label("Steiner vertex", 120);
     }
     if (!image_.subsegments.empty()) {
@@ -433,19 +494,19 @@ class Picture {
     line(edge_colour, 1.2, "");
     label("mesh edge", 104);
     if (!image_.triangles.empty()) {
-      text_ += "<rect x=\"" + px(x) + "\" y=\"" + px(y - 8) +
-               "\" width=\"22\" height=\"16\" fill=\"" + domain_fill + "\" stroke=\"" +
-               edge_colour + "\" stroke-width=\".5\"/>\n";
+      out_ << "<rect x=\"" << Px{x} << "\" y=\"" << Px{y - 8}
+           << "\" width=\"22\" height=\"16\" fill=\"" << domain_fill << "\" stroke=\""
+           << edge_colour << "\" stroke-width=\".5\"/>\n";
       label(marks_.sensing_range > 0 ? "seen" : "domain", 70);
     }
     if (!marks_.relays.empty()) {
-      text_ += "<circle cx=\"" + px(x + 11) + "\" cy=\"" + px(y) +
-               "\" r=\"4.5\" fill=\"#fff\" stroke=\"" + relay_colour + "\" stroke-width=\"2\"/>\n";
+      out_ << "<circle cx=\"" << Px{x + 11} << "\" cy=\"" << Px{y}
+           << "\" r=\"4.5\" fill=\"#fff\" stroke=\"" << relay_colour << "\" stroke-width=\"2\"/>\n";
       label("relay", 58);
     }
     if (!marks_.holes.empty()) {
-      text_ += "<path d=\"M" + px(x + 6) + " " + px(y - 5) + "l10 10m0-10l-10 10\" stroke=\"" +
-               hole_colour + "\" stroke-width=\"2.4\"/>\n";
+      out_ << "<path d=\"M" << Px{x + 6} << ' ' << Px{y - 5} << "l10 10m0-10l-10 10\" stroke=\""
+           << hole_colour << "\" stroke-width=\"2.4\"/>\n";
       label("hole", 54);
     }
   }
@@ -459,31 +520,43 @@ class Picture {
     const double right = page_width - margin;
     const double left = right - length * map_.px_per_unit();
     const double y = footer_y() + 4;
-    text_ += "<path d=\"M" + px(left) + " " + px(y - 7) + "v7H" + px(right) +
-             "v-7\" fill=\"none\" stroke=\"" + ink + "\" stroke-width=\"1.5\"/>\n";
-    std::string label;
+    out_ << "<path d=\"M" << Px{left} << ' ' << Px{y - 7} << "v7H" << Px{right}
+         << "v-7\" fill=\"none\" stroke=\"" << ink << "\" stroke-width=\"1.5\"/>\n";
+    open_text((left + right) / 2, y - 8, 13, ink, " text-anchor=\"middle\"");
     if (length >= 1) {
-      label = grouped(static_cast<std::size_t>(std::llround(length)));
+      out_ << Grouped{static_cast<std::size_t>(std::llround(length))};
     } else {
-      append_double(label, length);
+      out_ << length;
     }
-    add_text((left + right) / 2, y - 8, 13, ink, label + " " + escaped(words_.unit),
-             " text-anchor=\"middle\"");
+    out_ << ' ' << Escaped{words_.unit} << "</text>\n";
   }
 
+  TextSink& out_;
   const MeshImage& image_;
   const PictureText& words_;
   const PictureMarks& marks_;
+  PictureRoom& room_;
   Map map_;
-  std::vector<Spot> spots_;
   Strokes strokes_{};
-  std::string text_;
 };
 
 }  // namespace
 
+void PictureRoom::reserve(std::size_t vertices) {
+  coordinates.reserve(vertices);
+  spots.reserve(vertices);
+  lengths.reserve(3 * vertices);
+  outline.reserve(vertices);
+}
+
+void write_svg(TextSink& out, const MeshImage& image, const PictureText& words,
+               const PictureMarks& marks, PictureRoom& room) {
+  Picture(out, image, words, marks, room).write();
+}
+
 std::string svg_text(const MeshImage& image, const PictureText& words, const PictureMarks& marks) {
-  return Picture(image, words, marks).make();
+  PictureRoom room;
+  return text_of([&](TextSink& out) { write_svg(out, image, words, marks, room); });
 }
 
 }  // namespace etcm::files

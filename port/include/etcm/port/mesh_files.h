@@ -1,21 +1,28 @@
 // Publishes the mesh as files that other programs read.
+//
+// Like a store it waits for no disk: start_write() takes what it needs of the mesh, take_result()
+// tells later how that ended.
 #pragma once
 
 #include <cstdint>
 #include <span>
-#include <string>
 
 #include "etcm/mesh.h"
+#include "etcm/port/disk_result.h"
 
 namespace etcm::port {
 
 class MeshFiles {
  public:
-  // Replaces the published files by those of `mesh`: a reader sees each file of the old mesh or of
-  // the new one, never a part. False when that failed, with the reason in `why`; the old files
-  // then stay. serials[id] is the serial of the node with that vertex id.
-  virtual bool write(const Mesh& mesh, std::span<const std::uint32_t> serials,
-                     std::string& why) = 0;
+  // Starts to replace the published files by those of `mesh`, which may change once this returns. A
+  // reader sees each file of the old mesh or of the new one, never a part; where it fails, the old
+  // files stay. serials[id] is the serial of the node with that vertex id. REQUIRES: none is being
+  // written, and the mesh is no larger than the adapter was made for.
+  virtual void start_write(const Mesh& mesh, std::span<const std::uint32_t> serials) = 0;
+  virtual bool is_writing() const = 0;
+
+  // How the write that has ended went; false when there is nothing to tell. Each is told once.
+  virtual bool take_result(DiskResult& result) = 0;
 
  protected:
   ~MeshFiles() = default;

@@ -9,16 +9,13 @@
 #include <span>
 #include <string_view>
 
+#include "etcm/port/disk_result.h"
+
 namespace etcm::port {
 
 enum class Copy : std::uint8_t {
   last,      // what was saved last
   previous,  // what was saved before that
-};
-
-struct SaveResult {
-  bool ok = false;
-  std::string_view why;  // what failed, and the cure; valid until the next call
 };
 
 class Store {
@@ -37,7 +34,7 @@ class Store {
   virtual bool is_saving() const = 0;
 
   // How the save that has ended went; false when there is nothing to tell. Each is told once.
-  virtual bool take_result(SaveResult& result) = 0;
+  virtual bool take_result(DiskResult& result) = 0;
 
  protected:
   ~Store() = default;

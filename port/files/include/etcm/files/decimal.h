@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "etcm/files/text_sink.h"
+
 namespace etcm::files {
 
 class Decimal {
@@ -42,12 +44,9 @@ class Decimal {
   bool negative_ = false;
 };
 
-// Appends the decimal of a coordinate in sub-units (etcm/types.h), every digit: at most 28 behind
+// Writes the decimal of a coordinate in sub-units (etcm/types.h), every digit: at most 28 behind
 // the point, none for a whole unit.
-void append_coordinate(std::string& text, std::int64_t subunits);
+void write_coordinate(TextSink& out, std::int64_t subunits);
 std::string coordinate_text(std::int64_t subunits);
-
-// The shortest text that reads back as the same double.
-void append_double(std::string& text, double value);
 
 }  // namespace etcm::files

@@ -1,43 +1,53 @@
 // Several files that appear together, or not at all.
 #pragma once
 
+#include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
+
+#include "etcm/files/text_sink.h"
 
 namespace etcm::files {
 
-// Collects the contents of files, then writes them all to temporary files in the folders of their
-// targets, syncs them, and only then renames. A failure before the first rename changes nothing.
-// Signals that would end the program wait until the files are in place.
+// Collects what is to stand in files, then writes them all to temporary files in the folders of
+// their targets, syncs them, and only then renames. A failure before the first rename changes
+// nothing. Signals that would end the program wait until the files are in place.
 class FileSet {
  public:
+  FileSet();
+
   // A target that exists and is no regular file (a pipe, a terminal) is written to directly; a
-  // symbolic link is followed. "-" is the standard output.
+  // symbolic link is followed. "-" is the standard output. `write` is called by each commit, as
+  // often as needed.
+  void add(std::string path, std::function<void(TextSink&)> write);
   void add(std::string path, std::string contents);
 
-  // Throws OutputError and leaves no temporary file. Call once.
-  void commit();
+  struct Failure {
+    const std::string* path = nullptr;  // null: nothing failed
+    int error = 0;                      // of errno
+  };
+  // Leaves no temporary file where it fails. May be called again; that takes no memory, as long as
+  // no link leads to a longer path than before.
+  Failure try_commit();
 
-  std::size_t bytes() const;
-  const std::string& path(std::size_t index) const { return files_[index].path; }
-  std::size_t size() const { return files_.size(); }
+  // The same, but throws OutputError.
+  void commit();
 
  private:
   struct File {
     std::string path;
-    std::string contents;
-    std::string target;     // path, links followed
-    std::string temporary;  // empty where it is written directly
+    std::function<void(TextSink&)> write;
+    std::string target;     // path, links followed; empty where it is written directly
+    std::string temporary;  // empty while there is none
   };
-  void write_temporaries();
-  void rename_all();
-  void remove_temporaries() noexcept;
+  Failure write_temporary(File& file);
+  Failure rename_all();
+  Failure write_directly(const File& file);
+  int write(int descriptor, const File& file);
+  void remove_temporaries();
 
   std::vector<File> files_;
+  std::vector<char> buffer_;
 };
-
-// Writes all of it, or throws OutputError naming `name`.
-void write_all(int descriptor, std::string_view text, const std::string& name);
 
 }  // namespace etcm::files

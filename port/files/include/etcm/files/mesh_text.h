@@ -5,15 +5,17 @@
 
 #include "etcm/files/file_set.h"
 #include "etcm/files/mesh_image.h"
+#include "etcm/files/text_sink.h"
 
 namespace etcm::files {
 
-std::string node_text(const MeshImage& image);
-std::string ele_text(const MeshImage& image);
-std::string edge_text(const MeshImage& image);
+void write_node(TextSink& out, const MeshImage& image);
+void write_ele(TextSink& out, const MeshImage& image);
+void write_edge(TextSink& out, const MeshImage& image);
 // Subsegments with their feature's marker, holes, regions; its nodes are in the .node.
-std::string poly_text(const MeshImage& image);
+void write_poly(TextSink& out, const MeshImage& image);
 
+// All four. `image` is needed until they are committed.
 void add_mesh_files(const MeshImage& image, const std::string& base, FileSet& files);
 
 // Reads the four files back. Throws InputError for anything add_mesh_files would not write:

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "etcm/files/mesh_image.h"
+#include "etcm/files/outline.h"
+#include "etcm/files/text_sink.h"
 
 namespace etcm::files {
 
@@ -25,7 +27,26 @@ struct PictureMarks {
   std::vector<Point> relays;
 };
 
+// A place on the page in hundredths of a pixel, in which all paths of the map are drawn.
+struct PictureSpot {
+  std::int64_t x = 0;
+  std::int64_t y = 0;
+};
+
+// What a picture is worked out in, kept from one to the next.
+struct PictureRoom {
+  // Takes all the memory now that a mesh of so many vertices needs.
+  void reserve(std::size_t vertices);
+
+  std::vector<std::int64_t> coordinates;
+  std::vector<PictureSpot> spots;  // by vertex
+  std::vector<double> lengths;     // of the edges
+  Outline outline;
+};
+
 // Line widths and symbols follow the density of the mesh, from five nodes to many thousands.
+void write_svg(TextSink& out, const MeshImage& image, const PictureText& words,
+               const PictureMarks& marks, PictureRoom& room);
 std::string svg_text(const MeshImage& image, const PictureText& words,
                      const PictureMarks& marks = {});
 

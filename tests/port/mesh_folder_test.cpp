@@ -1,0 +1,193 @@
+// MeshFolder: the files of a mesh, whatever its disk does.
+#include "posix/mesh_folder.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "etcm/files/mesh_text.h"
+#include "mounted_disk.h"
+#include "peer.h"
+#include "posix/file_descriptor.h"
+#include "support/meshes.h"
+#include "support/scratch_folder.h"
+
+namespace etcm::port {
+namespace {
+
+using namespace std::chrono_literals;
+using test::ScratchFolder;
+
+class MeshFolderTest : public testing::Test {
+ protected:
+  static constexpr std::uint32_t vertices_max = 500;
+
+  void SetUp() override {
+    for (int i = 0; i < 60; ++i) join({i * 7919 % 1009, i * 104729 % 997});
+  }
+
+  void join(Position position) {
+    VertexId vertex;
+    ASSERT_EQ((*mesh_)->join(position, vertex), Status::ok);
+    serials_[vertex.value] = 4'000'000'000u + vertex.value;
+  }
+
+  MeshFolder& folder() {
+    if (!opened_) {
+      opened_ = std::make_unique<MeshFolder>(
+          path_, "mesh", MeshConfig{.vertices_max = vertices_max, .features_max = 20});
+    }
+    return *opened_;
+  }
+
+  DiskResult result() {
+    DiskResult result;
+    EXPECT_TRUE(folder().take_result(result));
+    DiskResult again;
+    EXPECT_FALSE(folder().take_result(again)) << "a result is told once";
+    return result;
+  }
+
+  DiskResult write() {
+    folder().start_write(**mesh_, serials_);
+    EXPECT_TRUE(folder().wait(patience));
+    return result();
+  }
+
+  std::string read(const std::string& extension) { return scratch_.read("f/mesh" + extension); }
+
+  std::size_t file_count() {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
+  }
+
+  const ScratchFolder scratch_;
+  const std::string path_ = scratch_.path("f");
+  std::unique_ptr<test::OwnedMesh> mesh_ = test::empty_mesh(vertices_max, 20);
+  std::vector<std::uint32_t> serials_ = std::vector<std::uint32_t>(vertices_max + 1);
+  std::unique_ptr<MeshFolder> opened_;
+};
+
+// A pipe that nobody reads stands for a disk that does not answer: opening it takes for ever.
+class HangingDisk {
+ public:
+  explicit HangingDisk(const std::string& path) : path_(path) {
+    EXPECT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+  }
+  // It answers again, and takes whatever there is.
+  void answer(MeshFolder& folder) {
+    const FileDescriptor reader(::open(path_.c_str(), O_RDONLY | O_NONBLOCK));
+    std::array<char, 4096> bytes;
+    const SteadyClock clock;
+    const Instant end = clock.now() + patience;
+    while (!folder.wait(1ms) && clock.now() < end) {
+      while (::read(reader.get(), bytes.data(), bytes.size()) > 0) {
+      }
+    }
+  }
+
+ private:
+  std::string path_;
+};
+
+TEST_F(MeshFolderTest, HoldsTheMeshAndTheSerials) {
+  EXPECT_TRUE(write().ok);
+  EXPECT_EQ(file_count(), 3u);
+  files::MeshImage image = files::image_of(**mesh_, Exterior::automatic, {});
+  EXPECT_EQ(read(".ele"), files::text_of(files::write_ele, image));
+  EXPECT_NE(read(".node").find("\n60 "), std::string::npos);
+  EXPECT_NE(read(".node").find(" 4000000060 0\n"), std::string::npos);
+  EXPECT_NE(read(".svg").find("60 nodes"), std::string::npos);
+}
+
+TEST_F(MeshFolderTest, AnAnchorHasNoSerial) {
+  serials_[1] = std::numeric_limits<std::uint32_t>::max();
+  EXPECT_TRUE(write().ok);
+  EXPECT_NE(read(".node").find("\n1 0 0 -1 0\n"), std::string::npos);
+}
+
+// The mesh goes on changing while it is written; what comes to the disk is what was handed over.
+TEST_F(MeshFolderTest, DoesNotWaitForADiskThatHangs) {
+  std::filesystem::create_directory(path_);
+  HangingDisk disk(path_ + "/mesh.svg");
+  folder().start_write(**mesh_, serials_);
+  EXPECT_FALSE(folder().wait(20ms));
+  EXPECT_TRUE(folder().is_writing());
+  DiskResult none;
+  EXPECT_FALSE(folder().take_result(none));
+  const std::string ele =
+      files::text_of(files::write_ele, files::image_of(**mesh_, Exterior::automatic, {}));
+  for (int i = 0; i < 100; ++i) join({2000 + i * 37 % 501, i * 53 % 499});
+  disk.answer(folder());
+  EXPECT_TRUE(result().ok);
+  EXPECT_EQ(read(".ele"), ele);
+  EXPECT_NE(read(".node").find("\n60 "), std::string::npos);
+}
+
+TEST_F(MeshFolderTest, IsLeftBehindWhereTheDiskHangs) {
+  std::filesystem::create_directory(path_);
+  HangingDisk disk(path_ + "/mesh.svg");
+  folder().start_write(**mesh_, serials_);
+  EXPECT_FALSE(folder().wait(20ms));
+  opened_.reset();
+  // The thread still has what it uses.
+  const FileDescriptor reader(::open((path_ + "/mesh.svg").c_str(), O_RDONLY));
+  std::string text;
+  std::array<char, 4096> bytes;
+  for (ssize_t count = 0; (count = ::read(reader.get(), bytes.data(), bytes.size())) > 0;) {
+    text.append(bytes.data(), static_cast<std::size_t>(count));
+  }
+  EXPECT_NE(text.find("60 nodes"), std::string::npos);
+  EXPECT_TRUE(text.ends_with("</svg>\n"));
+}
+
+TEST_F(MeshFolderTest, SaysWhenTheDiskIsFullAndLeavesTheOldFiles) {
+  const MountedDisk disk(path_);
+  if (!disk.is_mounted) GTEST_SKIP() << "needs the right to mount a small disk";
+  EXPECT_TRUE(write().ok);
+  const std::string old = read(".node");
+  const std::string filler = scratch_.write("f/filler", std::string(80'000, 'x'));
+  for (int i = 0; i < 100; ++i) join({2000 + i * 37 % 501, i * 53 % 499});
+  const DiskResult full = write();
+  EXPECT_FALSE(full.ok);
+  EXPECT_EQ(full.why, path_ +
+                          "/mesh.node: cannot be written (No space left on device); make room "
+                          "on that disk");
+  EXPECT_EQ(read(".node"), old);
+  EXPECT_EQ(file_count(), 4u) << "no temporary file is left";
+  std::filesystem::remove(filler);
+  EXPECT_TRUE(write().ok);
+  EXPECT_NE(read(".node"), old);
+}
+
+TEST_F(MeshFolderTest, SaysWhenTheDiskIsReadOnly) {
+  MountedDisk disk(path_);
+  if (!disk.is_mounted) GTEST_SKIP() << "needs the right to mount a small disk";
+  EXPECT_TRUE(write().ok);
+  ASSERT_TRUE(disk.remount(MS_RDONLY));
+  EXPECT_EQ(write().why, path_ +
+                             "/mesh.node: cannot be written (Read-only file system); mount "
+                             "that disk for writing");
+  ASSERT_TRUE(disk.remount(0));
+  EXPECT_TRUE(write().ok);
+}
+
+TEST_F(MeshFolderTest, SaysWhenTheFolderHasGone) {
+  EXPECT_TRUE(write().ok);
+  std::filesystem::remove_all(path_);
+  EXPECT_EQ(write().why, path_ +
+                             "/mesh.node: cannot be written (No such file or directory); look "
+                             "at `folder` of [files]");
+  std::filesystem::create_directory(path_);
+  EXPECT_TRUE(write().ok);
+}
+
+}  // namespace
+}  // namespace etcm::port
