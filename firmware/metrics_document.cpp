@@ -45,6 +45,12 @@ std::uint32_t count_of(Scope scope, const Context& context) {
   return 0;
 }
 
+// Of the units that are only looked for, those that are not there would be most of the text.
+bool is_shown(Scope scope, std::uint32_t index, const Context& context) {
+  return scope != Scope::unit || context.poller().is_listed(index) ||
+         context.poller().counters(index).has_answered();
+}
+
 void plain(const Context& context, std::uint64_t value, TextWriter& piece) {
   piece << context.name << " " << value << "\n";
 }
@@ -273,8 +279,10 @@ bool MetricsDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWri
     piece << "# HELP " << family.name << " " << family.help << "\n# TYPE " << family.name << " "
           << family.type << "\n";
   }
-  if (cursor.item < count_of(family.scope, context)) family.write(context, cursor.item++, piece);
-  if (cursor.item >= count_of(family.scope, context)) cursor.next_section();
+  const std::uint32_t count = count_of(family.scope, context);
+  while (cursor.item < count && !is_shown(family.scope, cursor.item, context)) ++cursor.item;
+  if (cursor.item < count) family.write(context, cursor.item++, piece);
+  if (cursor.item >= count) cursor.next_section();
   return true;
 }
 

@@ -22,6 +22,10 @@ struct UnitCounters {
   std::uint64_t count(port::BusResult result) const {
     return results[static_cast<std::size_t>(result)];
   }
+  // Whoever answers with an exception is there too.
+  bool has_answered() const {
+    return count(port::BusResult::ok) + count(port::BusResult::exception) > 0;
+  }
 };
 
 struct BusCounters {

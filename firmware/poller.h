@@ -91,6 +91,8 @@ class Poller {
   }
   std::uint8_t address_of(std::uint32_t unit) const { return units_[unit].address; }
   const UnitCounters& counters(std::uint32_t unit) const { return units_[unit].counters; }
+  // Else it is only looked for.
+  bool is_listed(std::uint32_t unit) const { return units_[unit].is_listed; }
   // Whether a bus has had somebody to ask, or a question under way for longer than that may be, and
   // for `patience` has neither asked nor heard anything. One whose link is down has nobody to ask.
   bool is_stalled(std::uint32_t bus, port::Instant now, port::Duration patience) const;

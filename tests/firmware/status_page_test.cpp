@@ -274,6 +274,27 @@ TEST_F(StatusPageTest, MetricsAreWhatPrometheusReads) {
   EXPECT_EQ(count(metrics, "\netcm_bus_efficiency_ratio{"), 0u) << "a network has no floor";
 }
 
+// With scan = "1-247" on many buses, units that are not there would be most of the text.
+TEST_F(StatusPageTest, MetricsLeaveOutUnitsThatAreOnlyLookedFor) {
+  rig_.settings.buses[0].units = {{1, 5}};
+  rig_.settings.buses[0].scan = {{6, 247}};
+  rig_.settings.poll.interval = 20ms;
+  open_page();
+  put_square();
+  rig_.put(9, 70, 30);
+  rig_.bus.set_result(11, port::BusResult::exception, 2);
+  run(10s);
+  const std::string metrics = get("/metrics");
+  EXPECT_EQ(count(metrics, "\netcm_unit_requests_total{"), 7u);
+  EXPECT_NE(metrics.find("\netcm_unit_requests_total{bus=\"yard\",unit=\"9\"}"), std::string::npos);
+  EXPECT_NE(metrics.find("\netcm_unit_requests_total{bus=\"yard\",unit=\"11\"}"),
+            std::string::npos);
+  // One that has answered stays, or its figures would have gaps.
+  rig_.bus.silence(9);
+  run(20s);
+  EXPECT_EQ(count(get("/metrics"), "\netcm_unit_requests_total{"), 7u);
+}
+
 TEST_F(StatusPageTest, HealthNamesTheBusThatIsSilent) {
   open_page();
   put_square();
