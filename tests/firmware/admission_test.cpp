@@ -17,6 +17,11 @@ class NodesBySerial : public testing::Test {
     const auto list = rig_.gateway->quarantine();
     return {list.begin(), list.end()};
   }
+  // Node 7 is in the mesh, and answers at unit 1.
+  void seat_seven() {
+    put(1, 7, {0, 0});
+    rig_.run(500ms);
+  }
   std::string logged() const { return testing::PrintToString(rig_.log.lines); }
 
   Rig rig_;
@@ -54,8 +59,7 @@ TEST_F(NodesBySerial, TwoNodesThatSwapTheirUnitsStayWhereTheyAre) {
 }
 
 TEST_F(NodesBySerial, ANodeThatIsExchangedIsBelievedAfterAFewAnswersAndTheOldOneLeaves) {
-  put(1, 7, {0, 0});
-  rig_.run(500ms);
+  seat_seven();
   put(1, 5000, {99, 99});
   rig_.run(100ms);
   EXPECT_EQ(rig_.log.count("5000"), 0u) << "one answer is not enough";
@@ -70,8 +74,7 @@ TEST_F(NodesBySerial, ANodeThatIsExchangedIsBelievedAfterAFewAnswersAndTheOldOne
 }
 
 TEST_F(NodesBySerial, ASerialThatAnswersOnceIsNotBelieved) {
-  put(1, 7, {0, 0});
-  rig_.run(500ms);
+  seat_seven();
   for (int round = 0; round < 20; ++round) {
     put(1, round % 2 == 0 ? 9u : 7u, {round % 2 == 0 ? 50 : 0, 0});
     rig_.run(100ms);
@@ -81,8 +84,7 @@ TEST_F(NodesBySerial, ASerialThatAnswersOnceIsNotBelieved) {
 }
 
 TEST_F(NodesBySerial, TwoNodesWithOneSerialAreAnAlarmNotAFlipFlop) {
-  put(1, 7, {0, 0});
-  rig_.run(500ms);
+  seat_seven();
   put(2, 7, {99, 99});
   rig_.run(30s);
   EXPECT_EQ(rig_.mesh.position(VertexId{1}), (Position{0, 0}));
@@ -115,8 +117,7 @@ TEST_F(NodesBySerial, TheSecondWithOneSerialWaitsUntilTheFirstHasLeft) {
 }
 
 TEST_F(NodesBySerial, TwoNodesAtOneUnitAreAnAlarmNotAFlipFlop) {
-  put(1, 7, {0, 0});
-  rig_.run(500ms);
+  seat_seven();
   // Now one is heard for a while, now the other.
   for (int round = 0; round < 20; ++round) {
     put(1, round % 2 == 0 ? 9u : 7u, {round % 2 == 0 ? 50 : 0, 0});
@@ -130,8 +131,7 @@ TEST_F(NodesBySerial, TwoNodesAtOneUnitAreAnAlarmNotAFlipFlop) {
 }
 
 TEST_F(NodesBySerial, ASwappedSerialIsNotBelievedAndSaidOnce) {
-  put(1, 7, {0, 0});
-  rig_.run(500ms);
+  seat_seven();
   put(1, swap_words(7), {50, 0});
   rig_.run(2s);
   EXPECT_EQ(rig_.mesh.position(VertexId{1}), (Position{0, 0}));

@@ -12,24 +12,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-FeatureSettings feature(std::uint32_t from, std::uint32_t to) {
-  return {.from = from, .to = to, .name = {}, .place = "test"};
-}
-
-// A square field of 100 with a node in each corner; its sides are features.
-void put_field(Rig& rig) {
-  rig.put(1, 0, 0);
-  rig.put(2, 100, 0);
-  rig.put(3, 100, 100);
-  rig.put(4, 0, 100);
-}
+// Of the square.
 std::vector<FeatureSettings> sides() {
   return {feature(1001, 1002), feature(1002, 1003), feature(1003, 1004), feature(1004, 1001)};
 }
 
 TEST(Analyst, SaysNothingUnasked) {
   Rig rig(sides());
-  put_field(rig);
+  rig.put_square();
   rig.run(1s);
   for (const char* name : {"radio_range", "least_range_alone", "parts_alone", "relay_count",
                            "sensing_range", "hole_count", "gap_count"}) {
@@ -40,7 +30,7 @@ TEST(Analyst, SaysNothingUnasked) {
 TEST(Analyst, TellsWhatRadiosNeed) {
   Rig rig(sides());
   rig.settings.analysis.radio_range = 40;
-  put_field(rig);
+  rig.put_square();
   rig.run(1s);
   EXPECT_EQ(rig.server.header("radio_range"), 40u);
   EXPECT_EQ(rig.server.header("least_range_alone"), 100u);
@@ -64,7 +54,7 @@ TEST(Analyst, TellsWhatRadiosNeed) {
 TEST(Analyst, FollowsTheMesh) {
   Rig rig(sides());
   rig.settings.analysis.sensing_range = 50;
-  put_field(rig);
+  rig.put_square();
   rig.run(1s);
   // The middle is 71 from all corners; the sides are just seen.
   EXPECT_EQ(rig.server.header("hole_count"), 1u);

@@ -182,6 +182,13 @@ void Rig::put(std::uint8_t unit, std::int32_t x, std::int32_t y, std::uint16_t s
   bus.set(unit, {.serial = 1000u + unit, .position = {x, y}, .status = status});
 }
 
+void Rig::put_square() {
+  put(1, 0, 0);
+  put(2, 100, 0);
+  put(3, 100, 100);
+  put(4, 0, 100);
+}
+
 FeatureSettings feature(std::uint32_t from, std::uint32_t to) {
   return {.from = from, .to = to, .name = {}, .place = "site.toml:1"};
 }

@@ -136,6 +136,8 @@ struct Rig {
   // Unit `unit` is the node with serial 1000 + unit.
   void put(std::uint8_t unit, std::int32_t x, std::int32_t y,
            std::uint16_t status = node_status::fix_valid);
+  // Units 1 to 4 at the corners of a square of 100, counter-clockwise from (0, 0).
+  void put_square();
 
   Settings settings;
   SimulatedClock clock;

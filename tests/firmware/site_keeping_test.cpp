@@ -187,11 +187,8 @@ TEST(SiteKeeping, AnAnchorTheMeshCannotSpareGoesWhenItCan) {
   Rig rig;
   // The two lines between nodes cross at the anchor, and only there may they.
   rig.settings.anchors = {{.position = {50, 50}, .place = "site.geojson:1"}};
-  rig.settings.features = {line(1001, 1002), line(1003, 1004)};
-  rig.put(1, 0, 0);
-  rig.put(2, 100, 100);
-  rig.put(3, 0, 100);
-  rig.put(4, 100, 0);
+  rig.settings.features = {line(1001, 1003), line(1002, 1004)};
+  rig.put_square();
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("features_active"), 2u);
   rig.settings.anchors.clear();

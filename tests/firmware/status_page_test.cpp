@@ -83,10 +83,7 @@ class StatusPageTest : public testing::Test {
     return rest(0, piece);
   }
   void put_square() {
-    rig_.put(1, 0, 0);
-    rig_.put(2, 100, 0);
-    rig_.put(3, 100, 100);
-    rig_.put(4, 0, 100);
+    rig_.put_square();
     rig_.put(5, 50, 40);
   }
 
