@@ -136,10 +136,15 @@ def format():
     if "version 14." not in version:
         print("clang-format 14 is not installed; skipped")
         sys.exit(SKIPPED)
-    for path in files(".h", ".cpp"):
-        result = subprocess.run([tool, "--dry-run", "-Werror", str(path)], capture_output=True)
-        if result.returncode != 0:
+    paths = list(files(".h", ".cpp"))
+    result = subprocess.run([tool, "--dry-run", "-Werror", *map(str, paths)], capture_output=True,
+                            text=True)
+    complaints = [line for line in result.stderr.splitlines() if "error:" in line]
+    for path in paths:
+        if any(line.startswith(f"{path}:") for line in complaints):
             yield f"{name(path)}: not formatted; run: clang-format -i {name(path)}"
+    if result.returncode != 0 and not complaints:
+        yield f"clang-format failed: {result.stderr.strip()}"
 
 
 RULES = [file_length, no_leftovers, readmes, pragma_once, library_includes, arrows, readme_example,
