@@ -78,8 +78,11 @@ export class MeshMap {
   }
 
   readColours() {
-    const style = getComputedStyle(document.documentElement);
-    const colour = (name) => style.getPropertyValue(`--${name}`).trim();
+    // As the colour of an element, which is that of the day or of the night; the property is both.
+    const colour = (name) => {
+      this.canvas.style.color = `var(--${name})`;
+      return getComputedStyle(this.canvas).color;
+    };
     this.colours = { text: colour("text"), dim: colour("dim"), back: colour("map-back"),
       accent: colour("accent") };
     for (const name of ["edge", "feature", "steiner", "fresh", "ageing", "stale", "quarantined",
