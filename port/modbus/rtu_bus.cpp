@@ -1,25 +1,18 @@
 #include "modbus/rtu_bus.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <utility>
-
-#include "posix/serial_port.h"
 
 namespace etcm::port {
 
 RtuBus::RtuBus(EventLoop& loop, Log& log, const RtuBusOptions& options)
-    : loop_(loop),
-      log_(log),
+    : log_(log),
       options_(options),
       character_(character_time(options.line)),
-      silence_(frame_silence(options.line)) {}
+      silence_(frame_silence(options.line)),
+      line_(loop, options.line) {}
 
-RtuBus::~RtuBus() {
-  if (port_.is_open()) loop_.remove(port_.get());
-  set_send_enable(false);
-}
+RtuBus::~RtuBus() { set_send_enable(false); }
 
 void RtuBus::start_read(const RegisterRead& read, Instant now) {
   std::array<std::uint8_t, rtu_frame_bytes_max> frame;
@@ -44,41 +37,33 @@ void RtuBus::start_write(const RegisterWrite& write, Instant now) {
        frame, pdu, rtu_write_answer_bytes, write.timeout, now);
 }
 
-void RtuBus::discard_received() {
-  receive();
-  heard_count_ = 0;
-  is_new_ = heard_wrong_ = false;
-  discard_input(port_.get());
-}
-
 // The PDU stands in the frame, behind the place of the unit.
 void RtuBus::send(const Request& request, std::span<std::uint8_t> frame, std::size_t pdu_bytes,
                   std::size_t answer_bytes, Duration timeout, Instant now) {
-  discard_received();
+  line_.discard();
+  heard_wrong_ = false;
   request_ = request;
-  const std::size_t size = wrap_rtu(frame, request.unit, pdu_bytes);
+  const std::size_t size = rtu_unit_bytes + pdu_bytes + rtu_checksum_bytes;
   phase_ = Phase::waiting;
   sent_at_ = now + static_cast<std::int64_t>(size) * character_;
   deadline_ = sent_at_ + timeout + silence_ + static_cast<std::int64_t>(answer_bytes) * character_;
   set_send_enable(true);
-  const ssize_t sent = ::write(port_.get(), frame.data(), size);
-  if (sent != static_cast<ssize_t>(size)) {
-    close(sent < 0 ? std::strerror(errno) : "it takes no bytes");
-  }
+  std::string why;
+  if (!line_.send(frame, request.unit, pdu_bytes, why)) close(why);
 }
 
 void RtuBus::advance(Instant now) {
-  if (hung_up_) close("the port is gone");
+  if (line_.is_gone()) close("the port is gone");
   if (phase_ == Phase::closed) {
     if (next_attempt_ <= now) open(now);
     return;
   }
   if (is_sending_ && sent_at_ <= now) stop_sending(now);
-  if (std::exchange(is_new_, false)) listen(now);
+  if (line_.take_news()) listen(now);
   if (phase_ == Phase::waiting && deadline_ <= now) give_up(now);
   if (phase_ == Phase::silent && silent_until_ <= now) {
     phase_ = Phase::idle;
-    heard_count_ = 0;
+    line_.forget();
   }
 }
 
@@ -90,7 +75,7 @@ bool RtuBus::take_answer(BusAnswer& answer) {
 }
 
 Instant RtuBus::next_deadline() const {
-  if (hung_up_) return Instant{};
+  if (line_.is_gone()) return Instant{};
   switch (phase_) {
     case Phase::closed:
       return next_attempt_;
@@ -104,35 +89,9 @@ Instant RtuBus::next_deadline() const {
   return never;
 }
 
-void RtuBus::on_ready(bool, bool) {
-  if (receive()) return;
-  // Nobody could wait for a port that is gone: it is ready all the time.
-  hung_up_ = true;
-  loop_.remove(port_.get());
-}
-
-// Takes what has arrived; false when the port is gone.
-bool RtuBus::receive() {
-  while (true) {
-    if (heard_count_ == heard_.size()) {
-      // Longer than any frame, so its older half belongs to none that is still coming.
-      std::copy(heard_.begin() + rtu_frame_bytes_max, heard_.end(), heard_.begin());
-      heard_count_ -= rtu_frame_bytes_max;
-    }
-    const auto space = std::span(heard_).subspan(heard_count_);
-    const ssize_t count = ::read(port_.get(), space.data(), space.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return errno == EAGAIN;
-    if (count == 0) return false;
-    heard_count_ += static_cast<std::size_t>(count);
-    is_new_ = true;
-    if (static_cast<std::size_t>(count) < space.size()) return true;
-  }
-}
-
 // Looks through what has arrived since the last time.
 void RtuBus::listen(Instant now) {
-  while (const auto found = find_rtu_answer(std::span(heard_).first(heard_count_))) {
+  while (const auto found = line_.next_answer()) {
     if (phase_ == Phase::waiting && found->unit == request_.unit &&
         (found->pdu[0] & 0x7f) == request_.function) {
       settle(*found);
@@ -144,14 +103,12 @@ void RtuBus::listen(Instant now) {
       silent_until_ = silent_at_latest_ = now + silence_;
     }
     heard_wrong_ = heard_wrong_ || !is_late;
-    std::copy(heard_.begin() + static_cast<std::ptrdiff_t>(found->end),
-              heard_.begin() + static_cast<std::ptrdiff_t>(heard_count_), heard_.begin());
-    heard_count_ -= found->end;
+    line_.drop(*found);
   }
   if (phase_ == Phase::waiting) return;
   // Somebody speaks: nothing is sent into that, but no babbler keeps the line for ever.
   if (phase_ == Phase::idle) {
-    be_silent(now + silence_, now + static_cast<std::int64_t>(heard_.size()) * character_);
+    be_silent(now + silence_, now + babble_max());
   } else {
     silent_until_ = std::clamp(now + silence_, silent_until_, silent_at_latest_);
   }
@@ -218,9 +175,9 @@ void RtuBus::give_up(Instant now) {
     unit.function =
         request_.function == read_input_registers ? read_holding_registers : read_input_registers;
   }
-  complete(heard_wrong_ || heard_count_ > 0 ? BusResult::bad_answer : BusResult::timeout);
+  complete(heard_wrong_ || line_.has_heard() ? BusResult::bad_answer : BusResult::timeout);
   const Instant until = std::max(now + options_.quiet, unit.asked_at + unit.slowest_late);
-  be_silent(until, until + static_cast<std::int64_t>(heard_.size()) * character_);
+  be_silent(until, until + babble_max());
 }
 
 void RtuBus::complete(BusResult result) {
@@ -238,7 +195,7 @@ void RtuBus::be_silent(Instant until, Instant at_latest) {
 
 // The transceiver must listen before the unit answers, and not before the request is out.
 void RtuBus::stop_sending(Instant now) {
-  if (is_sent(port_.get())) {
+  if (line_.is_sent()) {
     set_send_enable(false);
   } else {
     sent_at_ = now + character_;
@@ -254,19 +211,14 @@ void RtuBus::set_send_enable(bool active) {
 void RtuBus::open(Instant now) {
   next_attempt_ = now + options_.reopen_interval;
   std::string why;
-  port_ = open_serial(options_.line, why);
-  if (!port_.is_open()) return close(why);
-  loop_.add(port_.get(), *this, true, false);
+  if (!line_.open(why)) return close(why);
   reported_closed_ = false;
-  heard_count_ = 0;
   log_.write(Level::info, "bus " + options_.name + ": opened " + options_.line.path);
   be_silent(now + silence_, now + silence_);
 }
 
 void RtuBus::close(const std::string& why) {
-  if (port_.is_open() && !hung_up_) loop_.remove(port_.get());
-  port_.close();
-  hung_up_ = false;
+  line_.close();
   set_send_enable(false);
   if (phase_ == Phase::waiting) complete(BusResult::link_lost);
   phase_ = Phase::closed;

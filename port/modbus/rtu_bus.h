@@ -21,7 +21,7 @@
 #include "etcm/port/log.h"
 #include "etcm/port/node_bus.h"
 #include "etcm/port/serial_line.h"
-#include "modbus/rtu_frame.h"
+#include "modbus/rtu_line.h"
 #include "posix/event_loop.h"
 
 namespace etcm::port {
@@ -35,7 +35,7 @@ struct RtuBusOptions {
   std::optional<Line> send_enable;
 };
 
-class RtuBus final : public NodeBus, private EventHandler {
+class RtuBus final : public NodeBus {
  public:
   // `loop`, `log` and options.lines must outlive the bus. The port is opened by advance().
   RtuBus(EventLoop& loop, Log& log, const RtuBusOptions& options);
@@ -74,11 +74,8 @@ class RtuBus final : public NodeBus, private EventHandler {
     Duration slowest_late{};  // from the end of a request to the end of a late answer
   };
 
-  void on_ready(bool can_read, bool can_write) override;
-  void discard_received();
   void send(const Request& request, std::span<std::uint8_t> frame, std::size_t pdu_bytes,
             std::size_t answer_bytes, Duration timeout, Instant now);
-  bool receive();
   void listen(Instant now);
   void settle(const RtuAnswer& found);
   void settle_read(const RtuAnswer& found);
@@ -89,18 +86,20 @@ class RtuBus final : public NodeBus, private EventHandler {
   void be_silent(Instant until, Instant at_latest);
   void stop_sending(Instant now);
   void set_send_enable(bool active);
+  // Whoever speaks is listened to for so long.
+  Duration babble_max() const {
+    return static_cast<std::int64_t>(RtuLine::heard_bytes_max) * character_;
+  }
   void open(Instant now);
   void close(const std::string& why);
 
-  EventLoop& loop_;
   Log& log_;
   RtuBusOptions options_;
   Duration character_;
   Duration silence_;  // between two frames
-  FileDescriptor port_;
+  RtuLine line_;
   Phase phase_ = Phase::closed;
   bool reported_closed_ = false;
-  bool hung_up_ = false;  // found while receiving; advance() closes the port
   bool is_sending_ = false;
   Instant next_attempt_{};
 
@@ -110,11 +109,7 @@ class RtuBus final : public NodeBus, private EventHandler {
   Instant silent_until_{};
   Instant silent_at_latest_{};
 
-  // What was heard since the last request, as far as it is not understood.
-  std::array<std::uint8_t, 2 * rtu_frame_bytes_max> heard_;
-  std::size_t heard_count_ = 0;
-  bool is_new_ = false;  // bytes came since the last advance()
-  bool heard_wrong_ = false;
+  bool heard_wrong_ = false;  // since the last request
 
   std::array<Unit, 256> units_{};
 

@@ -1,24 +1,17 @@
 #include "modbus/tcp_bus.h"
 
-#include <sys/socket.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
 namespace etcm::port {
 
 TcpBus::TcpBus(EventLoop& loop, Log& log, const TcpBusOptions& options)
-    : loop_(loop), log_(log), options_(options), completed_(options.outstanding_max) {
+    : log_(log), options_(options), connection_(loop, *this), completed_(options.outstanding_max) {
   requests_.reserve(options.outstanding_max);
 }
 
-TcpBus::~TcpBus() {
-  if (socket_.is_open()) loop_.remove(socket_.get());
-}
-
 bool TcpBus::ready() const {
-  return link_ == Link::up && requests_.size() + completed_count_ < options_.outstanding_max;
+  return connection_.state() == TcpConnection::State::up &&
+         requests_.size() + completed_count_ < options_.outstanding_max;
 }
 
 void TcpBus::start_read(const RegisterRead& read, Instant now) {
@@ -48,29 +41,20 @@ void TcpBus::start_write(const RegisterWrite& write, Instant now) {
 
 // The PDU stands in the frame, behind the place of its header.
 void TcpBus::send(Request request, std::span<std::uint8_t> frame, std::size_t pdu_bytes) {
-  // With nothing under way, whatever lies in the reader is the start of an answer that came too
-  // late; its end would be taken for the start of the next one.
-  if (requests_.empty() && !reader_.empty()) {
-    receive();
-    reader_.clear();
-  }
+  if (requests_.empty()) connection_.discard();
   request.transaction = ++last_transaction_;
   requests_.push_back(request);
-  if (link_ != Link::up) return drop_link("connection closed by the other side");
-  const std::size_t size = write_header(frame, request.transaction, request.unit, pdu_bytes);
-  // A few requests always fit the socket's buffer, unless the peer has stopped reading altogether;
-  // then the link is as good as gone.
-  const ssize_t sent = ::send(socket_.get(), frame.data(), size, MSG_NOSIGNAL);
-  if (sent != static_cast<ssize_t>(size)) {
-    drop_link(sent < 0 ? std::strerror(errno) : "the other side does not read");
+  if (connection_.state() != TcpConnection::State::up) {
+    return on_lost("connection closed by the other side");
   }
+  connection_.send(frame, request.transaction, request.unit, pdu_bytes);
 }
 
 void TcpBus::advance(Instant now) {
   for (std::size_t i = requests_.size(); i-- > 0;) {
     if (requests_[i].deadline <= now) complete(i, BusResult::timeout);
   }
-  if (link_ != Link::up && next_attempt_ <= now) connect(now);
+  if (connection_.state() != TcpConnection::State::up && next_attempt_ <= now) connect(now);
 }
 
 bool TcpBus::take_answer(BusAnswer& answer) {
@@ -87,41 +71,17 @@ bool TcpBus::take_answer(BusAnswer& answer) {
 }
 
 Instant TcpBus::next_deadline() const {
-  Instant deadline = link_ == Link::up ? never : next_attempt_;
+  Instant deadline = connection_.state() == TcpConnection::State::up ? never : next_attempt_;
   for (const Request& request : requests_) deadline = std::min(deadline, request.deadline);
   return deadline;
 }
 
-void TcpBus::on_ready(bool can_read, bool can_write) {
-  if (link_ == Link::connecting) {
-    const int error = connect_error(socket_.get());
-    if (error != 0) return drop_link(std::strerror(error));
-    link_ = Link::up;
-    reported_down_ = false;
-    loop_.change(socket_.get(), true, false);
-    log_.write(Level::info,
-               "bus " + options_.name + ": connected to " + to_string(options_.address));
-    return;
-  }
-  if (can_read || can_write) receive();
+void TcpBus::on_connected() {
+  reported_down_ = false;
+  log_.write(Level::info, "bus " + options_.name + ": connected to " + to_string(options_.address));
 }
 
-void TcpBus::receive() {
-  while (link_ == Link::up) {
-    const std::span<std::uint8_t> space = reader_.free_space();
-    const ssize_t count = ::recv(socket_.get(), space.data(), space.size(), 0);
-    if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
-    if (count < 0) return drop_link(std::strerror(errno));
-    if (count == 0) return drop_link("connection closed by the other side");
-    reader_.received(static_cast<std::size_t>(count));
-    Frame frame;
-    FrameReader::Next next = reader_.next(frame);
-    for (; next == FrameReader::Next::frame; next = reader_.next(frame)) settle(frame);
-    if (next == FrameReader::Next::broken) return drop_link("what it sends is no Modbus TCP");
-  }
-}
-
-void TcpBus::settle(const Frame& frame) {
+void TcpBus::on_frame(const Frame& frame) {
   const auto found = std::find_if(requests_.begin(), requests_.end(), [&](const Request& request) {
     return request.transaction == frame.transaction;
   });
@@ -165,19 +125,15 @@ void TcpBus::complete(std::size_t request, BusResult result) {
 }
 
 void TcpBus::connect(Instant now) {
-  if (link_ == Link::connecting) drop_link("no answer to the attempt to connect");
+  if (connection_.state() == TcpConnection::State::connecting) {
+    connection_.close();
+    on_lost("no answer to the attempt to connect");
+  }
   next_attempt_ = now + options_.reconnect_interval;
-  socket_ = connect_tcp(options_.address);
-  if (!socket_.is_open()) return drop_link(std::strerror(errno));
-  link_ = Link::connecting;
-  reader_.clear();
-  loop_.add(socket_.get(), *this, false, true);
+  connection_.connect(options_.address);
 }
 
-void TcpBus::drop_link(const char* why) {
-  if (socket_.is_open()) loop_.remove(socket_.get());
-  socket_.close();
-  link_ = Link::down;
+void TcpBus::on_lost(const char* why) {
   while (!requests_.empty()) complete(0, BusResult::link_lost);
   if (reported_down_) return;
   reported_down_ = true;

@@ -11,9 +11,7 @@
 
 #include "etcm/port/log.h"
 #include "etcm/port/node_bus.h"
-#include "modbus/frame.h"
-#include "posix/event_loop.h"
-#include "posix/tcp_socket.h"
+#include "modbus/tcp_connection.h"
 
 namespace etcm::port {
 
@@ -24,13 +22,10 @@ struct TcpBusOptions {
   Duration reconnect_interval{};      // from one attempt to connect to the next
 };
 
-class TcpBus final : public NodeBus, private EventHandler {
+class TcpBus final : public NodeBus, private TcpConnection::Listener {
  public:
   // `loop` and `log` must outlive the bus.
   TcpBus(EventLoop& loop, Log& log, const TcpBusOptions& options);
-  ~TcpBus();
-  TcpBus(const TcpBus&) = delete;
-  TcpBus& operator=(const TcpBus&) = delete;
 
   bool ready() const override;
   void start_read(const RegisterRead& read, Instant now) override;
@@ -40,8 +35,6 @@ class TcpBus final : public NodeBus, private EventHandler {
   Instant next_deadline() const override;
 
  private:
-  enum class Link : std::uint8_t { down, connecting, up };
-
   struct Request {
     std::uint16_t transaction = 0;
     std::uint8_t unit = 0;
@@ -60,23 +53,19 @@ class TcpBus final : public NodeBus, private EventHandler {
     std::array<std::uint16_t, read_registers_max> registers;
   };
 
-  void on_ready(bool can_read, bool can_write) override;
+  void on_connected() override;
+  void on_frame(const Frame& frame) override;
+  void on_lost(const char* why) override;
   void send(Request request, std::span<std::uint8_t> frame, std::size_t pdu_bytes);
-  void receive();
-  void settle(const Frame& frame);
   void complete(std::size_t request, BusResult result);
   void connect(Instant now);
-  void drop_link(const char* why);
 
-  EventLoop& loop_;
   Log& log_;
   TcpBusOptions options_;
-  FileDescriptor socket_;
-  Link link_ = Link::down;
+  TcpConnection connection_;
   bool reported_down_ = false;
   Instant next_attempt_{};
   std::uint16_t last_transaction_ = 0;
-  FrameReader reader_;
   std::vector<Request> requests_;     // under way
   std::vector<Completed> completed_;  // a ring; never more than outstanding_max are in it
   std::size_t completed_begin_ = 0;

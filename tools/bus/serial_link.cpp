@@ -2,12 +2,9 @@
 // time and a person who waits, a longer silence after a wait in vain is cheap.
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 
 #include "link.h"
-#include "modbus/rtu_frame.h"
-#include "posix/serial_port.h"
+#include "modbus/rtu_line.h"
 
 namespace etcm::bus {
 
@@ -32,49 +29,44 @@ const char* to_string(port::Parity parity) {
   return "";
 }
 
-class SerialLink final : public Link, private port::EventHandler {
+class SerialLink final : public Link {
  public:
   explicit SerialLink(const port::SerialLine& line)
       : path_(line.path),
         name_(line.path + " at " + std::to_string(line.baud) + " baud, " + to_string(line.parity) +
               " parity"),
         character_(character_time(line)),
-        silence_(frame_silence(line)) {
+        silence_(frame_silence(line)),
+        line_(waiter_.loop(), line) {
     std::string why;
-    port_ = port::open_serial(line, why);
-    if (!port_.is_open()) throw LinkError(line.path + ": " + why);
-    waiter_.loop().add(port_.get(), *this, true, false);
+    if (!line_.open(why)) throw LinkError(line.path + ": " + why);
   }
-  ~SerialLink() override {
-    if (!is_gone_) waiter_.loop().remove(port_.get());
-  }
-  SerialLink(const SerialLink&) = delete;
-  SerialLink& operator=(const SerialLink&) = delete;
 
   Reply ask(std::uint8_t unit, std::span<const std::uint8_t> request,
             port::Duration timeout) override {
     wait_for_silence();
-    heard_count_ = 0;
-    port::discard_input(port_.get());
+    line_.discard();
     const port::Instant sent_at = send(unit, request);
     const port::Instant unanswered_at = sent_at + timeout;
     const port::Instant at_latest =
         unanswered_at + static_cast<std::int64_t>(port::rtu_frame_bytes_max) * character_;
+    bool has_heard = false;
     while (true) {
-      if (const auto found = answer_of(unit, request[0])) {
-        silent_until_ = last_heard_ + silence_;
-        return {.outcome = Outcome::answer, .pdu = *found, .took = last_heard_ - sent_at};
+      while (const auto found = line_.next_answer()) {
+        if (found->unit == unit && (found->pdu[0] & 0x7f) == request[0]) {
+          silent_until_ = last_heard_ + silence_;
+          return {.outcome = Outcome::answer, .pdu = found->pdu, .took = last_heard_ - sent_at};
+        }
+        line_.drop(*found);
       }
       const port::Instant until =
-          heard_count_ == 0
-              ? unanswered_at
-              : std::clamp(last_heard_ + silence_ + pieces_apart, unanswered_at, at_latest);
+          has_heard ? std::clamp(last_heard_ + silence_ + pieces_apart, unanswered_at, at_latest)
+                    : unanswered_at;
       if (until <= waiter_.now()) break;
-      waiter_.wait_until(until);
-      throw_if_gone();
+      has_heard = listen(until) || has_heard;
     }
     silent_until_ = waiter_.now() + quiet;
-    return {.outcome = heard_count_ == 0 ? Outcome::silence : Outcome::garbled, .pdu = {}};
+    return {.outcome = has_heard ? Outcome::garbled : Outcome::silence, .pdu = {}};
   }
 
   const std::string& name() const override { return name_; }
@@ -86,10 +78,7 @@ class SerialLink final : public Link, private port::EventHandler {
 
   void pause(port::Duration duration) override {
     const port::Instant end = waiter_.now() + duration;
-    while (waiter_.now() < end) {
-      waiter_.wait_until(end);
-      throw_if_gone();
-    }
+    while (waiter_.now() < end) listen(end);
   }
 
  private:
@@ -97,55 +86,31 @@ class SerialLink final : public Link, private port::EventHandler {
   void wait_for_silence() {
     const port::Instant at_latest = waiter_.now() + 10 * quiet;
     while (true) {
-      throw_if_gone();
       const port::Instant until =
           std::min(at_latest, std::max(silent_until_, last_heard_ + silence_));
       if (until <= waiter_.now()) return;
-      waiter_.wait_until(until);
+      listen(until);
     }
   }
 
   port::Instant send(std::uint8_t unit, std::span<const std::uint8_t> request) {
     std::array<std::uint8_t, port::rtu_frame_bytes_max> frame;
     std::copy(request.begin(), request.end(), frame.begin() + port::rtu_unit_bytes);
-    const std::size_t size = port::wrap_rtu(frame, unit, request.size());
-    const ssize_t sent = ::write(port_.get(), frame.data(), size);
-    if (sent != static_cast<ssize_t>(size)) {
-      throw LinkError(path_ + ": " + (sent < 0 ? std::strerror(errno) : "takes no bytes") +
-                      "; plug the adapter in again");
+    std::string why;
+    if (!line_.send(frame, unit, request.size(), why)) {
+      throw LinkError(path_ + ": " + why + "; plug the adapter in again");
     }
+    const std::size_t size = port::rtu_unit_bytes + request.size() + port::rtu_checksum_bytes;
     return waiter_.now() + static_cast<std::int64_t>(size) * character_;
   }
 
-  // The first whole answer of this unit to this function in what was heard.
-  std::optional<std::span<const std::uint8_t>> answer_of(std::uint8_t unit,
-                                                         std::uint8_t function) const {
-    const auto heard = std::span(heard_).first(heard_count_);
-    for (auto found = port::find_rtu_answer(heard); found;
-         found = port::find_rtu_answer(heard, found->end)) {
-      if (found->unit == unit && (found->pdu[0] & 0x7f) == function) return found->pdu;
-    }
-    return std::nullopt;
-  }
-
-  void on_ready(bool, bool) override {
-    const auto space = std::span(heard_).subspan(heard_count_);
-    // When it is full of noise, what comes more is of no use.
-    std::array<std::uint8_t, 64> spilled;
-    const ssize_t count = space.empty() ? ::read(port_.get(), spilled.data(), spilled.size())
-                                        : ::read(port_.get(), space.data(), space.size());
-    if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
-    if (count <= 0) {
-      is_gone_ = true;
-      waiter_.loop().remove(port_.get());
-      return;
-    }
+  // At most until then; whether something came.
+  bool listen(port::Instant until) {
+    waiter_.wait_until(until);
+    if (line_.is_gone()) throw LinkError(path_ + ": the port is gone; plug the adapter in again");
+    if (!line_.take_news()) return false;
     last_heard_ = waiter_.now();
-    if (!space.empty()) heard_count_ += static_cast<std::size_t>(count);
-  }
-
-  void throw_if_gone() const {
-    if (is_gone_) throw LinkError(path_ + ": the port is gone; plug the adapter in again");
+    return true;
   }
 
   std::string path_;
@@ -153,12 +118,9 @@ class SerialLink final : public Link, private port::EventHandler {
   port::Duration character_;
   port::Duration silence_;
   Waiter waiter_;
-  port::FileDescriptor port_;
-  bool is_gone_ = false;
+  port::RtuLine line_;
   port::Instant silent_until_{};
   port::Instant last_heard_{};
-  std::array<std::uint8_t, 2 * port::rtu_frame_bytes_max> heard_;
-  std::size_t heard_count_ = 0;
 };
 
 }  // namespace

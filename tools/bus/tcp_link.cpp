@@ -1,54 +1,38 @@
 // Modbus TCP: each question has a number, so an answer is never taken for another's.
-#include <sys/socket.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 
 #include "link.h"
-#include "modbus/frame.h"
-#include "posix/tcp_socket.h"
+#include "modbus/tcp_connection.h"
 
 namespace etcm::bus {
 
 namespace {
 
-class TcpLink final : public Link, private port::EventHandler {
+class TcpLink final : public Link, private port::TcpConnection::Listener {
  public:
-  TcpLink(const port::SocketAddress& address, port::Duration patience)
-      : name_(to_string(address)), socket_(port::connect_tcp(address)) {
-    if (!socket_.is_open()) fail(std::strerror(errno));
-    waiter_.loop().add(socket_.get(), *this, false, true);
+  TcpLink(const port::SocketAddress& address, port::Duration patience) : name_(to_string(address)) {
+    connection_.connect(address);
     const port::Instant end = waiter_.now() + patience;
-    while (!is_connected_) {
+    while (connection_.state() != State::up) {
+      if (lost_ != nullptr) fail(lost_);
       if (end <= waiter_.now()) fail("no answer to the attempt to connect");
       waiter_.wait_until(end);
     }
-    if (const int error = port::connect_error(socket_.get())) fail(std::strerror(error));
-    waiter_.loop().change(socket_.get(), true, false);
   }
-  ~TcpLink() override {
-    if (!is_closed_) waiter_.loop().remove(socket_.get());
-  }
-  TcpLink(const TcpLink&) = delete;
-  TcpLink& operator=(const TcpLink&) = delete;
 
   Reply ask(std::uint8_t unit, std::span<const std::uint8_t> request,
             port::Duration timeout) override {
     answer_bytes_ = 0;
     is_answered_ = false;
-    ++transaction_;
+    connection_.discard();
+    throw_if_lost();
     std::array<std::uint8_t, port::frame_bytes_max> frame;
     std::copy(request.begin(), request.end(), frame.begin() + port::mbap_header_bytes);
-    const std::size_t size = port::write_header(frame, transaction_, unit, request.size());
-    if (is_closed_ ||
-        ::send(socket_.get(), frame.data(), size, MSG_NOSIGNAL) != static_cast<ssize_t>(size)) {
-      throw_closed();
-    }
+    connection_.send(frame, ++transaction_, unit, request.size());
     const port::Instant sent_at = waiter_.now();
     while (!is_answered_) {
-      if (is_closed_) throw_closed();
+      throw_if_lost();
       if (sent_at + timeout <= waiter_.now()) return {};
       waiter_.wait_until(sent_at + timeout);
     }
@@ -70,57 +54,39 @@ class TcpLink final : public Link, private port::EventHandler {
     const port::Instant end = waiter_.now() + duration;
     while (waiter_.now() < end) {
       waiter_.wait_until(end);
-      if (is_closed_) throw_closed();
+      throw_if_lost();
     }
   }
 
  private:
+  using State = port::TcpConnection::State;
+
   [[noreturn]] void fail(const char* why) const {
     throw LinkError(name_ + ": " + why +
                     "; check address and port (-p), and that the device takes one more master");
   }
 
-  [[noreturn]] void throw_closed() const {
-    throw LinkError(name_ + ": " + why_closed_ +
+  void throw_if_lost() const {
+    if (lost_ == nullptr) return;
+    throw LinkError(name_ + ": " + lost_ +
                     "; most devices take few masters at a time: end the others, and try again");
   }
 
-  void on_ready(bool can_read, bool can_write) override {
-    if (!is_connected_) {
-      is_connected_ = can_read || can_write;
-      return;
-    }
-    const std::span<std::uint8_t> space = reader_.free_space();
-    const ssize_t count = ::recv(socket_.get(), space.data(), space.size(), 0);
-    if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
-    if (count <= 0) return close("the other side closed the connection");
-    reader_.received(static_cast<std::size_t>(count));
-    port::Frame frame;
-    auto next = reader_.next(frame);
-    for (; next == port::FrameReader::Next::frame; next = reader_.next(frame)) {
-      if (frame.transaction != transaction_ || is_answered_) continue;
-      is_answered_ = true;
-      answer_unit_ = frame.unit;
-      answer_bytes_ = frame.pdu.size();
-      std::copy(frame.pdu.begin(), frame.pdu.end(), answer_.begin());
-    }
-    if (next == port::FrameReader::Next::broken) close("what it sends is no Modbus TCP");
-  }
-
-  void close(const char* why) {
-    waiter_.loop().remove(socket_.get());
-    is_closed_ = true;
-    why_closed_ = why;
+  void on_connected() override {}
+  void on_lost(const char* why) override { lost_ = why; }
+  void on_frame(const port::Frame& frame) override {
+    if (frame.transaction != transaction_ || is_answered_) return;
+    is_answered_ = true;
+    answer_unit_ = frame.unit;
+    answer_bytes_ = frame.pdu.size();
+    std::copy(frame.pdu.begin(), frame.pdu.end(), answer_.begin());
   }
 
   std::string name_;
   Waiter waiter_;
-  port::FileDescriptor socket_;
-  bool is_connected_ = false;
-  bool is_closed_ = false;
-  const char* why_closed_ = "the other side does not read";
+  port::TcpConnection connection_{waiter_.loop(), *this};
+  const char* lost_ = nullptr;  // why, where it is
   std::uint16_t transaction_ = 0;
-  port::FrameReader reader_;
   bool is_answered_ = false;
   std::uint8_t answer_unit_ = 0;
   std::array<std::uint8_t, port::pdu_bytes_max> answer_;

@@ -1,0 +1,74 @@
+#include "modbus/tcp_connection.h"
+
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "posix/tcp_socket.h"
+
+namespace etcm::port {
+
+void TcpConnection::connect(const SocketAddress& address) {
+  socket_ = connect_tcp(address);
+  if (!socket_.is_open()) return listener_.on_lost(std::strerror(errno));
+  state_ = State::connecting;
+  reader_.clear();
+  loop_.add(socket_.get(), *this, false, true);
+}
+
+void TcpConnection::send(std::span<std::uint8_t> frame, std::uint16_t transaction,
+                         std::uint8_t unit, std::size_t pdu_bytes) {
+  const std::size_t size = write_header(frame, transaction, unit, pdu_bytes);
+  // A few requests always fit the socket's buffer, unless the peer has stopped reading altogether;
+  // then the connection is as good as gone.
+  const ssize_t sent = ::send(socket_.get(), frame.data(), size, MSG_NOSIGNAL);
+  if (sent != static_cast<ssize_t>(size)) {
+    lose(sent < 0 ? std::strerror(errno) : "the other side does not read");
+  }
+}
+
+void TcpConnection::discard() {
+  if (reader_.empty()) return;
+  receive();
+  reader_.clear();
+}
+
+void TcpConnection::close() {
+  if (socket_.is_open()) loop_.remove(socket_.get());
+  socket_.close();
+  state_ = State::down;
+}
+
+void TcpConnection::on_ready(bool can_read, bool can_write) {
+  if (state_ == State::connecting) {
+    const int error = connect_error(socket_.get());
+    if (error != 0) return lose(std::strerror(error));
+    state_ = State::up;
+    loop_.change(socket_.get(), true, false);
+    return listener_.on_connected();
+  }
+  if (can_read || can_write) receive();
+}
+
+void TcpConnection::receive() {
+  while (state_ == State::up) {
+    const std::span<std::uint8_t> space = reader_.free_space();
+    const ssize_t count = ::recv(socket_.get(), space.data(), space.size(), 0);
+    if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
+    if (count < 0) return lose(std::strerror(errno));
+    if (count == 0) return lose("connection closed by the other side");
+    reader_.received(static_cast<std::size_t>(count));
+    Frame frame;
+    FrameReader::Next next = reader_.next(frame);
+    for (; next == FrameReader::Next::frame; next = reader_.next(frame)) listener_.on_frame(frame);
+    if (next == FrameReader::Next::broken) return lose("what it sends is no Modbus TCP");
+  }
+}
+
+void TcpConnection::lose(const char* why) {
+  close();
+  listener_.on_lost(why);
+}
+
+}  // namespace etcm::port
