@@ -22,10 +22,11 @@ PROGRAMS = pathlib.Path(os.environ["ETCM_BIN"]).resolve()
 class GatewayCase(ProgramCase):
     vertices_max = 1000
 
-    def start_nodes(self, rows):
-        (self.folder / "nodes.csv").write_text("time_ms,serial,event,x,y\n" + "\n".join(rows) + "\n")
-        nodes = self.start("nodes", [PROGRAMS / "etcm-nodes", "--listen", "127.0.0.1:0",
-                                     "--nodes", "nodes.csv"])
+    def start_nodes(self, rows, listen="127.0.0.1:0", name="nodes"):
+        (self.folder / f"{name}.csv").write_text(
+            "time_ms,serial,event,x,y\n" + "\n".join(rows) + "\n")
+        nodes = self.start(name, [PROGRAMS / "etcm-nodes", "--listen", listen,
+                                  "--nodes", f"{name}.csv"])
         nodes.wait_for_line(r"ready:")
         return re.findall(r"listens on (\S+) for units (\S+)", nodes.log())
 
