@@ -304,7 +304,12 @@ int main(int argc, char** argv) {
                                   "print the tables of the registers it serves, and end");
   check_option->needs(config_option);
   map_option->excludes(config_option);
-  CLI11_PARSE(app, argc, argv);
+  app.set_version_flag("--version", ETCM_VERSION, "print the version and end");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? EXIT_SUCCESS : exit_bad_settings;
+  }
 
   if (register_map) {
     std::fputs(firmware::describe_mesh_map().c_str(), stdout);

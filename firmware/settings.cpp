@@ -169,6 +169,33 @@ void read_slow(Section& section, BusSettings& bus) {
   }
 }
 
+// Two buses may be behind one address, with different units; a serial port has one master.
+void check_against(Section& section, const BusSettings& bus, const BusSettings& other) {
+  const auto* const line = std::get_if<port::SerialLine>(&bus.link);
+  const auto* const other_line = std::get_if<port::SerialLine>(&other.link);
+  if (line != nullptr && other_line != nullptr && line->path == other_line->path) {
+    section.mistake(section.table(), "another [[bus]] has the serial port " + line->path +
+                                         "; put the units of both into one");
+    return;
+  }
+  const auto* const address = std::get_if<port::SocketAddress>(&bus.link);
+  const auto* const other_address = std::get_if<port::SocketAddress>(&other.link);
+  if (address != nullptr && other_address != nullptr && address->host == other_address->host &&
+      address->port == other_address->port) {
+    for (unsigned unit = 1; unit <= unit_max; ++unit) {
+      if (!has_unit(bus, unit) || !has_unit(other, unit)) continue;
+      section.mistake(section.table(), "unit " + std::to_string(unit) + " at " +
+                                           to_string(*address) +
+                                           " is asked by another [[bus]] too; take it out of one");
+      return;
+    }
+  }
+  if (bus.name == other.name) {
+    section.mistake(section.table(),
+                    "two buses are named '" + bus.name + "'; give one another 'name'");
+  }
+}
+
 void read_bus(Section& section, const PollSettings& poll, std::vector<BusSettings>& buses) {
   BusSettings bus;
   bus.timeout = poll.timeout;
@@ -185,11 +212,7 @@ void read_bus(Section& section, const PollSettings& poll, std::vector<BusSetting
                            {"DCBA", WordOrder::dcba}});
   read_all_units(section, bus);
   section.each("slow", [&](Section& slow) { read_slow(slow, bus); });
-  for (const BusSettings& other : buses) {
-    if (other.name == bus.name) {
-      section.mistake(section.table(), "two buses are named '" + bus.name + "'; rename one");
-    }
-  }
+  for (const BusSettings& other : buses) check_against(section, bus, other);
   buses.push_back(std::move(bus));
 }
 
@@ -306,6 +329,12 @@ void read_all(Section& file, const std::filesystem::path& folder, Settings& sett
     section.read("listen", http.listen);
     read_allow(section, http.allow);
     section.read("clients_max", http.clients_max, 1, 1000);
+    const port::SocketAddress& server = settings.server.listen;
+    if (http.listen.port != 0 && http.listen.port == server.port &&
+        (http.listen.host == server.host || http.listen.host == 0 || server.host == 0)) {
+      section.mistake(section.table(), "the page and [server] would both listen on port " +
+                                           std::to_string(server.port) + "; give one another");
+    }
     settings.http = http;
   });
   file.sub("files", [&](Section& section) {
@@ -350,11 +379,12 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
   try {
     parsed = toml::parse(files::read_bytes(path), path);
   } catch (const files::InputError& error) {
-    mistakes.push_back(error.what());
+    mistakes.push_back(std::string(error.what()) + "; give the path of the settings");
     return settings;
   } catch (const toml::parse_error& error) {
     mistakes.push_back(path + ":" + std::to_string(error.source().begin.line) + ": " +
-                       std::string(error.description()) + "; correct the TOML there");
+                       std::string(error.description()) +
+                       "; correct the TOML there (texts stand in quotes)");
     return settings;
   }
   const std::size_t before = mistakes.size();

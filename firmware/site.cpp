@@ -76,6 +76,12 @@ Point SiteGrid::near(const Decimal& x, const Decimal& y) const {
 }
 
 void read_site(Settings& settings, std::vector<std::string>& mistakes) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(settings.site.path, ignored)) {
+    mistakes.push_back(settings.site.place + ": the site file " + settings.site.path +
+                       " is not there; correct 'file'");
+    return;
+  }
   std::string extension = std::filesystem::path(settings.site.path).extension();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });

@@ -258,7 +258,17 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"feature_to_itself", bus("units = \"1\"\n") + "[[feature]]\nfrom = 5\nto = 5\n", 7,
                 "from node 5 to itself", "two different serials"},
         Mistake{"two_buses_of_one_name", bus("units = \"1\"\n") + bus("units = \"2\"\n"), 7,
-                "two buses are named", "rename one"},
+                "two buses are named", "another 'name'"},
+        Mistake{"one_unit_on_two_buses", bus("units = \"1-9\"\n") + bus("units = \"4\"\n"), 7,
+                "unit 4 at 127.0.0.1:502 is asked by another [[bus]]", "take it out of one"},
+        Mistake{"one_line_of_two_buses", serial("") + serial("name = \"b\"\n"), 7,
+                "another [[bus]] has the serial port", "put the units of both into one"},
+        Mistake{"page_on_the_port_of_the_server",
+                bus("units = \"1\"\n") +
+                    "[server]\nlisten = \"0.0.0.0:8080\"\n[http]\nlisten = \"127.0.0.1:8080\"\n",
+                9, "would both listen on port 8080", "give one another"},
+        Mistake{"text_without_quotes", "[[bus]]\ntcp = 127.0.0.1:502\nunits = \"1\"\n", 5, "",
+                "texts stand in quotes"},
         Mistake{"no_link", "[[bus]]\nunits = \"1\"\n", 4, "neither 'tcp' nor 'rtu'", "add one"},
         Mistake{"two_links", serial("tcp = \"1.2.3.4:5\"\n"), 7, "both 'tcp' and 'rtu'",
                 "make it two buses"},
@@ -325,6 +335,7 @@ TEST_F(SettingsFile, AFileThatIsNotThereIsAMistake) {
   read_settings(folder_ / "nowhere.toml", mistakes_);
   ASSERT_EQ(mistakes_.size(), 1u);
   EXPECT_NE(mistakes_[0].find("nowhere.toml"), std::string::npos);
+  EXPECT_NE(mistakes_[0].find("; give the path of the settings"), std::string::npos);
 }
 
 }  // namespace

@@ -54,6 +54,16 @@ std::string geometry(const std::string& type, const std::string& coordinates,
          type + "\", \"coordinates\": " + coordinates + "}}";
 }
 
+TEST_F(Site, AFileThatIsNotThereIsNamedWhereItIsAskedFor) {
+  const std::string config =
+      folder_.write("site.toml",
+                    "[mesh]\nvertices_max = 9\n[[bus]]\ntcp = \"127.0.0.1:502\"\nunits = \"1\"\n"
+                    "[site]\nfile = \"nowhere.geojson\"\n");
+  read_configuration(config, mistakes_);
+  EXPECT_EQ(mistakes(), "site.toml:6: the site file " + folder_.path("nowhere.geojson") +
+                            " is not there; correct 'file'\n");
+}
+
 TEST_F(Site, ALineBecomesAStretchBetweenEachTwoVertices) {
   const Settings settings =
       draw(geometry("LineString", "[[0, 0], [10, 0.25, 7], [10, 0.25], [20, -1e1]]",

@@ -340,6 +340,19 @@ class CommandLine(GatewayCase):
         self.assertIn("site.toml:8: 'unit' is unknown in [[bus]]; did you mean 'units'?", done.stderr)
         self.assertIn("no.poly", done.stderr)
 
+    def test_wrong_settings_are_errors_of_the_log_too(self):
+        (self.folder / "site.toml").write_text("[mesh]\nvertices_max = 9\n")
+        done = self.run_gateway("--config", "site.toml")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("error: site.toml:1: 'bus' is missing", done.stderr)
+
+    def test_a_wrong_command_line_is_status_2_and_the_version_is_told(self):
+        for arguments in (["site.toml"], ["--check-config"], ["--config"], []):
+            self.assertEqual(self.run_gateway(*arguments).returncode, 2, arguments)
+        done = self.run_gateway("--version")
+        self.assertEqual(done.returncode, 0)
+        self.assertRegex(done.stdout, r"^\d+\.\d+\.\d+\n$")
+
     def test_a_taken_port_is_said_and_is_status_1(self):
         with socket.socket() as taken:
             taken.bind(("127.0.0.1", 0))

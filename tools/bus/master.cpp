@@ -46,6 +46,17 @@ bool Trouble::is_absence() const {
                                       exception == MODBUS_EXCEPTION_GATEWAY_TARGET));
 }
 
+std::string cure_of(const Trouble& trouble) {
+  if (trouble.kind == Trouble::Kind::silence) {
+    return "; check the unit (-a), on a serial line also -b and -P, or wait longer (-o)";
+  }
+  if (trouble.kind == Trouble::Kind::exception &&
+      trouble.exception == MODBUS_EXCEPTION_ILLEGAL_DATA_ADDRESS) {
+    return "; it has no such registers in this table: they count from 0 (-r), and -t is the table";
+  }
+  return "";
+}
+
 std::string to_string(const Trouble& trouble) {
   switch (trouble.kind) {
     case Trouble::Kind::silence:

@@ -17,6 +17,8 @@ struct Trouble {
   // Nobody is there: silence, or a converter that says so for the unit.
   bool is_absence() const;
 };
+// What to do about one that reading met: "; check ...", or nothing.
+std::string cure_of(const Trouble& trouble);
 // "no answer", "exception 2: Illegal data address".
 std::string to_string(const Trouble& trouble);
 

@@ -46,8 +46,8 @@ int read(const ReadOptions& options) {
   int result = exit_ok;
   for (const std::uint8_t unit : units) {
     if (const auto trouble = read_all(master, unit, function, first, registers, per_value)) {
-      std::fprintf(stderr, "etcm-bus: unit %u on %s: %s\n", unit, link->name().c_str(),
-                   to_string(*trouble).c_str());
+      std::fprintf(stderr, "etcm-bus: unit %u on %s: %s%s\n", unit, link->name().c_str(),
+                   to_string(*trouble).c_str(), cure_of(*trouble).c_str());
       result = exit_trouble;
       continue;
     }

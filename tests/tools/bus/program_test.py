@@ -171,9 +171,10 @@ class Read(BusCase):
 
     def test_troubles_are_one_line_each_with_the_unit(self):
         device = self.start_line(THREE)
-        self.assertIn("unit 9 on", self.complaint("read", "-a", "9", *device))
-        self.assertIn("exception 2: Illegal data address",
-                      self.complaint("read", "-c", "100", *device))
+        self.assertRegex(self.complaint("read", "-a", "9", *device),
+                         r"unit 9 on .*: no answer; check the unit \(-a\), .* -b and -P")
+        self.assertRegex(self.complaint("read", "-c", "100", *device),
+                         r"exception 2: Illegal data address; .* count from 0")
 
 
 class Write(BusCase):
