@@ -76,9 +76,11 @@ void settle_finished(MeshState& m, VertexId v, VertexId end) noexcept {
 }
 
 // Splits a missing piece until it is a run of edges, from both ends inwards. What is left always
-// lies between two vertices that are known, so nothing is walked again. Where a policy splits
-// outside both feasible sets it stops: the caller looks what is there.
-Status conform_piece(MeshState& m, SectionId s, Stretch piece) noexcept {
+// lies between two vertices that are known, so nothing is walked again: no split breaks another
+// piece of the same line. Where a policy splits outside both feasible sets it stops, with
+// `is_whole` false: the caller looks what is there.
+Status conform_piece(MeshState& m, SectionId s, Stretch piece, bool& is_whole) noexcept {
+  is_whole = true;
   for (;;) {
     if (m.config.steps_max != 0 && m.steps >= m.config.steps_max) {
       return fail(m, Status::step_limit, s, piece);
@@ -96,7 +98,10 @@ Status conform_piece(MeshState& m, SectionId s, Stretch piece) noexcept {
     const bool finishes_head = t <= site.reach_head, finishes_tail = t >= site.reach_tail;
     if (finishes_head) settle_finished(m, v, piece.head);
     if (finishes_tail) settle_finished(m, v, piece.tail);
-    if (finishes_head == finishes_tail) return Status::ok;
+    if (finishes_head == finishes_tail) {
+      is_whole = finishes_head;
+      return Status::ok;
+    }
     piece = finishes_head ? between(m, v, piece.tail) : between(m, piece.head, v);
   }
 }
@@ -124,13 +129,15 @@ Status conform_section(MeshState& m, SectionId s) noexcept {
       m.trouble.other = feature_of(m, crossed);
       return fail(m, Status::crossing_features, s, piece);
     }
-    if (!piece.is_edge) {
-      const Status status = conform_piece(m, s, piece);
-      if (status != Status::ok) return status;
+    if (piece.is_edge) {
+      settle_piece(m, piece);
+      v = piece.tail;
       continue;
     }
-    settle_piece(m, piece);
-    v = piece.tail;
+    bool is_whole = false;
+    const Status status = conform_piece(m, s, piece, is_whole);
+    if (status != Status::ok) return status;
+    if (is_whole) v = piece.tail;
   }
   return Status::ok;
 }

@@ -22,14 +22,14 @@ void turn_link(MeshState& m, Edge e, const Point& p) noexcept {
   const VertexId first = topo.origin(e);
   Seen u = see(m, first, p);
   Seen v = see(m, topo.target(e), p);
-  Cross uv = cross(u.at, v.at);
+  double uv = cross_value(u.at, v.at);
   for (;;) {
     const Seen w = see(m, topo.apex(topo.twin(e)), p);
-    const Cross uw = cross(u.at, w.at), wv = cross(w.at, v.at);
+    const double uw = cross_value(u.at, w.at), wv = cross_value(w.at, v.at);
     int side = 0;
     if (u.id != infinite_vertex && v.id != infinite_vertex && w.id != infinite_vertex) {
       // Counter-clockwise: u, w, v.
-      side = incircle_filter(u.height, wv, w.height, -uv, v.height, uw);
+      side = incircle_coarse(u.height, wv, w.height, -uv, v.height, uw);
     }
     if (side > 0 || (side == 0 && must_flip(m, e, p))) {
       if (topo.is_constrained(e)) give_way(m, e);
@@ -45,7 +45,7 @@ void turn_link(MeshState& m, Edge e, const Point& p) noexcept {
     e = topo.next_link_edge(e);
     u = v;
     v = see(m, topo.target(e), p);
-    uv = cross(u.at, v.at);
+    uv = cross_value(u.at, v.at);
   }
 }
 

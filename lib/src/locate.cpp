@@ -68,8 +68,8 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept {
     t = Topology::triangle_of(topo.twin(Topology::edge(t, ghost_side)));
     if (topo.is_ghost(t)) return find_on_chain(m, p, Topology::edge(t, 0));
   }
-  // The first triangle is entered nowhere: ask for its side 0 too.
-  Edge e = Topology::edge(t, 0);
+  // The first triangle is entered nowhere: ask for a third side too, first the one given.
+  Edge e = t == Topology::triangle_of(near) ? near : Topology::edge(t, 0);
   VertexId u = topo.origin(e), v = topo.target(e);
   Offset from_u = offset(m.at(u), p), from_v = offset(m.at(v), p);
   const auto side_of = [&](const Offset& a, const Offset& b, VertexId from, VertexId to) {

@@ -31,10 +31,6 @@ Start leave(const MeshState& m, VertexId head, const Point& goal) noexcept {
   const Topology& topo = m.topology;
   const Point& origin = m.at(head);
   const bool forward = origin < goal;
-  Start by_subsegment;
-  if (m.owner(head).role() != Role::node && leave_by_subsegment(m, head, forward, by_subsegment)) {
-    return by_subsegment;
-  }
   const auto side_of = [&](VertexId v) {
     return v == infinite_vertex ? 0 : orient2d_fast(origin, goal, m.at(v));
   };
@@ -63,7 +59,10 @@ Stretch march(const MeshState& m, VertexId head, VertexId toward) noexcept {
   const Topology& topo = m.topology;
   const Point& origin = m.at(head);
   const Point& goal = m.at(toward);
-  const Start start = leave(m, head, goal);
+  Start start;
+  if (m.owner(head).role() == Role::node || !leave_by_subsegment(m, head, origin < goal, start)) {
+    start = leave(m, head, goal);
+  }
   Stretch stretch;
   stretch.head = head;
   if (start.is_edge) {

@@ -107,7 +107,8 @@ struct Stretch {
   Edge constrained{};  // an edge of a feature that it crosses, if any
 };
 Stretch march(const MeshState& m, VertexId head, VertexId toward) noexcept;
-// The same where the next vertex is known: looks at both ends only, and at nothing it crosses.
+// The same where the next vertex is known and the stretch is no subsegment: looks at both ends
+// only, and at nothing it crosses.
 Stretch between(const MeshState& m, VertexId head, VertexId tail) noexcept;
 
 // --- insert.cpp, remove.cpp, ties.cpp: the canonical triangulation of a changing set

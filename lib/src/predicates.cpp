@@ -13,7 +13,8 @@ int orient2d_settle(const Point& a, const Point& b, const Point& c) noexcept {
 }
 
 int incircle_settle(const Point& a, const Point& b, const Point& c, const Point& d) noexcept {
-  return incircle_exact<ExactArithmetic>(a, b, c, d);
+  const int sign = incircle_filter(a, b, c, d);
+  return sign != 0 ? sign : incircle_exact<ExactArithmetic>(a, b, c, d);
 }
 
 }  // namespace internal

@@ -10,6 +10,7 @@
 // the filters decide nothing: asking the integers at once is faster there, and smaller.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "assumptions.h"
@@ -19,6 +20,7 @@ namespace etcm::internal {
 
 // The exact stage, with the integers this build uses.
 int orient2d_settle(const Point& a, const Point& b, const Point& c) noexcept;
+// The filter, and the exact stage where it does not decide.
 int incircle_settle(const Point& a, const Point& b, const Point& c, const Point& d) noexcept;
 
 // Compilers say so of the machines that may lack them: ARM's bit 3 of __ARM_FP is double precision.
@@ -45,6 +47,11 @@ inline constexpr double orient2d_error = filter_unit * (1.0 + 8.0 * filter_unit)
 // 6u (1 + 15u) to first order, below u (6 + 128u), which is a double.
 inline constexpr double incircle_error = filter_unit * (6.0 + 128.0 * filter_unit);
 
+// A coarser bound that needs no magnitudes. By Cauchy and Schwarz each magnitude is at most the
+// root of the product of its two lifts, so the permanent is at most 3 h^2 with h the greatest of
+// the three, and 6u times that is 18u h^2; the roundings of h^2 and of the bound stay far below u.
+inline constexpr double incircle_coarse_error = filter_unit * 19.0;
+
 // A point as seen from another: exact.
 struct Offset {
   double x;
@@ -63,6 +70,10 @@ struct Cross {
   double magnitude;
   friend Cross operator-(const Cross& c) noexcept { return {-c.value, c.magnitude}; }
 };
+
+inline double cross_value(const Offset& a, const Offset& b) noexcept {
+  return a.x * b.y - a.y * b.x;
+}
 
 inline Cross cross(const Offset& a, const Offset& b) noexcept {
   const double left = a.x * b.y;
@@ -87,6 +98,17 @@ inline int incircle_filter(double a_lift, const Cross& bc, double b_lift, const 
   return (determinant > bound) - (determinant < -bound);
 }
 
+// The same by the coarser bound, with the values of the cross products alone: for inner loops,
+// which go on to incircle_fast().
+inline int incircle_coarse(double a_lift, double bc, double b_lift, double ca, double c_lift,
+                           double ab) noexcept {
+  if constexpr (!has_double_unit) return 0;
+  const double determinant = a_lift * bc + b_lift * ca + c_lift * ab;
+  const double greatest = std::max(a_lift, std::max(b_lift, c_lift));
+  const double bound = incircle_coarse_error * (greatest * greatest);
+  return (determinant > bound) - (determinant < -bound);
+}
+
 inline int orient2d_filter(const Point& a, const Point& b, const Point& c) noexcept {
   return orient2d_filter(cross(offset(a, c), offset(b, c)));
 }
@@ -108,7 +130,9 @@ inline int orient2d_fast(const Point& a, const Point& b, const Point& c) noexcep
 }
 
 inline int incircle_fast(const Point& a, const Point& b, const Point& c, const Point& d) noexcept {
-  const int sign = incircle_filter(a, b, c, d);
+  const Offset ad = offset(a, d), bd = offset(b, d), cd = offset(c, d);
+  const int sign = incircle_coarse(lift(ad), cross_value(bd, cd), lift(bd), cross_value(cd, ad),
+                                   lift(cd), cross_value(ad, bd));
   return sign != 0 ? sign : incircle_settle(a, b, c, d);
 }
 

@@ -28,6 +28,22 @@ bool is_needless(const MeshState& m, Edge to_a, Edge to_b) noexcept {
   return true;
 }
 
+// The subsegments of a Steiner vertex, from it.
+struct Neighbours {
+  Edge back;
+  Edge onward;
+};
+
+Neighbours neighbours(const MeshState& m, VertexId v) noexcept {
+  const Topology& topo = m.topology;
+  Neighbours found;
+  for (Edge e = topo.edge_at(v); found.back.is_none() || found.onward.is_none();
+       e = topo.rotate_ccw(e)) {
+    if (topo.is_constrained(e)) (m.at(topo.target(e)) < m.at(v) ? found.back : found.onward) = e;
+  }
+  return found;
+}
+
 // Other sections' Steiner vertices beside v, which goes. Its own section's neighbours are looked at
 // again anyway.
 void make_dirty_around(MeshState& m, VertexId v) noexcept {
@@ -54,10 +70,10 @@ void prune_section(MeshState& m, SectionId s) noexcept {
   r.first = infinite_vertex;
   if (v == from) v = march(m, v, to).tail;
   while (v != to && m.at(v) <= last) {
-    const Stretch back = march(m, v, from);
-    const Stretch onward = march(m, v, to);
-    const VertexId before = back.tail, after = onward.tail;
-    if (!is_needless(m, back.edge, onward.edge)) {
+    const Neighbours beside = neighbours(m, v);
+    const VertexId before = m.topology.target(beside.back),
+                   after = m.topology.target(beside.onward);
+    if (!is_needless(m, beside.back, beside.onward)) {
       if (!m.is_batch) m.owner(v) = Owner(Role::steiner, s);
       v = after;
       continue;

@@ -1,5 +1,7 @@
 #include "split_harm.h"
 
+#include <cmath>
+
 #include "predicates_inline.h"
 #include "seen.h"
 
@@ -9,72 +11,99 @@ namespace {
 // A change as wide as this is harm enough.
 constexpr unsigned triangles_most = 48;
 
-// Whether p lies strictly inside the circle of the triangle u, v, apex (counter-clockwise). Ties
-// break no subsegment.
-bool holds(const MeshState& m, const Point& p, const Seen& u, const Seen& v, const Cross& uv,
-           VertexId apex) noexcept {
-  if (apex == infinite_vertex) return false;
-  const Seen w = see(m, apex, p);
-  const int side =
-      incircle_filter(u.height, cross(v.at, w.at), v.height, cross(w.at, u.at), w.height, uv);
-  return (side != 0 ? side : incircle_settle(m.at(u.id), m.at(v.id), m.at(apex), p)) > 0;
-}
-
-bool breaks(const MeshState& m, const Point& p, Edge subsegment) noexcept {
-  const Topology& topo = m.topology;
-  const Seen u = see(m, topo.origin(subsegment), p), v = see(m, topo.target(subsegment), p);
-  const Cross uv = cross(u.at, v.at);
-  return holds(m, p, u, v, uv, topo.apex(subsegment)) &&
-         holds(m, p, v, u, -uv, topo.apex(topo.twin(subsegment)));
-}
-
 }  // namespace
 
-unsigned HarmCount::count_known(const Point& p) const noexcept {
-  unsigned known = 0;
-  for (unsigned i = 0; i < remembered_count_; ++i) known += breaks(m_, p, remembered_[i]);
-  return known;
+// Where the line of the piece runs inside the triangle's circle. False: nowhere. In double: it only
+// spares at() work.
+bool HarmCount::chord(IdValue triangle, Span& span) const noexcept {
+  const TriangleRecord& t = line_.mesh.topology.triangle(triangle);
+  const Point& a = line_.mesh.at(t.corner[0]);
+  const Offset b = offset(line_.mesh.at(t.corner[1]), a), c = offset(line_.mesh.at(t.corner[2]), a);
+  const Offset head = offset(line_.head, a);
+  const double bb = lift(b), cc = lift(c);
+  const double half = 0.5 / (b.x * c.y - b.y * c.x);
+  const Offset centre{(bb * c.y - cc * b.y) * half, (cc * b.x - bb * c.x) * half};
+  const double middle =
+      ((centre.x - head.x) * line_.dx + (centre.y - head.y) * line_.dy) * line_.per_squared_length;
+  const double power = lift(head) - 2 * (head.x * centre.x + head.y * centre.y);
+  const double squared = middle * middle - power * line_.per_squared_length;
+  if (!(squared > 0)) return false;
+  const double half_length = std::sqrt(squared);
+  span = {middle - half_length, middle + half_length};
+  return true;
 }
 
-void HarmCount::remember(Edge subsegment) noexcept {
-  if (remembered_count_ == remembered_most) return;
-  const Edge other = m_.topology.twin(subsegment);
-  for (unsigned i = 0; i < remembered_count_; ++i) {
-    if (remembered_[i] == subsegment || remembered_[i] == other) return;
+void HarmCount::watch(Edge edge) noexcept {
+  const Topology& topo = line_.mesh.topology;
+  if (!topo.is_constrained(edge) || watched_count_ == watched_most) return;
+  const Edge other = topo.twin(edge);
+  for (unsigned i = 0; i < watched_count_; ++i) {
+    if (watched_[i].edge == edge || watched_[i].edge == other) return;
   }
-  remembered_[remembered_count_++] = subsegment;
+  const IdValue here = Topology::triangle_of(edge), there = Topology::triangle_of(other);
+  Span one, two;
+  if (topo.is_ghost(here) || topo.is_ghost(there) || !chord(here, one) || !chord(there, two))
+    return;
+  watched_[watched_count_++] = {
+      edge, {one.from > two.from ? one.from : two.from, one.to < two.to ? one.to : two.to}};
 }
 
-unsigned HarmCount::at(const Point& p, Edge near, unsigned enough) noexcept {
-  if (enough <= remembered_count_ && count_known(p) >= enough) return enough;
-  const Topology& topo = m_.topology;
-  const Found found = find(m_, p, near);
-  if (found.place == Place::on_vertex || found.place == Place::outside) return enough;
-  // The triangles whose circles hold p hang together like a tree, so none is met twice. What waits
-  // are those not yet looked beyond, each by the edge through which it was entered.
-  Edge waiting[triangles_most];
+unsigned HarmCount::at_least(Parameter t) const noexcept {
+  const double place = t - line_.site.head;
   unsigned count = 0;
+  for (unsigned i = 0; i < watched_count_; ++i) {
+    count += watched_[i].breaks.from < place && place < watched_[i].breaks.to;
+  }
+  return count;
+}
+
+unsigned HarmCount::at(Parameter t, Edge near, unsigned enough) noexcept {
+  const Topology& topo = line_.mesh.topology;
+  const Point p = line_.site.at(t);
+  const Found found = find(line_.mesh, p, near);
+  if (found.place == Place::on_vertex || found.place == Place::outside) return enough;
+  // The triangles whose circles hold p hang together like a tree: goes round it, its edges u -> v
+  // on the left hand, and back through the edge by which a triangle was entered.
+  Edge entries[triangles_most];
+  unsigned depth = 0;
   unsigned triangles = 1;
   unsigned harm = 0;
-  const auto look_beyond = [&](Edge e, const Seen& u, const Seen& v) {
+  Edge e = found.edge;
+  Seen u = see(line_.mesh, topo.origin(e), p), v = see(line_.mesh, topo.target(e), p);
+  double uv = cross_value(u.at, v.at);
+  for (unsigned sides = 0;;) {
     const Edge beyond = topo.twin(e);
-    if (!holds(m_, p, v, u, cross(v.at, u.at), topo.apex(beyond))) return;
-    if (topo.is_constrained(e)) {
-      ++harm;
-      remember(e);
+    const VertexId apex = topo.apex(beyond);
+    if (apex != infinite_vertex) {
+      const Seen w = see(line_.mesh, apex, p);
+      const double uw = cross_value(u.at, w.at), wv = cross_value(w.at, v.at);
+      // Counter-clockwise: u, w, v. Ties break no subsegment.
+      int side = incircle_coarse(u.height, wv, w.height, -uv, v.height, uw);
+      if (side == 0)
+        side = incircle_fast(line_.mesh.at(u.id), line_.mesh.at(apex), line_.mesh.at(v.id), p);
+      if (side > 0) {
+        if (topo.is_constrained(e)) {
+          ++harm;
+          watch(e);
+        }
+        if (harm >= enough || ++triangles > triangles_most) return enough;
+        entries[depth++] = beyond;
+        e = Topology::next(beyond);
+        v = w;
+        uv = uw;
+        continue;
+      }
     }
-    if (++triangles <= triangles_most) waiting[count++] = beyond;
-  };
-  look_beyond(found.edge, see(m_, topo.origin(found.edge), p), see(m_, topo.target(found.edge), p));
-  waiting[count++] = found.edge;
-  while (count != 0 && harm < enough && triangles <= triangles_most) {
-    const Edge in = waiting[--count];
-    const Seen u = see(m_, topo.origin(in), p), v = see(m_, topo.target(in), p),
-               w = see(m_, topo.apex(in), p);
-    look_beyond(Topology::next(in), v, w);
-    look_beyond(Topology::prev(in), w, u);
+    if (depth == 0 && ++sides == 3) return harm;
+    e = Topology::next(e);
+    while (depth != 0 && e == entries[depth - 1]) {
+      e = Topology::next(topo.twin(entries[--depth]));
+      if (depth == 0 && ++sides == 3) return harm;
+    }
+    u = v;
+    v = see(line_.mesh, topo.target(e), p);
+    uv = cross_value(u.at, v.at);
   }
-  return harm < enough && triangles <= triangles_most ? harm : enough;
 }
 
 }  // namespace etcm::internal

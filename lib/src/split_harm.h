@@ -1,30 +1,60 @@
 // What a split would cost its surroundings.
 #pragma once
 
+#include "etcm/split_site.h"
 #include "mesh_internal.h"
 
 namespace etcm::internal {
+
+// The line of a piece, from its head, for what is worked out in double.
+struct PieceLine {
+  const SplitSite& site;
+  const MeshState& mesh;
+  Point head;
+  double dx;
+  double dy;
+  double per_squared_length;
+};
+
+inline PieceLine line_of(const SplitSite& site) noexcept {
+  const double dx = static_cast<double>(site.to.x) - site.from.x;
+  const double dy = static_cast<double>(site.to.y) - site.from.y;
+  return {site, state_of(*site.mesh), site.at(site.head), dx, dy, 1.0 / (dx * dx + dy * dy)};
+}
 
 // Counts what vertices at several places of one piece would break: the subsegments between two
 // triangles whose circles both hold the place. The mesh must not change meanwhile.
 class HarmCount {
  public:
-  explicit HarmCount(const MeshState& m) noexcept : m_(m) {}
+  explicit HarmCount(const PieceLine& line) noexcept : line_(line) {}
 
-  // Stops at `enough`, and says that too where p is no place for a vertex. Starts to look for p at
-  // `near`. O(the triangles around p that it would change); a few hundred bytes of stack.
-  unsigned at(const Point& p, Edge near, unsigned enough) noexcept;
+  // Works out where on the piece a split would break this edge, if it is a subsegment: from then on
+  // at_least() counts it.
+  void watch(Edge edge) noexcept;
+  // How many of the watched subsegments a split at t would break. Without rounding this would be no
+  // more than at() counts.
+  unsigned at_least(Parameter t) const noexcept;
+  // Stops at `enough`, and says that too where t is no place for a vertex. Watches what it finds.
+  // Starts to look for the place at `near`.
+  // O(the triangles that a vertex there would change); a few hundred bytes of stack.
+  unsigned at(Parameter t, Edge near, unsigned enough) noexcept;
 
  private:
-  unsigned count_known(const Point& p) const noexcept;
-  void remember(Edge subsegment) noexcept;
+  // Parameters from head.
+  struct Span {
+    double from;
+    double to;
+  };
+  struct Watched {
+    Edge edge;
+    Span breaks;
+  };
+  bool chord(IdValue triangle, Span& span) const noexcept;
 
-  // What one place breaks, the next one often breaks too, and asking that is cheaper than looking
-  // around.
-  static constexpr unsigned remembered_most = 4;
-  const MeshState& m_;
-  Edge remembered_[remembered_most];
-  unsigned remembered_count_ = 0;
+  static constexpr unsigned watched_most = 4;
+  const PieceLine& line_;
+  unsigned watched_count_ = 0;
+  Watched watched_[watched_most];
 };
 
 }  // namespace etcm::internal

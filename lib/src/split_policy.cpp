@@ -21,16 +21,21 @@ Parameter within(const SplitSite& site, Parameter t) noexcept {
 }
 
 // Where a split aims at another vertex, it leaves that vertex's feature a neighbour at its side
-// instead of one in the way: worth this much more of the length it finishes.
-constexpr double aimed_bonus = 0.7;
+// instead of one in the way: worth so many times the length it finishes.
+constexpr double aimed_worth = 1.7;
+// The same where both features leave a node at an angle below `narrow`, and both vertices stand at
+// one distance from it. In a fan every distance at which one feature has a vertex returns on its
+// neighbours; so the fewer the distances, the fewer the vertices, whatever this split breaks.
+constexpr double ring_worth = 3.0;
+constexpr double narrow = 0.1;
 // In the overlap every split finishes both ends; the middle is better by this much.
 constexpr double middle_bonus = 0.1;
 // No split stands nearer to a node than this part of the piece, unless it aims at another node.
 constexpr double nearest_to_node = 0.003;
-// The march along the piece looks at this many vertices at least, and collects them while they
-// stand beside what can be finished.
-constexpr int vertices_looked_at = 3;
-constexpr int vertices_collected = 6;
+// From each end of the piece, the vertices of this many triangles at most, ...
+constexpr int triangles_most = 6;
+// ... and of this many at least, even where they stand beside nothing that can be finished.
+constexpr int triangles_least = 2;
 
 // The candidates for one split and what each is worth, in units of the longest part that one split
 // can finish. In double: a choice, not a test, and + - * / sqrt give the same bits everywhere.
@@ -39,9 +44,14 @@ class Choice {
   explicit Choice(const SplitSite& site) noexcept
       : site_(site),
         mesh_(state_of(*site.mesh)),
-        dx_(static_cast<double>(site.to.x) - site.from.x),
-        dy_(static_cast<double>(site.to.y) - site.from.y),
-        per_squared_length_(1.0 / (dx_ * dx_ + dy_ * dy_)),
+        line_(internal::line_of(site)),
+        harm_(line_),
+        head_edge_(edge_before(site.head_triangle, line_.head)),
+        tail_edge_(edge_before(site.tail_triangle, site.at(site.tail))),
+        from_(shared_node(mesh_.topology.apex(head_edge_), site.head_is_node, true)),
+        to_(shared_node(mesh_.topology.apex(tail_edge_), site.tail_is_node, false)),
+        length_(site.tail - site.head),
+        nearest_(nearest_to_node * length_),
         overlap_(site.reach_head >= site.reach_tail) {
     const Parameter at_head = site.reach_head - site.head;
     const Parameter at_tail = site.tail - site.reach_tail;
@@ -51,81 +61,93 @@ class Choice {
   Parameter best() noexcept;
 
  private:
-  struct Aim {
-    bool at_node;
-    double bonus;
+  // Where a vertex stands along the piece, in parameters from head, and on which side.
+  struct View {
+    double along;
+    internal::Cross across;
   };
-  static constexpr Aim nothing{false, 0.0};
 
-  void add(Parameter t, Aim aim) noexcept;
+  View view(VertexId v) const noexcept;
+  bool is_clear_of_nodes(Parameter t) const noexcept;
+  void add(Parameter t, double worth) noexcept;
+  void add_clear(Parameter t) noexcept;
+  void add_ends() noexcept;
   void add_fractions() noexcept;
-  void add_vertices(TriangleId triangle, const Point& start, const Point& goal) noexcept;
-  void aim_at(VertexId v) noexcept;
-  bool ends_at(VertexId v, const Point& node) const noexcept;
-  Parameter clamp(double t) const noexcept;
-  Parameter foot_of(const Point& p) const noexcept;
-  double distance(const Point& p, const Point& q) const noexcept;
-  Parameter least_harmful() noexcept;
+  VertexId shared_node(VertexId end, bool is_node, bool at_from) const noexcept;
+  bool ends_at(VertexId v, VertexId node) const noexcept;
+  void aim_at(VertexId v, const View& seen) noexcept;
+  void aim_along(double along, VertexId v, double worth) noexcept;
+  Edge edge_before(TriangleId triangle, const Point& end) const noexcept;
+  Edge look_along(Edge e, Edge stop) noexcept;
+  void look_around() noexcept;
+  void choose() noexcept;
 
   const SplitSite& site_;
   const MeshState& mesh_;
-  double dx_;
-  double dy_;
-  double per_squared_length_;
+  internal::PieceLine line_;
+  internal::HarmCount harm_;
+  // By which the piece leaves head's triangle and enters tail's.
+  Edge head_edge_;
+  Edge tail_edge_;
+  // The nodes at the ends of the stretch, where other features end too.
+  VertexId from_;
+  VertexId to_;
+  double length_;
+  double nearest_;
   bool overlap_;
   double per_longest_;
-  // Two ends of the reach, at most 8 fractions of it, and one or two for each vertex on both ways.
-  static constexpr int capacity = 2 + 8 + 16;
+  // Rarely more than a dozen; what finds no room goes without.
+  static constexpr int capacity = 19;
   int count_ = 0;
   Parameter places_[capacity];
   double gains_[capacity];
+  double best_score_ = -1e9;
+  Parameter best_ = 0;
 };
 
-Parameter Choice::clamp(double t) const noexcept {
-  if (!(t > site_.head)) return site_.head;
-  if (t >= site_.tail) return site_.tail;
-  return static_cast<Parameter>(t);
+Choice::View Choice::view(VertexId v) const noexcept {
+  const internal::Offset at = internal::offset(mesh_.at(v), line_.head);
+  return {(at.x * line_.dx + at.y * line_.dy) * line_.per_squared_length,
+          internal::cross({line_.dx, line_.dy}, at)};
 }
 
-// The foot of the perpendicular from p.
-Parameter Choice::foot_of(const Point& p) const noexcept {
-  const Point from = to_point(site_.from);
-  return clamp((static_cast<double>(p.x - from.x) * dx_ + static_cast<double>(p.y - from.y) * dy_) *
-               per_squared_length_);
-}
-
-// In parameters of this stretch.
-double Choice::distance(const Point& p, const Point& q) const noexcept {
-  const auto x = static_cast<double>(p.x - q.x), y = static_cast<double>(p.y - q.y);
-  return std::sqrt((x * x + y * y) * per_squared_length_);
-}
-
-void Choice::add(Parameter t, Aim aim) noexcept {
+// Candidates outside both feasible sets, or in only one where both can be had, are none.
+void Choice::add(Parameter t, double worth) noexcept {
   if (count_ == capacity || t <= site_.head || t >= site_.tail) return;
-  const Parameter from_head = t - site_.head, from_tail = site_.tail - t;
-  if (!aim.at_node) {
-    const double nearest = nearest_to_node * (site_.tail - site_.head);
-    if ((site_.head_is_node && from_head < nearest) ||
-        (site_.tail_is_node && from_tail < nearest)) {
-      return;
-    }
-  }
-  double gain = 0;
   const bool finishes_head = t <= site_.reach_head, finishes_tail = t >= site_.reach_tail;
+  double gain = 0;
   if (overlap_) {
     if (!finishes_head || !finishes_tail) return;
     const double half = (site_.reach_head - site_.reach_tail) / 2.0 + 1.0;
     gain = 1.0 - middle_bonus * std::fabs(t - (site_.reach_tail + half)) / half;
   } else if (finishes_head) {
-    gain = from_head * per_longest_;
+    gain = (t - site_.head) * per_longest_;
   } else if (finishes_tail) {
-    gain = from_tail * per_longest_;
+    gain = (site_.tail - t) * per_longest_;
   } else {
     return;
   }
   places_[count_] = t;
-  gains_[count_] = gain * (1.0 + aim.bonus);
+  gains_[count_] = gain * worth;
   ++count_;
+}
+
+bool Choice::is_clear_of_nodes(Parameter t) const noexcept {
+  return !(site_.head_is_node && t - site_.head < nearest_) &&
+         !(site_.tail_is_node && site_.tail - t < nearest_);
+}
+
+void Choice::add_clear(Parameter t) noexcept {
+  if (is_clear_of_nodes(t)) add(t, 1.0);
+}
+
+void Choice::add_ends() noexcept {
+  if (overlap_) {
+    add_clear(static_cast<Parameter>(site_.reach_tail + (site_.reach_head - site_.reach_tail) / 2));
+  } else {
+    add_clear(site_.reach_head);
+    add_clear(site_.reach_tail);
+  }
 }
 
 // Where nothing stands to aim at, some way short of the longest part may harm less.
@@ -133,121 +155,156 @@ void Choice::add_fractions() noexcept {
   if (overlap_) {
     const std::int64_t span = site_.reach_head - site_.reach_tail;
     for (int eighth = 0; eighth <= 8; ++eighth) {
-      add(static_cast<Parameter>(site_.reach_tail + span * eighth / 8), nothing);
+      add_clear(static_cast<Parameter>(site_.reach_tail + span * eighth / 8));
     }
     return;
   }
   const std::int64_t at_head = site_.reach_head - site_.head;
   const std::int64_t at_tail = site_.tail - site_.reach_tail;
   for (int tenth = 9; tenth >= 3; tenth -= 2) {
-    add(static_cast<Parameter>(site_.head + at_head * tenth / 10), nothing);
-    add(static_cast<Parameter>(site_.tail - at_tail * tenth / 10), nothing);
+    add_clear(static_cast<Parameter>(site_.head + at_head * tenth / 10));
+    add_clear(static_cast<Parameter>(site_.tail - at_tail * tenth / 10));
   }
 }
 
+// An end of the stretch on which the piece lies, where another one ends there too; else none.
+VertexId Choice::shared_node(VertexId end, bool is_node, bool at_from) const noexcept {
+  const auto& section = mesh_.section(mesh_.owner(end).section());
+  const VertexId node = is_node ? end : at_from ? section.from : section.to;
+  const SectionId first = mesh_.owner(node).section();
+  return next_at(mesh_, first, node).is_none() ? VertexId::none() : node;
+}
+
 // Whether v stands on a feature stretch that ends at the node.
-bool Choice::ends_at(VertexId v, const Point& node) const noexcept {
+bool Choice::ends_at(VertexId v, VertexId node) const noexcept {
   const auto owner = mesh_.owner(v);
   for (SectionId s = owner.section(); !s.is_none(); s = next_at(mesh_, s, v)) {
     const auto& r = mesh_.section(s);
-    if (mesh_.at(r.from) == node || mesh_.at(r.to) == node) return true;
+    if (r.from == node || r.to == node) return true;
     if (owner.role() != internal::Role::node) return false;
   }
   return false;
 }
 
-void Choice::aim_at(VertexId v) noexcept {
-  const Point& p = mesh_.at(v);
-  const Aim aim{mesh_.owner(v).role() == internal::Role::node, aimed_bonus};
-  // On a feature that shares this one's node, the same distance from there: the two vertices and
-  // the node are isosceles, so neither is in the other's way.
-  if (site_.head_is_node) {
-    const Point node = site_.at(site_.head);
-    if (ends_at(v, node)) add(clamp(std::floor(site_.head + distance(p, node) + 0.5)), aim);
+void Choice::aim_along(double along, VertexId v, double worth) noexcept {
+  if (!(along > 0 && along < length_)) return;
+  const auto t = static_cast<Parameter>(site_.head + static_cast<Parameter>(along));
+  if (is_clear_of_nodes(t) || mesh_.owner(v).role() == internal::Role::node) add(t, worth);
+}
+
+void Choice::aim_at(VertexId v, const View& seen) noexcept {
+  // On a feature that shares a node with this one, the same distance from there: the two vertices
+  // and the node are isosceles, so neither is in the other's way.
+  const auto distance_from = [&](VertexId node) {
+    const internal::Offset at = internal::offset(mesh_.at(v), mesh_.at(node));
+    return std::sqrt(internal::lift(at) * line_.per_squared_length);
+  };
+  const auto worth = [&](double distance) {
+    const double aside = std::fabs(seen.across.value) * line_.per_squared_length;
+    return aside < narrow * distance ? ring_worth : aimed_worth;
+  };
+  if (!from_.is_none() && ends_at(v, from_)) {
+    const double distance = distance_from(from_);
+    aim_along(std::floor(distance + 0.5) - site_.head, v, worth(distance));
   }
-  if (site_.tail_is_node) {
-    const Point node = site_.at(site_.tail);
-    if (ends_at(v, node)) add(clamp(std::ceil(site_.tail - distance(p, node) - 0.5)), aim);
+  if (!to_.is_none() && ends_at(v, to_)) {
+    const double distance = distance_from(to_);
+    aim_along(std::ceil(parameter_end - distance - 0.5) - site_.head, v, worth(distance));
   }
   // Else straight beside it, where the piece's two parts see it under no more than a right angle.
-  add(foot_of(p), aim);
+  aim_along(seen.along, v, aimed_worth);
 }
 
-// Aims at the vertices of the triangles that the piece crosses, from one end on.
-void Choice::add_vertices(TriangleId triangle, const Point& start, const Point& goal) noexcept {
+// Opposite the end of the piece in its triangle.
+Edge Choice::edge_before(TriangleId triangle, const Point& end) const noexcept {
+  Edge e = Topology::edge(triangle.value, 0);
+  while (mesh_.at(mesh_.topology.apex(e)) != end) e = Topology::next(e);
+  return e;
+}
+
+// Aims at the vertices of the triangles that the piece crosses, from one end on, and has the
+// subsegments among their sides watched. Returns the edge before which it stopped; none: at the
+// other end.
+Edge Choice::look_along(Edge e, Edge stop) noexcept {
   const Topology& topo = mesh_.topology;
-  Edge e{};
-  for (unsigned side = 0; side < 3; ++side) {
-    const VertexId v = topo.triangle(triangle.value).corner[side];
-    if (v != infinite_vertex && mesh_.at(v) == start) e = Topology::edge(triangle.value, side);
-  }
-  const bool from_head = start < goal;
-  aim_at(topo.target(e));
-  aim_at(topo.origin(e));
-  for (int looked = 0; looked < vertices_collected * 4; ++looked) {
+  const bool from_head = e == head_edge_;
+  aim_at(topo.target(e), view(topo.target(e)));
+  aim_at(topo.origin(e), view(topo.origin(e)));
+  harm_.watch(Topology::next(e));
+  harm_.watch(Topology::prev(e));
+  for (int triangles = 1; triangles <= triangles_most && e != stop; ++triangles) {
     const Edge beyond = topo.twin(e);
     const VertexId v = topo.apex(beyond);
-    const int side = internal::orient2d_fast(start, goal, mesh_.at(v));
-    if (side == 0) return;
-    const Parameter foot = foot_of(mesh_.at(v));
-    if (from_head ? foot > site_.reach_head : foot < site_.reach_tail) {
-      if (looked > vertices_looked_at) return;
-    } else {
-      aim_at(v);
+    const View seen = view(v);
+    int side = internal::orient2d_filter(seen.across);
+    if (side == 0) {
+      side = internal::orient2d_settle(to_point(site_.from), to_point(site_.to), mesh_.at(v));
     }
-    e = side > 0 ? Topology::next(beyond) : Topology::prev(beyond);
+    const Edge after = Topology::next(beyond), before = Topology::prev(beyond);
+    if (side == 0) {
+      harm_.watch(after);
+      harm_.watch(before);
+      return {};
+    }
+    aim_at(v, seen);
+    // From head the left comes at the end of an edge, from tail at its start.
+    const bool onward = (side > 0) == from_head;
+    e = onward ? after : before;
+    harm_.watch(onward ? before : after);
+    const bool is_past = from_head ? seen.along > site_.reach_head - site_.head
+                                   : seen.along < site_.reach_tail - site_.head;
+    if (is_past && triangles >= triangles_least) break;
   }
+  return e;
 }
 
-// The candidate with the greatest gain less the subsegments it would break, each of which costs
-// about one more split. The most promising come first, and harm is counted only where the gain
-// could still win.
-Parameter Choice::least_harmful() noexcept {
-  constexpr double used = -1.0;
-  constexpr double worst_harm = 100.0;
-  internal::HarmCount harm_count(mesh_);
-  double best_score = -1e9;
-  Parameter best = site_.head;
+void Choice::look_around() noexcept {
+  const Edge met = look_along(head_edge_, {});
+  if (!met.is_none()) look_along(tail_edge_, mesh_.topology.twin(met));
+}
+
+// Takes the candidate with the greatest gain less the subsegments it would break, each of which
+// costs about one more split. The most promising come first, and harm is counted only where the
+// candidate could still win.
+void Choice::choose() noexcept {
+  constexpr double used = -1e9;
+  constexpr double most_harm = 100.0;
   for (;;) {
     int next = -1;
+    double most = best_score_;
     for (int i = 0; i < count_; ++i) {
-      if (gains_[i] <= best_score || gains_[i] == used) continue;
-      if (next < 0 || gains_[i] > gains_[next] ||
-          (gains_[i] == gains_[next] && places_[i] < places_[next])) {
+      if (!(gains_[i] > best_score_)) continue;
+      const double score = gains_[i] - harm_.at_least(places_[i]);
+      if (score > most || (next >= 0 && score == most && places_[i] < places_[next])) {
         next = i;
+        most = score;
       }
     }
-    if (next < 0) return best;
-    const Parameter t = places_[next];
-    const bool near_head = t - site_.head <= site_.tail - t;
-    const TriangleId near = near_head ? site_.head_triangle : site_.tail_triangle;
+    if (next < 0) return;
+    const bool near_head = places_[next] - site_.head <= site_.tail - places_[next];
+    const Edge near = near_head ? head_edge_ : tail_edge_;
+    const double room = gains_[next] - best_score_;
     // What harms more cannot win.
-    const auto enough = best_score < -worst_harm
-                            ? static_cast<unsigned>(worst_harm)
-                            : static_cast<unsigned>(gains_[next] - best_score) + 1;
-    const unsigned harm = harm_count.at(site_.at(t), Topology::edge(near.value, 0), enough);
-    const double score = gains_[next] - harm;
+    const auto enough = static_cast<unsigned>(room < most_harm ? room : most_harm) + 1;
+    const double score = gains_[next] - harm_.at(places_[next], near, enough);
     gains_[next] = used;
-    if (score > best_score) {
-      best_score = score;
-      best = t;
+    if (score > best_score_) {
+      best_score_ = score;
+      best_ = places_[next];
     }
   }
 }
 
 Parameter Choice::best() noexcept {
-  if (overlap_) {
-    add(static_cast<Parameter>(site_.reach_tail + (site_.reach_head - site_.reach_tail) / 2),
-        nothing);
-  } else {
-    add(site_.reach_head, nothing);
-    add(site_.reach_tail, nothing);
+  look_around();
+  add_ends();
+  choose();
+  // No fraction is worth more than this.
+  if (best_score_ < (overlap_ ? 1.0 - middle_bonus / 4 : 0.9)) {
+    add_fractions();
+    choose();
   }
-  add_fractions();
-  const Point head = site_.at(site_.head), tail = site_.at(site_.tail);
-  add_vertices(site_.head_triangle, head, tail);
-  add_vertices(site_.tail_triangle, tail, head);
-  return count_ == 0 ? split_paper(site_) : least_harmful();
+  return best_ == 0 ? split_paper(site_) : best_;
 }
 
 }  // namespace

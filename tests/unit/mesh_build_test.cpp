@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
+#include "etcm/audit.h"
 #include "etcm/storage.h"
 #include "inputs/patterns.h"
 #include "support/meshes.h"
@@ -167,6 +170,17 @@ TEST(MeshBuild, LetsFeaturesMeetWhereANodeStands) {
       {"", {{0, 0}, {10, 0}, {5, -5}, {5, 5}, {5, 0}}, {between_nodes(0, 1), between_nodes(2, 3)}});
   EXPECT_EQ((*mesh)->steiner_count(), 0u);
   EXPECT_TRUE(is_sound(**mesh));
+}
+
+// In a fan a vertex at a new distance returns on all longer features, so distances must not
+// multiply.
+TEST(MeshBuild, NeedsFewVerticesOnAFanOfNarrowAngles) {
+  constexpr std::size_t room = 2000;
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const auto mesh = built(inputs::fan({50, 10, 100'000, 10'000'000, seed}), split_default, room);
+    EXPECT_LT((*mesh)->steiner_count(), room);
+    EXPECT_EQ(audit(**mesh).broken, Rule::none);
+  }
 }
 
 TEST(MeshOpen, ChecksItsConfiguration) {
