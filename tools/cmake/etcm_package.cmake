@@ -2,7 +2,8 @@
 # service, libetcm-dev what a compiler needs. tools/package makes them for all architectures.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME etcm)
-set(CPACK_PACKAGE_CONTACT "ETCM <etcm@example.org>")
+# The project has no mailbox; the name example.org is kept free for such places.
+set(CPACK_PACKAGE_CONTACT "The ETCM mesh authors <etcm@example.org>")
 # Each package has its own.
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
