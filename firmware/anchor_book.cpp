@@ -34,10 +34,11 @@ void AnchorBook::replace(std::span<const AnchorSettings> anchors) {
     const auto same = std::lower_bound(records_.begin(), end, key, is_before);
     if (same != end && key_of(same->settings.position) == key) {
       same->vertex = record.vertex;
+      same->is_taken = record.is_taken;
       same->refusal = record.refusal;
       same->refused_epoch = record.refused_epoch;
       same->refused_since = record.refused_since;
-    } else if (record.is_placed()) {
+    } else if (record.is_vacant()) {
       record.is_obsolete = true;
       record.refusal = {};
       records_.push_back(std::move(record));
@@ -63,10 +64,10 @@ AnchorRecord* AnchorBook::find(Position position) {
   return const_cast<AnchorRecord*>(std::as_const(*this).find(position));
 }
 
-std::uint32_t AnchorBook::placed_count() const {
+std::uint32_t AnchorBook::vacant_count() const {
   return static_cast<std::uint32_t>(
       std::count_if(records_.begin(), records_.end(),
-                    [](const AnchorRecord& record) { return record.is_placed(); }));
+                    [](const AnchorRecord& record) { return record.is_vacant(); }));
 }
 
 std::string name_of(const AnchorRecord& anchor) {

@@ -21,8 +21,11 @@ struct AnchorRecord {
   port::Instant refused_since{};
   // Of an earlier configuration; still in the mesh only because that could not do without it.
   bool is_obsolete = false;
+  // A node stands there: the vertex is that of both, and stays when the node leaves.
+  bool is_taken = false;
 
   bool is_placed() const { return !vertex.is_none(); }
+  bool is_vacant() const { return is_placed() && !is_taken; }
 };
 
 class AnchorBook {
@@ -30,7 +33,8 @@ class AnchorBook {
   explicit AnchorBook(std::span<const AnchorSettings> anchors);
 
   // Takes another configuration over: anchors at the same places keep what is known of them; those
-  // that are no longer wanted become obsolete where they are in the mesh.
+  // that are no longer wanted become obsolete where they are in the mesh, unless a node has taken
+  // their place: that keeps the vertex.
   void replace(std::span<const AnchorSettings> anchors);
   // Forgets the obsolete ones that are not in the mesh.
   void tidy();
@@ -41,7 +45,7 @@ class AnchorBook {
   AnchorRecord* find(Position position);
   const AnchorRecord* find(Position position) const;
 
-  std::uint32_t placed_count() const;
+  std::uint32_t vacant_count() const;
 
  private:
   std::vector<AnchorRecord> records_;  // sorted by place

@@ -41,18 +41,20 @@ void MeshKeeper::join(NodeRecord& node, std::uint32_t generation) {
   if (const DomainPlace place = place_of(node.position); place != DomainPlace::inside) {
     return refuse(node, "join", place, start);
   }
+  const AnchorRecord* const anchor = anchors_.find(node.position);
+  const bool is_vacant = anchor != nullptr && anchor->is_vacant();
   VertexId id;
-  const Status status = mesh_.join(node.position, id);
-  if (status != Status::ok) return refuse(node, "join", status, start);
-  changed_ = true;
-  node.vertex = id;
-  node.placed = node.position;
-  node.refusal = {};
-  serials_[id.value] = node.serial;
+  if (is_vacant) {
+    id = anchor->vertex;
+  } else if (const Status status = mesh_.join(node.position, id); status != Status::ok) {
+    return refuse(node, "join", status, start);
+  }
+  seat(node, id);
   activate_features_at(node.serial);
   TextLine line;
-  line << "node " << node.serial << " joined at " << node.placed << ": generation " << generation
-       << ", " << Counted{mesh_.neighbours(id, {}), "neighbour", "neighbours"};
+  line << "node " << node.serial << " joined at " << node.placed
+       << (is_vacant ? ", on the anchor" : "") << ": generation " << generation << ", "
+       << Counted{mesh_.neighbours(id, {}), "neighbour", "neighbours"};
   tell_difference(line, start);
   log_.write(port::Level::info, line);
 }
@@ -63,12 +65,18 @@ void MeshKeeper::move(NodeRecord& node, std::uint32_t generation) {
   if (const DomainPlace place = place_of(node.position); place != DomainPlace::inside) {
     return refuse(node, "move", place, start);
   }
-  const Status status = mesh_.move(node.vertex, node.position);
-  if (status != Status::ok) return refuse(node, "move", status, start);
-  changed_ = true;
   const Position from = node.placed;
-  node.placed = node.position;
-  node.refusal = {};
+  AnchorRecord* const left = anchor_of(node);
+  AnchorRecord* const reached = anchors_.find(node.position);
+  const bool is_vacant = reached != nullptr && reached->is_vacant();
+  Status status = Status::ok;
+  if (left == nullptr && !is_vacant) {
+    status = mesh_.move(node.vertex, node.position);
+  } else if (left != reached) {
+    status = change_vertex(node, left, is_vacant ? reached : nullptr);
+  }
+  if (status != Status::ok) return refuse(node, "move", status, start);
+  seat(node, node.vertex);
   ++epoch_;
   TextLine line;
   line << "node " << node.serial << " moved from " << from << " to " << node.placed
@@ -79,16 +87,13 @@ void MeshKeeper::move(NodeRecord& node, std::uint32_t generation) {
 
 void MeshKeeper::leave(NodeRecord& node, const char* why, std::uint32_t generation) {
   const Before start = before();
-  for (const std::uint32_t number : features_.ending_at(node.serial)) {
-    const FeatureRecord& feature = features_.records()[number];
-    // An active feature is one the mesh has, so nothing can be wrong with its id.
-    if (feature.is_active()) static_cast<void>(mesh_.remove_feature(feature.id));
-    features_.deactivate(number);
-  }
+  remove_features_at(node.serial);
   const bool lost_features = features_.active_count() != start.features_active;
   // The mesh would only say the same again.
   if (node.refused_to_leave && node.refused_epoch == epoch_ && !lost_features) return;
-  const Status status = mesh_.leave(node.vertex);
+  AnchorRecord* const anchor = anchor_of(node);
+  if (anchor != nullptr) anchor->is_taken = false;
+  const Status status = anchor != nullptr ? Status::ok : mesh_.leave(node.vertex);
   ++epoch_;
   changed_ = true;
   node.refused_to_leave = status != Status::ok;
@@ -185,6 +190,58 @@ void MeshKeeper::refuse(NodeRecord& node, const char* verb, const Refusal& refus
   }
 }
 
+AnchorRecord* MeshKeeper::anchor_of(const NodeRecord& node) {
+  AnchorRecord* const anchor = anchors_.find(node.placed);
+  return anchor != nullptr && anchor->is_taken && anchor->vertex == node.vertex ? anchor : nullptr;
+}
+
+void MeshKeeper::seat(NodeRecord& node, VertexId id) {
+  changed_ = true;
+  node.vertex = id;
+  node.placed = node.position;
+  node.refusal = {};
+  serials_[id.value] = node.serial;
+  if (AnchorRecord* const anchor = anchors_.find(node.placed); anchor != nullptr) {
+    // One that is no longer wanted leaves the vertex to the node.
+    anchor->is_taken = !anchor->is_obsolete;
+    anchor->vertex = anchor->is_obsolete ? VertexId::none() : id;
+    anchor->refusal = {};
+    activate_features_at(FeatureEnd::anchor(node.placed));
+  }
+}
+
+// All or nothing, but for features that the mesh cannot take again: these are refused for
+// themselves.
+Status MeshKeeper::change_vertex(NodeRecord& node, AnchorRecord* from, AnchorRecord* to) {
+  VertexId id;
+  if (to == nullptr) {
+    const Status status = mesh_.join(node.position, id);
+    if (status != Status::ok) return status;
+  } else {
+    id = to->vertex;
+  }
+  remove_features_at(node.serial);
+  if (from != nullptr) {
+    from->is_taken = false;
+  } else if (const Status status = mesh_.leave(node.vertex); status != Status::ok) {
+    activate_features_at(node.serial);
+    return status;
+  }
+  serials_[node.vertex.value] = no_serial;
+  node.vertex = id;
+  activate_features_at(node.serial);
+  return Status::ok;
+}
+
+void MeshKeeper::remove_features_at(const FeatureEnd& end) {
+  for (const std::uint32_t number : features_.ending_at(end)) {
+    const FeatureRecord& feature = features_.records()[number];
+    // An active feature is one the mesh has, so nothing can be wrong with its id.
+    if (feature.is_active()) static_cast<void>(mesh_.remove_feature(feature.id));
+    features_.deactivate(number);
+  }
+}
+
 void MeshKeeper::activate_features_at(const FeatureEnd& end) {
   for (const std::uint32_t number : features_.ending_at(end)) try_feature(number);
 }
@@ -235,7 +292,7 @@ void MeshKeeper::tell_trouble(TextLine& line, const Refusal& refusal) const {
     if (serial != no_serial) {
       line << " [node " << serial << "]";
     } else if (anchor != nullptr) {
-      line << " [" << name_of(*anchor) << "; give the serial of the node there in the site file]";
+      line << " [" << name_of(*anchor) << "]";
     }
   }
 }

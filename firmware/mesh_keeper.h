@@ -1,6 +1,9 @@
 // Keeps the mesh to what the nodes say and the site is: nodes join, move and leave, and their
 // features with them; anchors stay.
 //
+// A node that stands exactly on an anchor takes its place: one vertex is both, and the features of
+// both end there. When the node leaves or moves on, it is the anchor alone again.
+//
 // What the mesh refuses, or stands outside the domain, goes into quarantine, with its reason in the
 // log; the mesh stays as it was.
 #pragma once
@@ -64,7 +67,7 @@ class MeshKeeper {
   const Mesh& mesh() const { return mesh_; }
   const FeatureBook& features() const { return features_; }
   const AnchorBook& anchors() const { return anchors_; }
-  std::uint32_t node_count() const { return mesh_.node_count() - anchors_.placed_count(); }
+  std::uint32_t node_count() const { return mesh_.node_count() - anchors_.vacant_count(); }
   // By vertex id; meaningful for nodes, no_serial for anchors.
   std::span<const std::uint32_t> serials() const { return serials_; }
   // Whether something was refused for want of room or budget.
@@ -83,6 +86,13 @@ class MeshKeeper {
 
   bool is_worth_a_try(const NodeRecord& node) const;
   void refuse(NodeRecord& node, const char* verb, const Refusal& refusal, const Before& before);
+  // The anchor whose place the node has; null: none.
+  AnchorRecord* anchor_of(const NodeRecord& node);
+  // The node is in the mesh there.
+  void seat(NodeRecord& node, VertexId id);
+  // Off an anchor, onto one, or from one to another.
+  Status change_vertex(NodeRecord& node, AnchorRecord* from, AnchorRecord* to);
+  void remove_features_at(const FeatureEnd& end);
   void activate_features_at(const FeatureEnd& end);
   void try_feature(std::uint32_t number);
   void clear_mesh();

@@ -58,13 +58,19 @@ void MeshKeeper::update_anchors() {
 
 void MeshKeeper::try_anchor(AnchorRecord& anchor) {
   if (!anchor.refusal.is_none() && anchor.refused_epoch == epoch_) return;
-  const Status status = mesh_.join(anchor.settings.position, anchor.vertex);
+  Status status = mesh_.join(anchor.settings.position, anchor.vertex);
+  if (status == Status::duplicate_vertex) {
+    // The node that stands there.
+    anchor.vertex = mesh_.trouble().vertex;
+    anchor.is_taken = true;
+    status = Status::ok;
+  }
   const bool is_news = anchor.refusal != status;
   if (is_news) anchor.refused_since = clock_.now();
   anchor.refusal = status;
   anchor.refused_epoch = epoch_;
   if (status == Status::ok) {
-    serials_[anchor.vertex.value] = no_serial;
+    if (!anchor.is_taken) serials_[anchor.vertex.value] = no_serial;
     activate_features_at(FeatureEnd::anchor(anchor.settings.position));
     changed_ = true;
   } else if (is_news) {

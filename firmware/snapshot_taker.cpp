@@ -36,7 +36,7 @@ const Snapshot& SnapshotTaker::take(std::uint32_t generation, const MeshKeeper& 
   const FeatureBook& features = keeper.features();
   snapshot_.generation = generation;
   snapshot_.state = 0;
-  snapshot_.anchor_count = keeper.anchors().placed_count();
+  snapshot_.anchor_count = keeper.anchors().vacant_count();
   snapshot_.node_count = mesh.node_count() - snapshot_.anchor_count;
   snapshot_.steiner_count = mesh.steiner_count();
   snapshot_.triangle_count = mesh.finite_triangle_count();

@@ -53,7 +53,8 @@ void StateTransfer::write(StateWriter& writer, port::Instant now) {
     writer.add(node);
   }
   for (const AnchorRecord& anchor : keeper_.anchors().records()) {
-    if (!anchor.is_placed()) continue;
+    // One that a node has taken the place of comes with the node.
+    if (!anchor.is_vacant()) continue;
     number_by_vertex_[anchor.vertex.value] = number++;
     writer.add(anchor.settings.position);
   }

@@ -94,6 +94,37 @@ TEST_F(Restart, AnchorsAreWhereTheyWere) {
   EXPECT_TRUE(audit(moved->mesh));
 }
 
+TEST_F(Restart, ANodeOnAnAnchorIsThatAgain) {
+  const auto site = [this] {
+    auto rig = rig_of({{.from = FeatureEnd::anchor({0, 0}),
+                        .to = FeatureEnd::anchor({900, -90}),
+                        .name = {},
+                        .place = "site.geojson:1"},
+                       feature(1001, 1002)});
+    rig->settings.anchors = {{.position = {0, 0}, .place = "site.geojson:1"},
+                             {.position = {900, -90}, .place = "site.geojson:1"}};
+    return rig;
+  };
+  const auto before = site();
+  populate(*before);
+  EXPECT_EQ(before->server.header("features_active"), 2u);
+  EXPECT_EQ(before->server.header("anchor_count"), 1u);
+  const auto after = site();
+  after->start();
+  after->gateway->restore(after->clock.now());
+  EXPECT_EQ(after->log.count("restored the mesh of generation"), 1u);
+  EXPECT_EQ(hash_of(*after), hash_of(*before));
+  EXPECT_EQ(after->server.header("node_count"), 12u);
+  EXPECT_EQ(after->server.header("anchor_count"), 1u);
+  EXPECT_EQ(after->server.header("features_active"), 2u);
+  // Nobody answers: the nodes leave, and the anchor is one again.
+  after->run(6s);
+  EXPECT_EQ(after->server.header("node_count"), 0u);
+  EXPECT_EQ(after->server.header("anchor_count"), 2u);
+  EXPECT_EQ(after->server.header("features_active"), 1u);
+  EXPECT_TRUE(audit(after->mesh));
+}
+
 TEST_F(Restart, CatchesUpAsNodesAnswerAndLetsTheOthersLeaveInTheirTime) {
   const auto before = rig_of(fence_);
   populate(*before);

@@ -1,6 +1,7 @@
 // Anchors, features and the domain in a running gateway, and how they change while it runs.
 #include <gtest/gtest.h>
 
+#include "drawing.h"
 #include "etcm/audit.h"
 #include "fakes.h"
 
@@ -8,36 +9,6 @@ namespace etcm::firmware {
 namespace {
 
 using namespace std::chrono_literals;
-
-FeatureEnd at(std::int32_t x, std::int32_t y) { return FeatureEnd::anchor({x, y}); }
-
-FeatureSettings line(FeatureEnd from, FeatureEnd to, const std::string& name = "") {
-  return {.from = from, .to = to, .name = name, .place = "site.geojson:1"};
-}
-
-// The settings get an anchor for each end that is none yet.
-void draw(Settings& settings, std::vector<FeatureSettings> features) {
-  settings.features = std::move(features);
-  settings.anchors.clear();
-  for (const FeatureSettings& feature : settings.features) {
-    for (const FeatureEnd& end : {feature.from, feature.to}) {
-      const bool is_known = std::any_of(
-          settings.anchors.begin(), settings.anchors.end(),
-          [&](const AnchorSettings& anchor) { return anchor.position == end.position; });
-      if (end.is_anchor && !is_known) {
-        settings.anchors.push_back({.position = end.position, .place = "site.geojson:1"});
-      }
-    }
-  }
-}
-
-SiteDomain square(std::int32_t from, std::int32_t to) {
-  const Point corner[4] = {to_point({from, from}), to_point({to, from}), to_point({to, to}),
-                           to_point({from, to})};
-  std::vector<DomainEdge> edges;
-  for (int i = 0; i < 4; ++i) edges.push_back({.from = corner[i], .to = corner[(i + 1) % 4]});
-  return {edges, {}};
-}
 
 TEST(SiteKeeping, AnchorsAndTheirFeaturesAreThereBeforeAnyNode) {
   Rig rig;
@@ -55,19 +26,156 @@ TEST(SiteKeeping, AnchorsAndTheirFeaturesAreThereBeforeAnyNode) {
   EXPECT_TRUE(audit(rig.mesh));
 }
 
-TEST(SiteKeeping, ANodeOnAnAnchorIsToldWhatToDo) {
+// A wall with a corner at (100, 0); a cable from node 2 to node 1.
+void draw_wall(Rig& rig) {
+  draw(rig.settings, {line(at(0, 0), at(100, 0)), line(at(100, 0), at(100, 90)), line(1002, 1001)});
+  rig.put(2, 10, 60);
+}
+
+TEST(SiteKeeping, ANodeOnAnAnchorTakesItsPlaceUntilItLeaves) {
   Rig rig;
-  draw(rig.settings, {line(at(0, 0), at(100, 0))});
+  draw_wall(rig);
+  rig.run(500ms);
+  const std::uint64_t before = rig.mesh.hash();
+  rig.put(1, 100, 0);
+  rig.run(500ms);
+  EXPECT_EQ(rig.log.count("node 1001 joined at (100, 0), on the anchor"), 1u);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
+  EXPECT_EQ(rig.server.header("node_count"), 2u);
+  EXPECT_EQ(rig.server.header("anchor_count"), 2u);
+  EXPECT_EQ(rig.server.header("features_active"), 3u) << "those of the wall and that of the node";
+  EXPECT_EQ(rig.mesh.node_count(), 4u);
+  EXPECT_EQ(rig.server.header("state"), 0u);
+  EXPECT_TRUE(audit(rig.mesh));
+  rig.bus.silence(1);
+  rig.run(4s);
+  EXPECT_EQ(rig.log.count("node 1001 left"), 1u);
+  EXPECT_EQ(rig.server.header("node_count"), 1u);
+  EXPECT_EQ(rig.server.header("anchor_count"), 3u);
+  EXPECT_EQ(rig.server.header("features_active"), 2u);
+  EXPECT_EQ(rig.mesh.hash(), before);
+}
+
+TEST(SiteKeeping, ANodeStepsOffAnAnchorAndOntoAnother) {
+  Rig rig;
+  draw_wall(rig);
+  rig.put(1, 50, 50);
+  rig.run(500ms);
+  const auto expect = [&](std::uint32_t anchors, std::uint32_t in_mesh, const char* where) {
+    EXPECT_EQ(rig.server.header("node_count"), 2u) << where;
+    EXPECT_EQ(rig.server.header("anchor_count"), anchors) << where;
+    EXPECT_EQ(rig.server.header("features_active"), 3u) << where;
+    EXPECT_EQ(rig.server.header("quarantined_count"), 0u) << where;
+    EXPECT_EQ(rig.mesh.node_count(), in_mesh) << where;
+    EXPECT_TRUE(audit(rig.mesh)) << where;
+  };
+  expect(3, 5, "beside");
+  const std::uint64_t beside = rig.mesh.hash();
+  rig.put(1, 100, 0);
+  rig.run(500ms);
+  expect(2, 4, "on one");
+  rig.put(1, 0, 0);
+  rig.run(500ms);
+  expect(2, 4, "on another");
+  rig.put(1, 50, 50);
+  rig.run(500ms);
+  expect(3, 5, "beside again");
+  EXPECT_EQ(rig.mesh.hash(), beside);
+}
+
+TEST(SiteKeeping, OfTwoNodesOnAnAnchorTheSecondWaits) {
+  Rig rig;
+  draw_wall(rig);
+  rig.put(1, 100, 0);
+  rig.run(500ms);
+  rig.put(3, 100, 0);
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
+  EXPECT_EQ(rig.log.count("node 1003 cannot join at (100, 0)"), 1u);
+  EXPECT_EQ(rig.log.count("[node 1001]"), 1u);
+  rig.put(1, 60, 60);
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
+  EXPECT_EQ(rig.server.header("node_count"), 3u);
+  EXPECT_EQ(rig.server.header("anchor_count"), 2u);
+  // And back: its own place is taken now.
   rig.put(1, 100, 0);
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
-  EXPECT_EQ(rig.log.count("node 1001 cannot join at (100, 0)"), 1u);
-  EXPECT_EQ(
-      rig.log.count("[the anchor at (100, 0) (site.geojson:1); give the serial of the node there"),
-      1u);
-  rig.put(1, 100, 1);
+  EXPECT_EQ(rig.log.count("node 1001 cannot move at (100, 0)"), 1u);
+  EXPECT_TRUE(audit(rig.mesh));
+}
+
+TEST(SiteKeeping, ANodeThatCannotStepOffAnAnchorStaysOnIt) {
+  Rig rig;
+  draw_wall(rig);
+  rig.put(1, 100, 0);
+  rig.run(500ms);
+  const std::uint64_t before = rig.mesh.hash();
+  rig.put(1, 10, 60);  // where node 2 is
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
+  EXPECT_EQ(rig.mesh.hash(), before);
+  EXPECT_EQ(rig.server.header("features_active"), 3u);
+  rig.put(1, 100, 0);
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
+  EXPECT_EQ(rig.mesh.hash(), before);
+}
+
+TEST(SiteKeeping, ANodeKeepsItsPlaceWhenTheAnchorIsTakenOffTheDrawing) {
+  Rig rig;
+  draw_wall(rig);
+  rig.put(1, 100, 0);
+  rig.run(500ms);
+  draw(rig.settings, {line(1002, 1001)});
+  rig.gateway->update_settings();
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("node_count"), 2u);
+  EXPECT_EQ(rig.server.header("anchor_count"), 0u);
+  EXPECT_EQ(rig.server.header("features_active"), 1u);
+  EXPECT_EQ(rig.mesh.node_count(), 2u);
+  // And drawn again.
+  draw_wall(rig);
+  rig.gateway->update_settings();
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("anchor_count"), 2u);
+  EXPECT_EQ(rig.server.header("features_active"), 3u);
+  EXPECT_EQ(rig.mesh.node_count(), 4u);
+  rig.bus.silence(1);
+  rig.run(4s);
+  EXPECT_EQ(rig.server.header("node_count"), 1u);
+  EXPECT_EQ(rig.server.header("anchor_count"), 3u);
+  EXPECT_EQ(rig.server.header("state"), 0u + snapshot_state::partial) << "the cable waits";
+  EXPECT_TRUE(audit(rig.mesh));
+}
+
+TEST(SiteKeeping, AnAnchorKeepsItsNodeOverAReloadOfTheSameSite) {
+  Rig rig;
+  draw_wall(rig);
+  rig.put(1, 100, 0);
+  rig.run(500ms);
+  const std::uint64_t before = rig.mesh.hash();
+  rig.gateway->update_settings();
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.hash(), before);
+  EXPECT_EQ(rig.server.header("node_count"), 2u);
+  EXPECT_EQ(rig.server.header("anchor_count"), 2u);
+  EXPECT_EQ(rig.server.header("features_active"), 3u);
+}
+
+TEST(SiteKeeping, ANodeThatIsPutOutOfTheDomainLeavesTheAnchorBehind) {
+  Rig rig;
+  draw_wall(rig);
+  rig.put(1, 100, 0);
+  rig.run(500ms);
+  rig.settings.domain = square(0, 80);
+  rig.gateway->update_settings();
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("node_count"), 1u);
+  EXPECT_EQ(rig.server.header("anchor_count"), 3u);
+  EXPECT_EQ(rig.server.header("features_active"), 2u);
+  EXPECT_TRUE(audit(rig.mesh));
 }
 
 TEST(SiteKeeping, ANodeOutsideTheDomainIsNotInTheMesh) {
@@ -167,20 +275,23 @@ TEST(SiteKeeping, ASmallerDomainPutsNodesOutAndALargerOneBackIn) {
   EXPECT_EQ(rig.server.header("state"), 0u);
 }
 
-TEST(SiteKeeping, AnAnchorWhereANodeStandsWaitsForIt) {
+TEST(SiteKeeping, AnAnchorThatComesWhereANodeStandsSharesItsPlace) {
   Rig rig;
   rig.put(1, 10, 10);
   rig.run(500ms);
   draw(rig.settings, {line(at(10, 10), at(50, 50))});
   rig.gateway->update_settings();
   rig.run(500ms);
-  EXPECT_EQ(rig.log.count("the anchor at (10, 10) (site.geojson:1) is not in the mesh"), 1u);
-  EXPECT_EQ(rig.server.header("features_active"), 0u);
-  EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
+  EXPECT_EQ(rig.server.header("features_active"), 1u);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
+  EXPECT_EQ(rig.server.header("node_count"), 1u);
+  EXPECT_EQ(rig.server.header("anchor_count"), 1u);
+  EXPECT_EQ(rig.mesh.node_count(), 2u);
   rig.put(1, 12, 10);
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("features_active"), 1u);
-  EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
+  EXPECT_EQ(rig.server.header("anchor_count"), 2u);
+  EXPECT_EQ(rig.mesh.node_count(), 3u);
 }
 
 TEST(SiteKeeping, AnAnchorTheMeshCannotSpareGoesWhenItCan) {
