@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
+#include "coverage_domain.h"
 #include "etcm/analysis.h"
 #include "feature_book.h"
 #include "settings.h"
@@ -21,26 +21,31 @@ class Analyst {
   // For meshes of this configuration.
   Analyst(const AnalysisSettings& settings, const MeshConfig& config);
 
+  // Another site; takes what memory its outline needs. REQUIRES: it has been checked (check_site).
+  void take_site(const SiteDomain& site);
+
   // Fills snapshot.analysis, and the subgraphs in snapshot.neighbours. The snapshot is of this
-  // mesh. O(n log n): a few microseconds a vertex.
+  // mesh, and its nodes that are no anchors are the devices. O(n log n): a few microseconds a
+  // vertex.
   void look_at(const Mesh& mesh, const FeatureBook& features, Snapshot& snapshot);
 
  private:
-  const Mesh& nodes_alone(const Mesh& mesh);
-  void look_at_links(const Mesh& mesh, const Mesh& nodes, MeshAnalysis& analysis);
-  void look_at_relays(const Mesh& mesh, const FeatureBook& features, MeshAnalysis& analysis);
-  void look_at_coverage(const Mesh& mesh, const Mesh& nodes, MeshAnalysis& analysis);
-  void look_at_gaps(const Mesh& mesh, const Mesh& nodes, const FeatureBook& features,
+  const Mesh& devices_alone(const Mesh& mesh, const Snapshot& snapshot);
+  void look_at_links(const Mesh& mesh, const Mesh& devices, MeshAnalysis& analysis);
+  void look_at_relays(const Mesh& mesh, const Mesh& devices, const FeatureBook& features,
+                      MeshAnalysis& analysis);
+  void look_at_coverage(const Mesh& mesh, const Mesh& devices, MeshAnalysis& analysis);
+  void look_at_gaps(const Mesh& mesh, const Mesh& devices, const FeatureBook& features,
                     MeshAnalysis& analysis);
   void mark_subgraphs(const Mesh& mesh, Snapshot& snapshot);
 
   const AnalysisSettings settings_;
-  std::vector<std::uint64_t> nodes_memory_;
-  Mesh nodes_mesh_;  // of the nodes alone
-  std::vector<Position> positions_;
+  std::vector<std::uint64_t> devices_memory_;
+  Mesh devices_mesh_;
+  std::vector<Position> positions_;        // of the devices
+  std::vector<std::uint32_t> device_row_;  // in the snapshot, by device
+  CoverageDomain domain_;
   std::vector<ConnectivityScratch> parts_;
-  std::vector<Region> region_;
-  std::vector<TriangleId> waiting_;
   std::vector<Link> links_;
   std::vector<Relay> relays_;
   std::vector<Gap> gaps_;

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "coverage_domain.h"
 #include "etcm/mesh.h"
 #include "site.h"
 
@@ -43,6 +44,14 @@ void check_room(const std::string& path, const Settings& settings,
                        std::to_string(settings.mesh.vertices_max) +
                        "; set it to three times as many, and twice the nodes");
   }
+}
+
+void check_domain(const Settings& settings, std::vector<std::string>& mistakes) {
+  if (settings.analysis.sensing_range == 0) return;
+  const Status status = CoverageDomain(0).take(settings.domain);
+  if (status == Status::ok) return;
+  mistakes.push_back(settings.site.path +
+                     ": the outline and the holes of the domain: " + explain(status));
 }
 
 // The anchors, and the features between anchors: the part of the mesh that is known before any node
@@ -117,6 +126,7 @@ void check_site(const std::string& path, const Settings& settings,
   check_repeated(settings, mistakes);
   check_room(path, settings, mistakes);
   if (mistakes.empty()) AnchoredPart(settings).check(path, mistakes);
+  if (mistakes.empty()) check_domain(settings, mistakes);
 }
 
 }  // namespace etcm::firmware

@@ -100,6 +100,7 @@ void Gateway::update_settings() {
   poller_.update_timeouts();
   sweep_interval_ = sweep_interval(settings_.poll);
   keeper_.update_site(generation_ + 1);
+  snapshots_.update_site(settings_.domain);
   quarantine_.reserve(quarantine_max(roster_, keeper_.features(), keeper_.anchors(), admission_));
 }
 

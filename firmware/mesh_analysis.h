@@ -22,8 +22,8 @@ struct LongLink {
 
 struct ProposedRelay {
   Point place;
-  std::uint32_t feature = 0;
-  std::uint32_t row = no_row;  // of the Steiner vertex that stands there
+  std::uint32_t feature = 0;   // 0: an anchor that is on none
+  std::uint32_t row = no_row;  // of the Steiner vertex or the anchor that stands there
 };
 
 struct CoverageHole {
@@ -34,20 +34,21 @@ struct CoverageHole {
 
 struct BarrierGap {
   std::uint32_t feature = 0;
-  std::uint32_t from_row = 0;
+  std::uint32_t from_row = 0;  // of a device on the feature, or of its end
   std::uint32_t to_row = 0;
-  bool watched = false;  // nodes beside the feature see all of it
+  bool watched = false;  // devices beside the feature see all of it
 };
 
-// "Alone": the network as it stands. "With relays": with one at each Steiner vertex.
+// Devices are the nodes that are no anchors. "Alone": the network as it stands. "With relays": with
+// one at each Steiner vertex and each anchor.
 struct MeshAnalysis {
   std::uint32_t radio_range = 0;        // 0: not asked for; then what follows is empty
   std::uint32_t least_range_alone = 0;  // that keeps the network in one
   std::uint32_t least_range_with_relays = 0;
   std::uint32_t parts_alone = 0;  // into which it falls at radio_range
   std::uint32_t parts_with_relays = 0;
-  std::uint32_t long_link_count = 0;  // edges of the mesh
-  std::uint32_t relay_count = 0;      // Steiner vertices, and more on pieces that are too long
+  std::uint32_t long_link_count = 0;  // between devices that are neighbours
+  std::uint32_t relay_count = 0;      // Steiner vertices, anchors, and more on long pieces
   std::vector<LongLink> long_links;
   std::vector<ProposedRelay> relays;
 

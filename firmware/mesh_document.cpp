@@ -150,7 +150,7 @@ void MeshDocument::write_relay(Cursor& cursor, TextWriter& piece) const {
   const auto& all = snapshot_.analysis.relays;
   if (cursor.item >= all.size()) return cursor.next_section();
   const ProposedRelay& relay = all[cursor.item++];
-  if (relay.row != no_row) return;
+  if (relay.row != no_row && snapshot_.vertices[relay.row].kind == VertexKind::steiner) return;
   write_place_head(relay.place, piece);
   piece << "\"kind\":\"relay\",\"feature\":" << relay.feature << "}}";
 }

@@ -89,14 +89,16 @@ constexpr auto header_table = in_sequence(std::to_array<MapRow<HeaderSource>>({
     {"least_range_alone", 2,
      "least radio range that keeps the nodes one network; rounded up to units",
      [](const HeaderSource& source) { return source.snapshot.analysis.least_range_alone; }},
-    {"least_range_with_relays", 2, "the same with a relay at each Steiner vertex",
+    {"least_range_with_relays", 2, "the same with a relay at each Steiner vertex and each anchor",
      [](const HeaderSource& source) { return source.snapshot.analysis.least_range_with_relays; }},
     {"parts_alone", 2, "networks into which the nodes fall at radio_range",
      [](const HeaderSource& source) { return source.snapshot.analysis.parts_alone; }},
-    {"long_link_count", 2, "edges of the mesh longer than radio_range",
+    {"long_link_count", 2,
+     "nodes that are neighbours among the nodes alone and farther apart than radio_range",
      [](const HeaderSource& source) { return source.snapshot.analysis.long_link_count; }},
     {"relay_count", 2,
-     "relays proposed: Steiner vertices, and more where pieces of features are longer than "
+     "relays proposed: Steiner vertices, anchors, and more where pieces of features are longer "
+     "than "
      "radio_range",
      [](const HeaderSource& source) { return source.snapshot.analysis.relay_count; }},
     {"sensing_range", 2, "[analysis] sensing_range; 0: not set, and so are the next three",
@@ -106,7 +108,7 @@ constexpr auto header_table = in_sequence(std::to_array<MapRow<HeaderSource>>({
      "worst around; 0: all is seen",
      [](const HeaderSource& source) { return source.snapshot.analysis.hole_count; }},
     {"gap_count", 2,
-     "barrier gaps: neighbouring nodes on a feature more than twice sensing_range apart",
+     "barrier gaps: stretches of features that the nodes on the feature do not see whole",
      [](const HeaderSource& source) { return source.snapshot.analysis.gap_count; }},
     {"unwatched_gap_count", 2,
      "of these, those where nodes beside the feature do not see all of it either",

@@ -150,6 +150,7 @@ bool reload(const std::string& path, Settings& current, port::Log& log) {
     if (mistakes.empty()) {
       Settings fitted = next;
       fitted.mesh = current.mesh;
+      fitted.analysis = current.analysis;
       check_site(path, fitted, mistakes);
     }
   } catch (const std::exception& error) {

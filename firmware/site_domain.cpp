@@ -32,10 +32,9 @@ Side side_of(Point p, std::span<const DomainEdge> edges) {
 
 }  // namespace
 
-DomainPlace SiteDomain::place_of(Position position) const {
-  const Point p = to_point(position);
-  if (side_of(p, holes_) == Side::within) return DomainPlace::in_hole;
-  if (!outline_.empty() && side_of(p, outline_) == Side::without) return DomainPlace::outside;
+DomainPlace SiteDomain::place_of_point(const Point& point) const {
+  if (side_of(point, holes_) == Side::within) return DomainPlace::in_hole;
+  if (!outline_.empty() && side_of(point, outline_) == Side::without) return DomainPlace::outside;
   return DomainPlace::inside;
 }
 

@@ -1,5 +1,7 @@
 #include "site_poly.h"
 
+#include <algorithm>
+#include <iterator>
 #include <span>
 #include <utility>
 #include <vector>
@@ -33,8 +35,19 @@ void add_by_serial(const ConstraintGraph& graph, Settings& settings) {
   }
 }
 
-// The edges between triangles of which one is of a kind and the other is not. The ghosts are of no
-// kind.
+// The vertex after `to` and the Steiner vertices behind it, on the way from `from`.
+VertexId next_node(const Mesh& mesh, VertexId from, VertexId to) {
+  if (mesh.kind(to) == VertexKind::node) return to;
+  const FeatureId feature = mesh.feature_of(to);
+  std::vector<VertexId> chain(mesh.chain(feature, {}));
+  mesh.chain(feature, chain);
+  auto at = std::find(chain.begin(), chain.end(), to);
+  const bool is_forward = *std::prev(at) == from;
+  while (mesh.kind(*at) != VertexKind::node) at = is_forward ? std::next(at) : std::prev(at);
+  return *at;
+}
+
+// Where triangles of a kind meet others, from node to node. The ghosts are of no kind.
 template <class IsOfKind>
 std::vector<DomainEdge> border(const Mesh& mesh, const IsOfKind& is_of_kind) {
   std::vector<DomainEdge> edges;
@@ -43,8 +56,9 @@ std::vector<DomainEdge> border(const Mesh& mesh, const IsOfKind& is_of_kind) {
     const Triangle triangle = mesh.triangle(TriangleId{static_cast<IdValue>(id)});
     for (std::size_t side = 0; side < 3; ++side) {
       if (is_of_kind(triangle.neighbour[side].value)) continue;
-      edges.push_back({.from = mesh.point(triangle.corner[(side + 1) % 3]),
-                       .to = mesh.point(triangle.corner[(side + 2) % 3])});
+      const VertexId from = triangle.corner[(side + 1) % 3], to = triangle.corner[(side + 2) % 3];
+      if (mesh.kind(from) != VertexKind::node) continue;
+      edges.push_back({.from = mesh.point(from), .to = mesh.point(next_node(mesh, from, to))});
     }
   }
   return edges;

@@ -26,6 +26,7 @@ void reserve(Snapshot& snapshot, const Settings& settings, std::uint32_t nodes) 
 SnapshotTaker::SnapshotTaker(const Settings& settings, std::uint32_t nodes)
     : around_(settings.mesh.vertices_max), analyst_(settings.analysis, settings.mesh) {
   reserve(snapshot_, settings, nodes);
+  analyst_.take_site(settings.domain);
 }
 
 const Snapshot& SnapshotTaker::take(std::uint32_t generation, const MeshKeeper& keeper,

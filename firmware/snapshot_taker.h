@@ -25,6 +25,9 @@ class SnapshotTaker {
   // All the memory it ever needs is taken here.
   SnapshotTaker(const Settings& settings, std::uint32_t nodes);
 
+  // The settings have another site.
+  void update_site(const SiteDomain& domain) { analyst_.take_site(domain); }
+
   // Good until the next call.
   const Snapshot& take(std::uint32_t generation, const MeshKeeper& keeper, const Roster& roster,
                        std::span<const QuarantineEntry> quarantine, port::Instant now);

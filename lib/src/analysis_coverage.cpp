@@ -45,7 +45,7 @@ class Coverage {
  public:
   Coverage(const Mesh& sensors, const Domain& domain, std::uint32_t range,
            std::span<Hole> out) noexcept
-      : sensors_(sensors), m_(state_of(sensors)), range_(range), out_(out) {
+      : m_(state_of(sensors)), range_(range), out_(out) {
     if (domain.mesh == nullptr || is_flat(state_of(*domain.mesh))) return;
     domain_ = domain.mesh;
     region_ = domain.region;
@@ -53,6 +53,7 @@ class Coverage {
   }
 
   std::uint32_t run() noexcept {
+    if (m_.vertex_count() == 0) return 0;
     for (IdValue t = 0; t < m_.topology.triangle_count(); ++t) visit(t);
     if (domain_ == nullptr) {
       visit_hull();
@@ -183,43 +184,47 @@ class Coverage {
     for_each_edge(m_, [&](Edge e) {
       const bool on_hull = flat || m_.topology.apex(e) == infinite_vertex ||
                            m_.topology.apex(m_.topology.twin(e)) == infinite_vertex;
-      if (on_hull) visit_stretch(m_.topology.origin(e), m_.topology.target(e));
+      if (on_hull) visit_stretch(m_.at(m_.topology.origin(e)), m_.at(m_.topology.target(e)));
     });
   }
 
   // Stretches of features with the domain on one side only, and edges of the hull that belong to
   // none. A feature crosses no other, so the pieces of a stretch have the same on their sides.
   void visit_boundary(const MeshState& d) noexcept {
-    const Topology& topo = d.topology;
-    const auto bounds = [&](Edge e) {
-      return is_inside(Topology::triangle_of(e)) != is_inside(Topology::triangle_of(topo.twin(e)));
-    };
     for (IdValue value = 0; value < d.section_end; ++value) {
       const SectionId s{value};
       if (!is_laid(d, s)) continue;
       const Stretch piece = march(d, d.section(s).from, d.section(s).to);
-      if (piece.is_edge && bounds(piece.edge)) {
-        visit_stretch(sensor_at(d.at(d.section(s).from)), sensor_at(d.at(d.section(s).to)));
+      if (piece.is_edge && bounds(d, piece.edge)) {
+        visit_stretch(d.at(d.section(s).from), d.at(d.section(s).to));
       }
     }
     for_each_edge(d, [&](Edge e) {
-      if (topo.is_constrained(e) || !bounds(e)) return;
-      visit_stretch(sensor_at(d.at(topo.origin(e))), sensor_at(d.at(topo.target(e))));
+      if (d.topology.is_constrained(e) || !bounds(d, e)) return;
+      visit_stretch(d.at(d.topology.origin(e)), d.at(d.topology.target(e)));
     });
+    for (IdValue value = 1; value < d.vertex_end; ++value) {
+      if (d.is_node(VertexId{value})) visit_corner(d, VertexId{value});
+    }
   }
 
-  VertexId sensor_at(const Point& place) const noexcept {
-    const VertexId sensor = locate(sensors_, place).vertex;
-    ETCM_CHECK(!sensor.is_none());
-    return sensor;
+  bool bounds(const MeshState& d, Edge e) const noexcept {
+    return is_inside(Topology::triangle_of(e)) !=
+           is_inside(Topology::triangle_of(d.topology.twin(e)));
   }
 
-  void visit_stretch(VertexId from, VertexId to) noexcept {
-    // Its ends see all of it.
-    if (squared_distance(m_.at(from), m_.at(to)) <= squared_range(range_, 1)) return;
-    NearestWalk walk(m_, from, to);
+  // Between its ends.
+  void visit_stretch(const Point& from, const Point& to) noexcept {
+    const VertexId start = nearest_vertex(m_, from);
+    // Sensors at both ends see all of it.
+    if (squared_distance(from, to) <= squared_range(range_, 1) && m_.at(start) == from &&
+        m_.at(nearest_vertex(m_, to)) == to) {
+      return;
+    }
+    NearestWalk walk(m_, from, to, start);
     while (walk.next()) {
       if (!walk.is_peak() || !walk.is_beyond(range_)) continue;
+      // The place is costly to find; where the list is full, the count alone does without.
       if (count_ < out_.size()) {
         out_[count_] = {walk.place(), m_.at(walk.handover().before), true};
       }
@@ -227,7 +232,23 @@ class Coverage {
     }
   }
 
-  const Mesh& sensors_;
+  // Where stretches end: a peak if the distance falls along each of them.
+  void visit_corner(const MeshState& d, VertexId corner) noexcept {
+    const Point& place = d.at(corner);
+    const Edge first = d.topology.edge_at(corner);
+    VertexId start{};
+    Edge e = first;
+    do {
+      if (bounds(d, e)) {
+        if (start.is_none()) start = nearest_vertex(m_, place);
+        if (squared_distance(place, m_.at(start)) <= squared_range(range_, 0)) return;
+        if (!NearestWalk(m_, place, d.at(d.topology.target(e)), start).falls_at_start()) return;
+      }
+      e = d.topology.rotate_ccw(e);
+    } while (e != first);
+    if (!start.is_none()) add({place, m_.at(start), true});
+  }
+
   const MeshState& m_;
   const std::uint32_t range_;
   const std::span<Hole> out_;

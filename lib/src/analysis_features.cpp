@@ -27,21 +27,99 @@ std::int64_t part_way(std::int64_t from, std::int64_t to, std::int64_t k, std::i
   return from + way / n * k + rest / n - (rest % n < 0 ? 1 : 0);
 }
 
-VertexId sensor_at(const Mesh& sensors, const Point& place) noexcept {
-  return locate(sensors, place).vertex;
+bool has_device(const Mesh& devices, const Point& place) noexcept {
+  return !locate(devices, place).vertex.is_none();
 }
 
-bool sees_all(const MeshState& sensors, VertexId from, VertexId to, std::uint32_t range) noexcept {
-  NearestWalk walk(sensors, from, to);
+// One of the features that the vertex is on, the same whatever the history; none: it is on none.
+FeatureId feature_at(const MeshState& m, VertexId v) noexcept {
+  const SectionId first = m.owner(v).section();
+  if (m.owner(v).role() != Role::node) return internal::feature_of(m, first);
+  FeatureId least{};
+  for (SectionId s = first; !s.is_none(); s = next_at(m, s, v)) {
+    const FeatureId feature = internal::feature_of(m, s);
+    if (least.is_none() || feature < least) least = feature;
+  }
+  return least;
+}
+
+// Between two places, both included. The distance to the nearest sensor is greatest at one of them
+// or where two sensors take turns.
+bool sees_all(const MeshState& sensors, const Point& from, const Point& to,
+              std::uint32_t range) noexcept {
+  const VertexId first = nearest_vertex(sensors, from);
+  const SquaredLength limit = squared_range(range, 0);
+  if (first.is_none() || squared_distance(from, sensors.at(first)) > limit) return false;
+  NearestWalk walk(sensors, from, to, first);
   while (walk.next()) {
     if (walk.is_beyond(range)) return false;
   }
-  return true;
+  return squared_distance(to, sensors.at(walk.nearest())) <= limit;
 }
+
+// Goes along one feature after the other, from stop to stop.
+class GapSearch {
+ public:
+  GapSearch(const Mesh& mesh, const Mesh& sensors, std::uint32_t range, std::span<Gap> out) noexcept
+      : m_(state_of(mesh)), sensors_(sensors), range_(range), out_(out) {}
+
+  std::uint32_t run() noexcept {
+    for (IdValue value = 0; value < m_.section_end; ++value) {
+      const SectionId root{value};
+      if (is_laid(m_, root) && internal::feature_of(m_, root).value == value) follow(root);
+    }
+    return count_;
+  }
+
+ private:
+  struct Stop {
+    VertexId vertex{};
+    bool senses = false;
+  };
+
+  Stop stop_at(VertexId v) const noexcept { return {v, has_device(sensors_, m_.at(v))}; }
+
+  void follow(SectionId root) noexcept {
+    Stop from = stop_at(m_.section(root).from);
+    for (SectionId s = root; !s.is_none(); s = m_.section(s).next) {
+      const VertexId end = m_.section(s).to;
+      for (VertexId head = m_.section(s).from; head != end;) {
+        head = march(m_, head, end).tail;
+        const Stop to = stop_at(head);
+        const bool is_last = head == end && m_.section(s).next.is_none();
+        if (!to.senses && !is_last) continue;
+        look_between(internal::feature_of(m_, root), from, to);
+        from = to;
+      }
+    }
+  }
+
+  // Each of the two that senses does so for a range of the way.
+  void look_between(FeatureId feature, const Stop& from, const Stop& to) noexcept {
+    const Point& start = m_.at(from.vertex);
+    const Point& end = m_.at(to.vertex);
+    if (from.senses || to.senses) {
+      const int doublings = from.senses && to.senses ? 1 : 0;
+      if (squared_distance(start, end) <= squared_range(range_, doublings)) return;
+    }
+    if (count_ < out_.size()) {
+      out_[count_] = {feature, from.vertex, to.vertex,
+                      sees_all(state_of(sensors_), start, end, range_)};
+    }
+    ++count_;
+  }
+
+  const MeshState& m_;
+  const Mesh& sensors_;
+  const std::uint32_t range_;
+  const std::span<Gap> out_;
+  std::uint32_t count_ = 0;
+};
 
 }  // namespace
 
-std::uint64_t relays(const Mesh& mesh, std::uint32_t radio_range, std::span<Relay> out) noexcept {
+std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_range,
+                     std::span<Relay> out) noexcept {
   ETCM_CHECK(radio_range != 0);
   const MeshState& m = state_of(mesh);
   std::uint64_t count = 0;
@@ -49,9 +127,13 @@ std::uint64_t relays(const Mesh& mesh, std::uint32_t radio_range, std::span<Rela
     if (count < out.size()) out[static_cast<std::size_t>(count)] = relay;
     ++count;
   };
+  for (IdValue value = 1; value < m.vertex_end; ++value) {
+    const VertexId v{value};
+    if (m.owner(v).role() == Role::free || has_device(devices, m.at(v))) continue;
+    add({m.at(v), feature_at(m, v), v});
+  }
   for_each_piece(m, [&](SectionId s, VertexId head, VertexId tail) {
     const FeatureId feature = internal::feature_of(m, s);
-    if (m.owner(head).role() != Role::node) add({m.at(head), feature, head});
     const Point& from = m.at(head);
     const Point& to = m.at(tail);
     const std::uint32_t n = hops(squared_distance(from, to), radio_range);
@@ -68,33 +150,7 @@ std::uint64_t relays(const Mesh& mesh, std::uint32_t radio_range, std::span<Rela
 
 std::uint32_t barrier_gaps(const Mesh& mesh, const Mesh& sensors, std::uint32_t sensing_range,
                            std::span<Gap> out) noexcept {
-  const MeshState& m = state_of(mesh);
-  const SquaredLength limit = squared_range(sensing_range, 1);
-  std::uint32_t count = 0;
-  // The last sensor passed: its id in either mesh.
-  VertexId from{}, from_sensor{};
-  for_each_piece(m, [&](SectionId s, VertexId head, VertexId tail) {
-    if (head == m.section(s).from) {
-      from = head;
-      from_sensor = sensor_at(sensors, m.at(head));
-      ETCM_CHECK(!from_sensor.is_none());
-    }
-    const VertexId to_sensor = sensor_at(sensors, m.at(tail));
-    if (to_sensor.is_none()) {
-      ETCM_CHECK(tail != m.section(s).to);
-      return;
-    }
-    if (squared_distance(m.at(from), m.at(tail)) > limit) {
-      if (count < out.size()) {
-        out[count] = {internal::feature_of(m, s), from, tail,
-                      sees_all(state_of(sensors), from_sensor, to_sensor, sensing_range)};
-      }
-      ++count;
-    }
-    from = tail;
-    from_sensor = to_sensor;
-  });
-  return count;
+  return GapSearch(mesh, sensors, sensing_range, out).run();
 }
 
 }  // namespace etcm

@@ -35,10 +35,14 @@ void for_each_piece(const MeshState& m, Visit visit) noexcept {
   }
 }
 
-// --- analysis_walk.cpp: who is the nearest along a straight line between two vertices
+// --- analysis_walk.cpp: who is the nearest, at a place and along a straight line
 
-// Where, going from the vertex `from` in the direction `along`, `before` hands over to `after` as
-// the nearest vertex: at from + along * step / scale. scale > 0.
+// A vertex that no other is nearer to the place than; none in an empty mesh. The cost of locate(),
+// and the way along the hull where the place is outside.
+VertexId nearest_vertex(const MeshState& m, const Point& place) noexcept;
+
+// Where, going from `from` in the direction `along`, `before` hands over to `after` as the nearest
+// vertex: at from + along * step / scale. scale > 0.
 struct Handover {
   VertexId before{};
   VertexId after{};
@@ -48,14 +52,20 @@ struct Handover {
 
 class NearestWalk {
  public:
-  NearestWalk(const MeshState& m, VertexId from, VertexId to) noexcept
-      : m_(m), to_(to), origin_(m.at(from)), along_(between(m.at(from), m.at(to))) {
-    here_.after = from;
+  // `nearest` is a nearest vertex at `from`; the two places are distinct.
+  NearestWalk(const MeshState& m, const Point& from, const Point& to, VertexId nearest) noexcept
+      : m_(m), origin_(from), along_(between(from, to)), nearest_(nearest) {
+    enter();
   }
 
-  // The next handover; false once `to` is the nearest.
-  bool next() noexcept;
+  // The vertex that is the nearest from here on: from the start, or from the last handover.
+  VertexId nearest() const noexcept { return nearest_; }
+  // Whether the distance to it falls on the first of the way; it rises otherwise.
+  bool falls_at_start() const noexcept;
 
+  // The next handover strictly between the two places; false where there is none, and `nearest` is
+  // one at `to`.
+  bool next() noexcept;
   const Handover& handover() const noexcept { return here_; }
   // Whether the nearest vertex is farther here than the range.
   bool is_beyond(std::uint32_t range) const noexcept;
@@ -64,14 +74,18 @@ class NearestWalk {
   Point place() const noexcept;  // rounded to the nearest sub-unit
 
  private:
+  // Of several vertices that are nearest at the start, takes the one into whose cell the way goes.
+  void enter() noexcept;
+  // Where the way leaves the cell of the nearest vertex; false if it never does.
+  bool leave_cell(Handover& out) const noexcept;
   Handover candidate(VertexId after) const noexcept;
   // The sign of how far this place is ahead of the foot of v on the line.
   int sign_ahead_of(VertexId v) const noexcept;
 
   const MeshState& m_;
-  const VertexId to_;
   const Point origin_;
   const Vector along_;
+  VertexId nearest_;
   Handover here_;
 };
 

@@ -1,23 +1,58 @@
-// Along a line from vertex to vertex, through their Voronoi cells. A cell is left across the
-// bisector with a Delaunay neighbour, the first one the line comes to; each step goes to a vertex
-// that lies farther in the direction of the line, so the walk ends.
+// Along a line through the Voronoi cells of the vertices. A cell is left across the bisector with a
+// Delaunay neighbour, the first one the line comes to; each step goes to a vertex that lies farther
+// in the direction of the line, so the walk ends.
 #include "analysis_internal.h"
 
 namespace etcm::internal {
 
+// Where a vertex is not the nearest, one of its Delaunay neighbours is nearer than it.
+VertexId nearest_vertex(const MeshState& m, const Point& place) noexcept {
+  if (m.topology.triangle_count() == 0) return m.vertex_count() == 0 ? VertexId::none() : m.lone;
+  const Found found = find(m, place, edge_near(m, place));
+  if (found.place == Place::on_vertex) return found.vertex;
+  VertexId nearest = m.topology.origin(found.edge);
+  if (nearest == infinite_vertex) nearest = m.topology.target(found.edge);
+  SquaredLength least = squared_distance(place, m.at(nearest));
+  for (bool found_nearer = true; found_nearer;) {
+    found_nearer = false;
+    const Edge start = m.topology.edge_at(nearest);
+    Edge e = start;
+    do {
+      const VertexId v = m.topology.target(e);
+      e = m.topology.rotate_ccw(e);
+      if (v == infinite_vertex) continue;
+      const SquaredLength length = squared_distance(place, m.at(v));
+      if (length >= least) continue;
+      least = length;
+      nearest = v;
+      found_nearer = true;
+    } while (e != start);
+  }
+  return nearest;
+}
+
+void NearestWalk::enter() noexcept {
+  Handover first;
+  while (leave_cell(first) && Wide::sign(first.step) == 0) nearest_ = first.after;
+}
+
+bool NearestWalk::falls_at_start() const noexcept {
+  return Wide::sign(dot(along_, between(origin_, m_.at(nearest_)))) > 0;
+}
+
 // |along * t - before|^2 = |along * t - after|^2 is linear in t. With coordinates seen from the
 // origin, differences are at most 2^53, so step is below 2^108 and scale below 2^109.
 Handover NearestWalk::candidate(VertexId after) const noexcept {
-  const Vector before = between(origin_, m_.at(here_.after));
+  const Vector before = between(origin_, m_.at(nearest_));
   const Vector beyond = between(origin_, m_.at(after));
-  return {here_.after, after, dot(beyond, beyond) - dot(before, before),
-          twice(dot(along_, between(m_.at(here_.after), m_.at(after))))};
+  return {nearest_, after, dot(beyond, beyond) - dot(before, before),
+          twice(dot(along_, between(m_.at(nearest_), m_.at(after))))};
 }
 
-bool NearestWalk::next() noexcept {
-  if (here_.after == to_) return false;
+bool NearestWalk::leave_cell(Handover& out) const noexcept {
+  if (m_.topology.triangle_count() == 0) return false;
   Handover first;
-  const Edge start = m_.topology.edge_at(here_.after);
+  const Edge start = m_.topology.edge_at(nearest_);
   Edge e = start;
   do {
     const VertexId v = m_.topology.target(e);
@@ -30,8 +65,15 @@ bool NearestWalk::next() noexcept {
       first = other;
     }
   } while (e != start);
-  ETCM_CHECK(!first.after.is_none());
+  out = first;
+  return !first.after.is_none();
+}
+
+bool NearestWalk::next() noexcept {
+  Handover first;
+  if (!leave_cell(first) || Wide::sign(first.step - first.scale) >= 0) return false;
   here_ = first;
+  nearest_ = first.after;
   return true;
 }
 

@@ -87,15 +87,19 @@ TEST(Allocation, IsAbsentFromTheAnalysis) {
   Mesh mesh;
   ASSERT_EQ(mesh.open(storage.bytes(), storage.config()), Status::ok);
   ASSERT_EQ(mesh.build(graph.nodes, graph.features), Status::ok);
+  static MeshStorage<400, 0> nodes_storage;
+  Mesh nodes;
+  ASSERT_EQ(nodes.open(nodes_storage.bytes(), nodes_storage.config()), Status::ok);
+  ASSERT_EQ(nodes.build(graph.nodes, {}), Status::ok);
   ASSERT_EQ(label_domain(mesh, Exterior::automatic, {}, regions, waiting), Status::ok);
   std::array<std::uint64_t, 5> counts{};
   std::array<Status, 2> answers{};
   std::size_t allocations = 1;
   {
     AllocationWatch watch;
-    counts = {links(mesh, 0, link), links_at(mesh, VertexId{1}, link), relays(mesh, 10, relay),
-              barrier_gaps(mesh, mesh, 3, gap),
-              coverage_holes(mesh, {.mesh = &mesh, .region = regions}, 3, hole)};
+    counts = {links(mesh, 0, link), links_at(mesh, VertexId{1}, link),
+              relays(mesh, nodes, 10, relay), barrier_gaps(mesh, nodes, 3, gap),
+              coverage_holes(nodes, {.mesh = &mesh, .region = regions}, 3, hole)};
     answers = {connectivity(mesh, 10, scratch, connected),
                interpolate(mesh, to_point({500, 500}), readings, reading)};
     allocations = watch.allocations();

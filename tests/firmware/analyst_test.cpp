@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "drawing.h"
 #include "fakes.h"
 #include "gateway.h"
 #include "mesh_map.h"
@@ -93,6 +96,126 @@ TEST(Analyst, LeavesSteinerVerticesOutOfTheNetworkAsItStands) {
     ++at_steiner_vertices;
   }
   EXPECT_EQ(at_steiner_vertices, rig.mesh.steiner_count());
+}
+
+// A fence of 100 by 100 is drawn, with a pond of 20 by 20 in it.
+void draw_fence(Rig& rig) {
+  draw(rig.settings, lines_along({ring(0, 100), ring(40, 60)}));
+  rig.settings.domain = {ring(0, 100), ring(40, 60)};
+}
+
+TEST(Analyst, TakesAnAnchorForNoDevice) {
+  Rig rig;
+  draw_fence(rig);
+  rig.settings.analysis = {.radio_range = 60, .sensing_range = 50};
+  rig.put(1, 20, 50);
+  rig.put(2, 80, 51);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("node_count"), 2u);
+  EXPECT_EQ(rig.server.header("anchor_count"), 8u);
+  EXPECT_EQ(rig.server.header("least_range_alone"), 61u);
+  EXPECT_EQ(rig.server.header("parts_alone"), 2u);
+  EXPECT_EQ(rig.server.header("long_link_count"), 1u);
+  const MeshAnalysis& analysis = rig.gateway->snapshot().analysis;
+  ASSERT_EQ(analysis.long_links.size(), 1u);
+  for (const std::uint32_t row : {analysis.long_links[0].from_row, analysis.long_links[0].to_row}) {
+    EXPECT_FALSE(rig.gateway->snapshot().vertices[row].is_anchor);
+  }
+  // One at each corner, and one on each side of the fence: 100 is more than a hop.
+  EXPECT_EQ(rig.server.header("relay_count"), 8u + rig.mesh.steiner_count() + 4u);
+  for (std::uint32_t i = 0; i < 8; ++i) EXPECT_GE(analysis.relays[i].feature, 1u);
+  // The corners of the fence, and where the two take turns on it.
+  EXPECT_EQ(rig.server.header("hole_count"), 4u + 2u);
+  EXPECT_EQ(rig.server.header("gap_count"), 8u);
+  EXPECT_EQ(rig.server.header("unwatched_gap_count"), 4u);
+}
+
+TEST(Analyst, TakesTheHolesOutOfTheDomain) {
+  Rig rig;
+  draw_fence(rig);
+  rig.settings.analysis.sensing_range = 12;
+  for (std::uint8_t unit = 1; unit <= 4; ++unit) {
+    rig.put(unit, unit % 2 == 0 ? 40 : 60, unit > 2 ? 40 : 60);
+  }
+  rig.run(1s);
+  const auto lists_the_pond = [&] {
+    const auto& holes = rig.gateway->snapshot().analysis.holes;
+    return std::any_of(holes.begin(), holes.end(), [](const CoverageHole& hole) {
+      return hole.place == to_point({50, 50});
+    });
+  };
+  EXPECT_GT(rig.server.header("hole_count"), 0u);
+  EXPECT_FALSE(lists_the_pond());
+  // The pond is taken off the drawing.
+  rig.settings.domain = square(0, 100);
+  rig.gateway->update_settings();
+  rig.run(1s);
+  EXPECT_TRUE(lists_the_pond());
+}
+
+TEST(Analyst, KeepsTheDomainWhereACornerOfItIsANodeThatIsAway) {
+  Rig rig;
+  rig.settings.domain = square(0, 100);
+  rig.settings.analysis.sensing_range = 72;
+  draw(rig.settings, {line(1001, at(100, 0)), line(at(100, 0), at(100, 100)),
+                      line(at(100, 100), at(0, 100)), line(at(0, 100), 1001)});
+  rig.put(2, 50, 50);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("features_active"), 2u);
+  EXPECT_EQ(rig.server.header("hole_count"), 0u);
+  rig.put(2, 51, 51);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("hole_count"), 1u) << "the corner without a node";
+  rig.put(1, 0, 0);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("hole_count"), 0u);
+}
+
+// Without an outline: closed features are, or the hull is, and a hole counts once it is whole.
+TEST(Analyst, TakesAHoleOutOfWhatFeaturesEncloseOnceItIsWhole) {
+  Rig rig;
+  std::vector<FeatureSettings> features = lines_along({ring(0, 100), ring(40, 60)});
+  features.back().from = 1005;
+  features[6].to = 1005;
+  draw(rig.settings, features);
+  rig.settings.domain = {{}, ring(40, 60)};
+  rig.settings.analysis.sensing_range = 14;
+  rig.put(1, 60, 60);
+  rig.put(2, 60, 40);
+  rig.put(3, 40, 39);
+  rig.put(4, 39, 60);
+  rig.run(1s);
+  const auto in_the_pond = [&] {
+    std::size_t count = 0;
+    for (const CoverageHole& hole : rig.gateway->snapshot().analysis.holes) {
+      const auto is_within = [](std::int64_t c) {
+        return c > 40 * subunits_per_unit && c < 60 * subunits_per_unit;
+      };
+      if (is_within(hole.place.x) && is_within(hole.place.y)) ++count;
+    }
+    return count;
+  };
+  EXPECT_EQ(rig.server.header("features_active"), 6u);
+  EXPECT_EQ(in_the_pond(), 1u);
+  rig.put(5, 40, 60);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("features_active"), 8u);
+  EXPECT_EQ(in_the_pond(), 0u);
+  EXPECT_GT(rig.server.header("hole_count"), 0u);
+}
+
+TEST(Analyst, WatchesTheEndOfAFeatureFromTheNodeOnIt) {
+  Rig rig;
+  draw(rig.settings, {line(1001, at(100, 0)), line(at(100, 0), at(150, 0))});
+  rig.settings.analysis.sensing_range = 99;
+  rig.put(1, 0, 0);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("gap_count"), 2u);
+  EXPECT_EQ(rig.server.header("unwatched_gap_count"), 2u);
+  rig.put(2, 125, 20);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("gap_count"), 2u);
+  EXPECT_EQ(rig.server.header("unwatched_gap_count"), 0u);
 }
 
 TEST(Analyst, CutsItsListsOffButCountsOn) {

@@ -30,8 +30,8 @@ std::vector<Point> points_of(const Mesh& mesh);
 // The square of the distance to the nearest.
 mpq_class squared_distance_to(const std::vector<Point>& sensors, const RationalPoint& place);
 
-// Where the distance to the nearest sensor can be greatest on a segment whose ends are sensors, or
-// on the domain: a superset of the places, all of them there.
+// Where the distance to the nearest sensor can be greatest on a segment, or on the domain: a
+// superset of the places, all of them there.
 std::vector<RationalPoint> candidates_on(const Segment& segment, const std::vector<Point>& sensors);
 std::vector<RationalPoint> candidates_in(const Mesh& mesh, std::span<const Region> region,
                                          const std::vector<Point>& sensors);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include "analysis_oracle.h"
@@ -35,6 +36,32 @@ Graph any_graph_of_any_size() {
     graph.features = placer.features();
   }
   return graph;
+}
+
+// Devices at some of the nodes, and at places that are none: in the mesh, on it or outside.
+std::vector<Position> any_devices(const std::vector<Position>& nodes) {
+  const std::uint64_t seed = *rc::gen::inRange<std::uint64_t>(0, 1000);
+  const std::size_t more = *rc::gen::inRange<std::size_t>(0, 4);
+  const std::size_t of_eight = *rc::gen::inRange<std::size_t>(0, 9);
+  inputs::Random random(seed);
+  std::vector<Position> devices;
+  for (const Position& node : nodes) {
+    if (random.index(8) < of_eight) devices.push_back(node);
+  }
+  for (std::size_t i = 0; i < more && !nodes.empty(); ++i) {
+    const auto near = [&](std::int32_t coordinate) {
+      const auto off = static_cast<std::int32_t>(random.index(7)) - 3;
+      return std::clamp(coordinate + off, -position_max, position_max);
+    };
+    devices.push_back(
+        {near(nodes[random.index(nodes.size())].x), near(nodes[random.index(nodes.size())].y)});
+  }
+  const auto is_before = [](const Position& a, const Position& b) {
+    return std::pair(a.x, a.y) < std::pair(b.x, b.y);
+  };
+  std::sort(devices.begin(), devices.end(), is_before);
+  devices.erase(std::unique(devices.begin(), devices.end()), devices.end());
+  return devices;
 }
 
 // A range that some of the distances are just within and some just beyond.
@@ -121,9 +148,16 @@ RC_GTEST_PROP(Analysis, ConnectivityIsThatOfAllPairs, ()) {
 }
 
 RC_GTEST_PROP(Analysis, RelaysAreAsFewAsTheRangeAllows, ()) {
-  const auto mesh = built(any_graph_of_any_size());
+  const Graph graph = any_graph_of_any_size();
+  const auto mesh = built(graph);
+  const auto devices = built({"", any_devices(graph.nodes), {}});
+  const std::vector<Point> places_of_devices = points_of(**devices);
   const std::uint32_t range = std::max(any_range(points_of(**mesh)), 4u);
-  std::uint64_t expected = (*mesh)->steiner_count();
+  const std::vector<Point> vertices = points_of(**mesh);
+  auto expected = static_cast<std::uint64_t>(
+      std::count_if(vertices.begin(), vertices.end(),
+                    [&](const Point& p) { return !is_vertex(places_of_devices, p); }));
+  const std::uint64_t at_vertices = expected;
   for (IdValue value = 0; value < (*mesh)->feature_id_end(); ++value) {
     if (!(*mesh)->is_feature(FeatureId{value})) continue;
     const auto chain = chain_of(**mesh, FeatureId{value});
@@ -139,8 +173,25 @@ RC_GTEST_PROP(Analysis, RelaysAreAsFewAsTheRangeAllows, ()) {
   }
   RC_PRE(expected < 200'000u);
   const auto found =
-      listed<Relay>([&](std::span<Relay> out) { return relays(**mesh, range, out); });
+      listed<Relay>([&](std::span<Relay> out) { return relays(**mesh, **devices, range, out); });
   RC_ASSERT(found.size() == expected);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Relay& relay = found[i];
+    RC_ASSERT(relay.vertex.is_none() == (i >= at_vertices));
+    if (relay.vertex.is_none()) continue;
+    RC_ASSERT(relay.place == (*mesh)->point(relay.vertex));
+    RC_ASSERT(!is_vertex(places_of_devices, relay.place));
+    bool is_on_one = false, is_on_that = false;
+    for (IdValue value = 0; value < (*mesh)->feature_id_end(); ++value) {
+      if (!(*mesh)->is_feature(FeatureId{value})) continue;
+      const auto chain = chain_of(**mesh, FeatureId{value});
+      if (std::find(chain.begin(), chain.end(), relay.vertex) == chain.end()) continue;
+      is_on_one = true;
+      is_on_that |= relay.feature == FeatureId{value};
+    }
+    RC_ASSERT(relay.feature.is_none() == !is_on_one);
+    RC_ASSERT(is_on_that == is_on_one);
+  }
   // With them no hop is longer than the range, but for the rounding to sub-units.
   for (IdValue value = 0; value < (*mesh)->feature_id_end(); ++value) {
     const FeatureId feature{value};
@@ -148,12 +199,7 @@ RC_GTEST_PROP(Analysis, RelaysAreAsFewAsTheRangeAllows, ()) {
     std::vector<Point> places;
     for (const VertexId v : chain_of(**mesh, feature)) places.push_back((*mesh)->point(v));
     for (const Relay& relay : found) {
-      if (relay.feature != feature) continue;
-      if (relay.vertex.is_none()) {
-        places.push_back(relay.place);
-      } else {
-        RC_ASSERT(relay.place == (*mesh)->point(relay.vertex));
-      }
+      if (relay.feature == feature && relay.vertex.is_none()) places.push_back(relay.place);
     }
     // Along the feature: by the coordinate that changes most.
     const FeatureEnds ends = (*mesh)->ends(feature);
@@ -168,12 +214,12 @@ RC_GTEST_PROP(Analysis, RelaysAreAsFewAsTheRangeAllows, ()) {
   }
 }
 
-RC_GTEST_PROP(Analysis, GapsAreBetweenNeighbouringSensors, ()) {
+RC_GTEST_PROP(Analysis, GapsAreWhatSensorsOnTheFeatureDoNotSee, ()) {
   const Graph graph = any_graph_of_any_size();
   const auto mesh = built(graph);
-  const bool nodes_alone = *rc::gen::arbitrary<bool>();
-  const auto nodes = built({"", graph.nodes, {}});
-  const Mesh& sensors = nodes_alone ? **nodes : **mesh;
+  const bool all_sense = *rc::gen::inRange(0, 4) == 0;
+  const auto devices = built({"", any_devices(graph.nodes), {}});
+  const Mesh& sensors = all_sense ? **mesh : **devices;
   const auto points = points_of(sensors);
   const std::uint32_t range = any_range(points);
   const auto found =
@@ -181,30 +227,39 @@ RC_GTEST_PROP(Analysis, GapsAreBetweenNeighbouringSensors, ()) {
   std::size_t expected = 0;
   for (IdValue value = 0; value < (*mesh)->feature_id_end(); ++value) {
     if (!(*mesh)->is_feature(FeatureId{value})) continue;
-    std::vector<Point> chain;
-    for (const VertexId v : chain_of(**mesh, FeatureId{value})) {
-      if (is_vertex(points, (*mesh)->point(v))) chain.push_back((*mesh)->point(v));
+    const auto chain = chain_of(**mesh, FeatureId{value});
+    std::vector<VertexId> stops;
+    for (const VertexId v : chain) {
+      if (v == chain.front() || v == chain.back() || is_vertex(points, (*mesh)->point(v))) {
+        stops.push_back(v);
+      }
     }
-    for (std::size_t i = 1; i < chain.size(); ++i) {
-      const bool is_gap =
-          squared(rational(chain[i - 1]), rational(chain[i])) > 4 * squared_range(range);
-      if (is_gap) ++expected;
+    for (std::size_t i = 1; i < stops.size(); ++i) {
+      const Point from = (*mesh)->point(stops[i - 1]), to = (*mesh)->point(stops[i]);
+      const int sensing = (is_vertex(points, from) ? 1 : 0) + (is_vertex(points, to) ? 1 : 0);
+      if (squared(rational(from), rational(to)) <= sensing * sensing * squared_range(range)) {
+        continue;
+      }
+      ++expected;
+      const auto same = [&](const Gap& gap) {
+        return gap.feature == FeatureId{value} &&
+               ((gap.from == stops[i - 1] && gap.to == stops[i]) ||
+                (gap.to == stops[i - 1] && gap.from == stops[i]));
+      };
+      const auto gap = std::find_if(found.begin(), found.end(), same);
+      RC_ASSERT(gap != found.end());
+      const auto places = candidates_on({from, to}, points);
+      const bool watched = std::all_of(places.begin(), places.end(), [&](const RationalPoint& p) {
+        return !points.empty() && squared_distance_to(points, p) <= squared_range(range);
+      });
+      RC_ASSERT(gap->watched == watched);
     }
   }
   RC_ASSERT(found.size() == expected);
-  for (const Gap& gap : found) {
-    const Segment segment{(*mesh)->point(gap.from), (*mesh)->point(gap.to)};
-    RC_ASSERT(squared(rational(segment.first), rational(segment.second)) >
-              4 * squared_range(range));
-    const auto places = candidates_on(segment, points);
-    const bool watched = std::all_of(places.begin(), places.end(), [&](const RationalPoint& p) {
-      return squared_distance_to(points, p) <= squared_range(range);
-    });
-    RC_ASSERT(gap.watched == watched);
-  }
 }
 
-// The greatest distance from a place of the domain to its nearest sensor decides, exactly.
+// The greatest distance from a place of the domain to its nearest sensor decides, exactly; sensors
+// stand at all vertices, at the nodes, or somewhere.
 RC_GTEST_PROP(Analysis, NoHolesExactlyIfAllIsCovered, ()) {
   Graph graph = any_graph_of_any_size();
   if (graph.nodes.size() > 12) {
@@ -214,26 +269,29 @@ RC_GTEST_PROP(Analysis, NoHolesExactlyIfAllIsCovered, ()) {
     });
   }
   const auto mesh = built(graph);
-  const auto nodes = built({"", graph.nodes, {}});
-  const bool nodes_alone = *rc::gen::arbitrary<bool>();
-  const bool whole_hull = *rc::gen::arbitrary<bool>();
-  const Mesh& sensors = nodes_alone ? **nodes : **mesh;
+  const int kind = *rc::gen::inRange(0, 4);
+  const auto devices = built({"", kind == 1 ? graph.nodes : any_devices(graph.nodes), {}});
+  const Mesh& sensors = kind == 0 ? **mesh : **devices;
   const auto points = points_of(sensors);
-  std::vector<Region> region((*mesh)->triangle_count());
+  // What the domain is: the hull of the sensors, of the mesh, or closed features less holes.
+  const int bound = *rc::gen::inRange(0, 3);
+  const Mesh& where = bound == 0 ? sensors : **mesh;
+  std::vector<Region> region(where.triangle_count());
   std::vector<TriangleId> waiting(region.size());
   std::vector<Point> seeds;
-  if (!whole_hull && (*mesh)->node_count() > 3) {
+  if (bound == 2 && (*mesh)->node_count() > 3) {
     seeds.push_back(to_point({*rc::gen::inRange(-8, 9), *rc::gen::inRange(-8, 9)}));
   }
-  RC_ASSERT(label_domain(**mesh, whole_hull ? Exterior::hull : Exterior::features, seeds, region,
+  RC_ASSERT(label_domain(where, bound == 2 ? Exterior::features : Exterior::hull, seeds, region,
                          waiting) == Status::ok);
   Domain domain;
-  if (!whole_hull) domain = {.mesh = &**mesh, .region = region};
+  if (bound != 0) domain = {.mesh = &where, .region = region};
+  RC_PRE(where.finite_triangle_count() > 0u);
+  RC_PRE(!points.empty());
   mpq_class greatest = 0;
-  for (const RationalPoint& place : candidates_in(**mesh, region, points)) {
+  for (const RationalPoint& place : candidates_in(where, region, points)) {
     greatest = std::max(greatest, squared_distance_to(points, place));
   }
-  RC_PRE((*mesh)->finite_triangle_count() > 0u);
 
   const auto holes_at = [&](std::uint32_t range) {
     return listed<Hole>(

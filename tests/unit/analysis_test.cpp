@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdlib>
@@ -49,7 +50,7 @@ TEST(Lengths, AreExactAtTheLimits) {
 TEST(Analysis, HasNothingToSayAboutAnEmptyMesh) {
   const auto mesh = empty_mesh();
   EXPECT_EQ(links(**mesh, 0, {}), 0u);
-  EXPECT_EQ(relays(**mesh, 1, {}), 0u);
+  EXPECT_EQ(relays(**mesh, **mesh, 1, {}), 0u);
   EXPECT_EQ(barrier_gaps(**mesh, **mesh, 1, {}), 0u);
   EXPECT_EQ(coverage_holes(**mesh, {}, 1, {}), 0u);
   const Connectivity found = connectivity_of(**mesh, 1);
@@ -166,22 +167,65 @@ TEST(Connectivity, NeedsItsScratch) {
 
 TEST(Relays, StandEvenlyOnALongPiece) {
   const auto mesh = mesh_of({{0, 0}, {100, 0}, {50, 400}}, {between_nodes(0, 1)});
-  EXPECT_EQ(relays(**mesh, 100, {}), 0u);
+  EXPECT_EQ(relays(**mesh, **mesh, 100, {}), 0u);
   std::array<Relay, 3> relay;
-  ASSERT_EQ(relays(**mesh, 25, relay), 3u);
+  ASSERT_EQ(relays(**mesh, **mesh, 25, relay), 3u);
   EXPECT_EQ(relay[0].place, to_point({25, 0}));
   EXPECT_EQ(relay[2].place, to_point({75, 0}));
   EXPECT_TRUE(relay[1].vertex.is_none());
   EXPECT_EQ(relay[1].feature, FeatureId{0});
-  EXPECT_EQ(relays(**mesh, 24, relay), 4u);
+  EXPECT_EQ(relays(**mesh, **mesh, 24, relay), 4u);
 }
 
 TEST(Relays, AreCountedWithoutBeingVisited) {
   const auto mesh = mesh_of({{-far, -far}, {far, far}}, {between_nodes(0, 1)});
   std::array<Relay, 2> relay;
-  EXPECT_EQ(relays(**mesh, 1, relay), 47453132u);
+  EXPECT_EQ(relays(**mesh, **mesh, 1, relay), 47453132u);
   EXPECT_LT(relay[0].place, relay[1].place);
-  EXPECT_EQ(relays(**mesh, 0xffffffffu, relay), 0u);
+  EXPECT_EQ(relays(**mesh, **mesh, 0xffffffffu, relay), 0u);
+}
+
+TEST(Relays, AreProposedAtEachVertexWithoutADevice) {
+  const auto mesh = mesh_of({{-1000, 0}, {1000, 0}, {0, 90}, {0, -90}, {0, 900}},
+                            {between_nodes(0, 1), between_nodes(1, 2)});
+  ASSERT_EQ((*mesh)->steiner_count(), 1u);
+  const auto devices = mesh_of({{-1000, 0}, {0, -90}, {0, 90}});
+  std::array<Relay, 3> relay;
+  ASSERT_EQ(relays(**mesh, **devices, 2000, relay), 3u);
+  EXPECT_EQ(relay[0].place, to_point({1000, 0}));
+  EXPECT_EQ(relay[0].vertex, vertex_of(1));
+  EXPECT_EQ(relay[0].feature, FeatureId{0}) << "of two features";
+  EXPECT_EQ(relay[1].place, to_point({0, 900}));
+  EXPECT_TRUE(relay[1].feature.is_none());
+  EXPECT_EQ((*mesh)->kind(relay[2].vertex), VertexKind::steiner);
+  EXPECT_EQ(relay[2].feature, FeatureId{0});
+  EXPECT_EQ(relays(**mesh, **empty_mesh(), 2000, {}), 6u);
+}
+
+TEST(Gaps, AtAnEndWithoutASensorAreWhatIsBeyondOneRange) {
+  const auto mesh = mesh_of({{0, 0}, {100, 0}, {50, 400}}, {between_nodes(0, 1)});
+  const auto one = mesh_of({{100, 0}, {50, 400}});
+  EXPECT_EQ(barrier_gaps(**mesh, **one, 100, {}), 0u);
+  std::array<Gap, 1> gap;
+  ASSERT_EQ(barrier_gaps(**mesh, **one, 99, gap), 1u);
+  EXPECT_EQ(gap[0].from, vertex_of(0));
+  EXPECT_EQ(gap[0].to, vertex_of(1));
+  EXPECT_FALSE(gap[0].watched);
+}
+
+TEST(Gaps, WithoutASensorOnTheFeatureAreAllOfIt) {
+  // A node without a sensor cuts nothing.
+  const auto mesh = mesh_of({{0, 0}, {40, 0}, {20, 0}, {20, 30}}, {between_nodes(0, 1)});
+  const auto beside = mesh_of({{20, 15}});
+  std::array<Gap, 2> gap;
+  ASSERT_EQ(barrier_gaps(**mesh, **beside, 25, gap), 1u);
+  EXPECT_EQ(gap[0].from, vertex_of(0));
+  EXPECT_EQ(gap[0].to, vertex_of(1));
+  EXPECT_TRUE(gap[0].watched) << "the ends are just 25 from the sensor";
+  ASSERT_EQ(barrier_gaps(**mesh, **beside, 24, gap), 1u);
+  EXPECT_FALSE(gap[0].watched);
+  ASSERT_EQ(barrier_gaps(**mesh, **empty_mesh(), 1000, gap), 1u);
+  EXPECT_FALSE(gap[0].watched);
 }
 
 TEST(Gaps, MayBeWatchedFromBeside) {
@@ -241,6 +285,73 @@ TEST(Holes, OutsideTheDomainDoNotCount) {
   EXPECT_EQ(coverage_holes(**mesh, {.mesh = &**mesh, .region = region}, 7, {}), 1u);
   EXPECT_GT(coverage_holes(**mesh, {}, 8, {}), 0u);
 }
+
+// A field of 100 by 100, its corners without sensors, and the hole in it that four more enclose.
+class Field : public testing::Test {
+ protected:
+  void SetUp() override {
+    mesh = mesh_of(
+        {{0, 0}, {100, 0}, {100, 100}, {0, 100}, {40, 40}, {60, 40}, {60, 60}, {40, 60}},
+        {between_nodes(0, 1), between_nodes(1, 2), between_nodes(2, 3), between_nodes(3, 0),
+         between_nodes(4, 5), between_nodes(5, 6), between_nodes(6, 7), between_nodes(7, 4)});
+    region.resize((*mesh)->triangle_count());
+    std::vector<TriangleId> scratch(region.size());
+    const Point seed = to_point({50, 50});
+    ASSERT_EQ(label_domain(**mesh, Exterior::features, std::span(&seed, 1), region, scratch),
+              Status::ok);
+  }
+  std::uint32_t holes(const Mesh& sensors, std::uint32_t range, std::span<Hole> out) const {
+    return coverage_holes(sensors, {.mesh = &**mesh, .region = region}, range, out);
+  }
+  std::unique_ptr<OwnedMesh> mesh;
+  std::vector<Region> region;
+};
+
+TEST_F(Field, HasItsWorstPlacesAtCornersWithoutSensors) {
+  const auto sensors = mesh_of({{50, 30}});
+  std::array<Hole, 8> hole;
+  EXPECT_EQ(holes(**sensors, 87, hole), 0u);
+  // The upper corners are 86.02 away, the lower ones 58.3.
+  ASSERT_EQ(holes(**sensors, 86, hole), 2u);
+  for (const Hole& each : std::span(hole).first(2)) {
+    EXPECT_TRUE(each.on_boundary);
+    EXPECT_EQ(each.place.y, 100 * subunits_per_unit);
+    EXPECT_EQ(each.sensor, to_point({50, 30}));
+  }
+  EXPECT_EQ(holes(**sensors, 58, hole), 4u);
+  // The far corners of the hole are 31.6 away.
+  EXPECT_EQ(holes(**sensors, 31, hole), 6u);
+}
+
+TEST_F(Field, IsSeenBySensorsOutsideOfIt) {
+  const auto sensors = mesh_of({{50, -10}, {50, 110}});
+  std::array<Hole, 4> hole;
+  EXPECT_EQ(holes(**sensors, 79, hole), 0u);
+  // Where the two take turns on the sides: 50 across and 60 along.
+  ASSERT_EQ(holes(**sensors, 78, hole), 2u);
+  for (const Hole& each : std::span(hole).first(2)) {
+    EXPECT_EQ(each.place.y, 50 * subunits_per_unit);
+    EXPECT_TRUE(each.on_boundary);
+  }
+}
+
+TEST_F(Field, LeavesTheHoleOut) {
+  const std::initializer_list<Position> around = {{40, 40}, {60, 40}, {60, 60}, {40, 60}};
+  const auto sensors = mesh_of(around);
+  const auto lists_the_middle = [&] {
+    std::array<Hole, 20> hole;
+    const std::uint32_t count = holes(**sensors, 14, hole);
+    const auto listed = std::span(hole).first(std::min<std::size_t>(count, hole.size()));
+    return std::any_of(listed.begin(), listed.end(), [](const Hole& each) {
+      return each.place == to_point({50, 50});
+    });
+  };
+  EXPECT_FALSE(lists_the_middle());
+  std::fill(region.begin(), region.end(), Region::inside);
+  EXPECT_TRUE(lists_the_middle());
+}
+
+TEST_F(Field, HasNoWorstPlaceWithoutSensors) { EXPECT_EQ(holes(**empty_mesh(), 1, {}), 0u); }
 
 TEST(Holes, AreFoundAtTheLimitsOfTheCoordinates) {
   const auto mesh = mesh_of({{-far, -far}, {far, -far}, {far, far}, {-far, far}});

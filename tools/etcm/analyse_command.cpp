@@ -64,9 +64,9 @@ Radio look_at_radio(const Mesh& mesh, const Mesh& nodes, std::uint32_t range) {
   Radio radio;
   radio.alone = connectivity_of(nodes, range);
   radio.with_relays = connectivity_of(mesh, range);
-  radio.long_links = links(mesh, range, {});
+  radio.long_links = links(nodes, range, {});
   radio.relays.resize(list_max);
-  radio.relay_count = relays(mesh, range, radio.relays);
+  radio.relay_count = relays(mesh, nodes, range, radio.relays);
   cut(radio.relays, radio.relay_count);
   return radio;
 }
@@ -102,7 +102,8 @@ std::string tell(const Radio& radio, std::uint32_t range) {
     text += ", " + std::to_string(range_for(radio.with_relays.least)) +
             " with a relay at each Steiner vertex";
   }
-  return text + "\n" + counted(radio.long_links, "edge of the mesh is", "edges of the mesh are") +
+  return text + "\n" +
+         counted(radio.long_links, "link between neighbours is", "links between neighbours are") +
          " longer\n" + counted(radio.relay_count, "relay", "relays") +
          " to follow each feature hop by hop\n";
 }

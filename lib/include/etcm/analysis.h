@@ -3,11 +3,13 @@
 // Every comparison is exact. Ranges are whole user units, at least 1. Nothing here changes a mesh,
 // takes memory of its own or recurses; the library is etcm::analysis.
 //
-// Who counts. A question about radio or sensing takes each vertex of the mesh it is given for a
-// device. Steiner vertices are only proposed, so there are two answers, and the mesh says which:
-//   the network as it stands: the mesh of the nodes alone (build() with no features);
-//   the network with a device at each Steiner vertex: the conforming mesh itself.
-// The first cannot be read off the second: the nodes' own Delaunay edges are not all in it.
+// Who counts. Links and connectivity take each vertex of the mesh they are given for a device. So
+// there are two answers, and the mesh says which:
+//   the network as it stands: the mesh of the devices alone (build() with no features);
+//   the network with a device at each vertex of the conforming mesh, Steiner vertices included.
+// The first cannot be read off the second: the devices' own Delaunay edges are not all in it.
+// What goes along features or is asked of a domain is told the devices as a mesh of their own:
+// each of its vertices is one, wherever it stands, and nothing else is. It may be the same mesh.
 //
 // A longer range than range_max changes nothing.
 //
@@ -85,17 +87,21 @@ Status connectivity(const Mesh& mesh, std::uint32_t radio_range,
 // A place for a relay.
 struct Relay {
   Point place;
-  FeatureId feature;
-  VertexId vertex{};  // the Steiner vertex that stands there; none: one of those between vertices
+  FeatureId feature{};  // that it is on (of several, any); none: a node that is on none
+  VertexId vertex{};    // that stands there without a device; none: it is between vertices
 };
 
-// Each Steiner vertex, and on each piece of a feature that is longer than the range as many more,
-// evenly spaced, that no hop is: ceil(length / range) - 1. The latter are rounded down to the
-// sub-unit. O(n + entries written).
-std::uint64_t relays(const Mesh& mesh, std::uint32_t radio_range, std::span<Relay> out) noexcept;
+// Each vertex of `mesh` at whose place there is no device, and then on each piece of a feature that
+// is longer than the range as many more, evenly spaced, that no hop is: ceil(length / range) - 1.
+// The latter are rounded down to the sub-unit. The vertices of `devices` are the devices.
+// O(n + entries written), n of both meshes.
+std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_range,
+                     std::span<Relay> out) noexcept;
 
-// Two neighbouring sensors on a feature more than twice the sensing range apart: between them
-// somebody may cross the feature without coming within range of either.
+// A stretch of a feature from a sensor on it to the next one, or to an end of the feature that has
+// none, which they do not see whole: where both ends sense, longer than twice the range; where one
+// does, longer than the range; where neither does, any. Somebody may cross it unseen by those on
+// the feature.
 struct Gap {
   FeatureId feature;
   VertexId from;  // ids of the mesh that has the features
@@ -103,8 +109,8 @@ struct Gap {
   bool watched;  // sensors beside the feature see every place between them all the same
 };
 
-// The gaps along the features of `mesh`. The vertices of `sensors` sense; it has a vertex wherever
-// `mesh` has a node, and may be the same mesh. O(n) plus the triangles that gaps pass.
+// The gaps along the features of `mesh`. The vertices of `sensors` sense. O(n) plus the triangles
+// that gaps pass.
 std::uint32_t barrier_gaps(const Mesh& mesh, const Mesh& sensors, std::uint32_t sensing_range,
                            std::span<Gap> out) noexcept;
 
@@ -118,7 +124,8 @@ struct Domain {
 };
 
 // A place of the domain farther than the sensing range from every sensor, and no nearer to one than
-// the places around it: where one more sensor would see most. A hole may have several.
+// the places around it, or than those beside it on the boundary: where one more sensor would see
+// most. A hole may have several.
 struct Hole {
   Point place;       // rounded to the nearest sub-unit
   Point sensor;      // the nearest (one of them)
@@ -126,16 +133,16 @@ struct Hole {
 };
 
 // None, exactly if each place of the domain, boundary included, is within the sensing range of a
-// sensor. The vertices of `sensors` sense; it has a vertex wherever domain.mesh has a node, no
-// vertex outside its hull, and may be the same mesh.
+// sensor. The vertices of `sensors` sense, in the domain or outside of it. Without sensors no place
+// is the worst, and there is none.
 //
 // Why that is all: where the distance to the nearest sensor is greatest inside the domain, at least
 // three sensors are equally near and the place is in their midst, so it is the circumcentre of a
 // Delaunay triangle that is not obtuse. (An obtuse triangle's circumcentre lies beyond its longest
 // edge, where the next triangle's circle is greater still: such triangles lead to another one, or
-// to the boundary.) On the boundary it is where two sensors take turns in being the nearest, and
-// these places are visited one by one. O(n) plus the triangles that long stretches of the boundary
-// pass.
+// to the boundary.) On the boundary it is a corner without a sensor, or where two sensors take
+// turns in being the nearest, and these places are visited one by one. O(n), n of both meshes, plus
+// the triangles that long stretches of the boundary pass.
 std::uint32_t coverage_holes(const Mesh& sensors, const Domain& domain, std::uint32_t sensing_range,
                              std::span<Hole> out) noexcept;
 

@@ -68,7 +68,7 @@ TEST(Program, AnalysesWhatRadiosReachAndNodesSee) {
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
   EXPECT_THAT(outcome.output,
               AllOf(HasSubstr("4 separate networks; it takes 100 to keep the nodes in one\n"),
-                    HasSubstr("5 edges of the mesh are longer\n4 relays"),
+                    HasSubstr("5 links between neighbours are longer\n4 relays"),
                     HasSubstr("5 holes, the widest 71 from the nearest node, at 50 50\n"),
                     HasSubstr("4 gaps along features, 4 not watched")));
   EXPECT_THAT(folder.read("field.svg"),
