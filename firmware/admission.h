@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "doubt.h"
 #include "etcm/port/log.h"
 #include "feature_book.h"
 #include "poller.h"
@@ -17,15 +18,6 @@
 #include "settings.h"
 
 namespace etcm::firmware {
-
-enum class Doubt : std::uint8_t {
-  none,
-  waiting,        // for what comes next: it may be all right
-  same_serial,    // this serial answers at another unit too
-  same_unit,      // another node answers at this unit too
-  swapped_words,  // the serial is a known one, its words swapped
-  no_room,        // the roster is full
-};
 
 // What is doubtful at a unit.
 struct UnitDoubt {

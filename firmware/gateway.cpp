@@ -41,7 +41,7 @@ Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports
       write_back_(settings, poller_, roster_, keeper_, ports.log),
       is_assigning_(poller_.bus_count()),
       snapshots_(settings, static_cast<std::uint32_t>(roster_.records().size())),
-      images_(settings.mesh.vertices_max, images_ready, settings.server.clients_max + 2),
+      images_(map_capacity(settings), images_ready, settings.server.clients_max + 2),
       state_transfer_(keeper_, roster_, poller_),
       sweep_interval_(sweep_interval(settings.poll)) {
   quarantine_.reserve(quarantine_max(roster_, keeper_.features(), keeper_.anchors(), admission_));
@@ -243,7 +243,8 @@ void Gateway::publish(port::Instant now) {
   const port::Instant started = ports_.clock.now();
   write_back_.look_again();
   list_quarantine(roster_, keeper_.features(), keeper_.anchors(), admission_, quarantine_);
-  const Snapshot& snapshot = snapshots_.take(generation_, keeper_, roster_, quarantine_, now);
+  const Snapshot& snapshot =
+      snapshots_.take(generation_, keeper_, roster_, poller_, quarantine_, now);
   state_ = snapshot.state;
   ports_.server.publish(images_.encode(snapshot));
   // A large mesh takes its time; polling must not wait for it often.
@@ -252,7 +253,7 @@ void Gateway::publish(port::Instant now) {
 
 std::shared_ptr<const port::RegisterImage> empty_image(const Settings& settings) {
   auto image = std::make_shared<port::RegisterImage>();
-  encode_mesh(Snapshot{}, settings.mesh.vertices_max, *image);
+  encode_mesh(Snapshot{}, map_capacity(settings), *image);
   return image;
 }
 

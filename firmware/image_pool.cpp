@@ -2,16 +2,14 @@
 
 #include <algorithm>
 
-#include "mesh_map.h"
-
 namespace etcm::firmware {
 
-ImagePool::ImagePool(std::uint32_t vertices_max, std::size_t ready, std::size_t images_max)
-    : vertices_max_(vertices_max) {
+ImagePool::ImagePool(const MeshMapCapacity& capacity, std::size_t ready, std::size_t images_max)
+    : capacity_(capacity) {
   images_.reserve(images_max);
   for (std::size_t i = 0; i < ready; ++i) {
     images_.push_back(std::make_shared<port::RegisterImage>());
-    encode_mesh(Snapshot{}, vertices_max, *images_.back());
+    encode_mesh(Snapshot{}, capacity, *images_.back());
   }
 }
 
@@ -22,7 +20,7 @@ std::shared_ptr<const port::RegisterImage> ImagePool::encode(const Snapshot& sna
     images_.push_back(std::make_shared<port::RegisterImage>());
     free = images_.end() - 1;
   }
-  encode_mesh(snapshot, vertices_max_, **free);
+  encode_mesh(snapshot, capacity_, **free);
   return *free;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "etcm/port/mesh_server.h"
+#include "mesh_map.h"
 #include "snapshot.h"
 
 namespace etcm::firmware {
@@ -16,13 +17,13 @@ namespace etcm::firmware {
 class ImagePool {
  public:
   // Takes the memory of `ready` images at once, and room to know `images_max`.
-  ImagePool(std::uint32_t vertices_max, std::size_t ready, std::size_t images_max);
+  ImagePool(const MeshMapCapacity& capacity, std::size_t ready, std::size_t images_max);
 
   // The snapshot as registers.
   std::shared_ptr<const port::RegisterImage> encode(const Snapshot& snapshot);
 
  private:
-  const std::uint32_t vertices_max_;
+  const MeshMapCapacity capacity_;
   std::vector<std::shared_ptr<port::RegisterImage>> images_;
 };
 

@@ -1,6 +1,7 @@
 #include "mesh_map.h"
 
 #include "mesh_map_tables.h"
+#include "quarantine_reason.h"
 #include "words.h"
 
 namespace etcm::firmware {
@@ -12,6 +13,11 @@ constexpr std::uint32_t neighbours_per_vertex_max = 6;
 
 static_assert(generation_registers + block_vertices * vertex_registers <= block_size);
 static_assert(generation_registers + block_neighbours * neighbour_registers <= block_size);
+static_assert(generation_registers + block_relays * relay_registers <= block_size);
+static_assert(generation_registers + block_holes * hole_registers <= block_size);
+static_assert(generation_registers + block_gaps * gap_registers <= block_size);
+static_assert(generation_registers + block_long_links * long_link_registers <= block_size);
+static_assert(generation_registers + block_quarantined * quarantined_registers <= block_size);
 static_assert(registers_per_unit <= 65536);
 
 constexpr std::uint32_t blocks_for(std::uint64_t count, std::uint32_t per_block) {
@@ -63,59 +69,98 @@ std::string describe_block(std::uint32_t count, const char* what, std::uint32_t 
 
 }  // namespace
 
-MeshMapLayout mesh_map_layout(std::uint32_t vertices_max) {
-  MeshMapLayout layout;
-  layout.vertex_blocks = blocks_for(vertices_max, block_vertices);
-  layout.neighbour_block_first = layout.vertex_block_first + layout.vertex_blocks;
-  layout.neighbour_blocks =
-      blocks_for(std::uint64_t{vertices_max} * neighbours_per_vertex_max, block_neighbours);
-  return layout;
+MeshMapLayout mesh_map_layout(const MeshMapCapacity& capacity) {
+  std::uint32_t next = 1;  // behind the header
+  const auto blocks = [&](std::uint64_t entries, std::uint32_t per_block) {
+    const MapBlocks list{.first = next, .count = blocks_for(entries, per_block)};
+    next = list.end();
+    return list;
+  };
+  // In this order: braces evaluate from left to right.
+  return {.vertices = blocks(capacity.vertices, block_vertices),
+          .neighbours = blocks(std::uint64_t{capacity.vertices} * neighbours_per_vertex_max,
+                               block_neighbours),
+          .relays = blocks(capacity.relays, block_relays),
+          .holes = blocks(capacity.holes, block_holes),
+          .gaps = blocks(capacity.gaps, block_gaps),
+          .long_links = blocks(capacity.long_links, block_long_links),
+          .quarantine = blocks(capacity.quarantined, block_quarantined)};
 }
 
 std::uint32_t mesh_map_vertices_max() {
+  constexpr std::uint32_t list_max = analysis_list_max;
+  constexpr std::uint64_t lists =
+      blocks_for(list_max, block_relays) + blocks_for(list_max, block_holes) +
+      blocks_for(list_max, block_gaps) + blocks_for(list_max, block_long_links) +
+      blocks_for(quarantine_listed_max, block_quarantined);
   // One block is the header, and either table may waste a part of its last one.
-  constexpr std::uint64_t blocks = std::uint64_t{units_max} * unit_blocks - 3;
+  constexpr std::uint64_t blocks = std::uint64_t{units_max} * unit_blocks - 3 - lists;
   constexpr std::uint64_t per_vertex =
       block_neighbours + neighbours_per_vertex_max * block_vertices;
   return static_cast<std::uint32_t>(blocks * block_vertices * block_neighbours / per_vertex);
 }
 
-void encode_mesh(const Snapshot& snapshot, std::uint32_t vertices_max, port::RegisterImage& image) {
-  const MeshMapLayout layout = mesh_map_layout(vertices_max);
+void encode_mesh(const Snapshot& snapshot, const MeshMapCapacity& capacity,
+                 port::RegisterImage& image) {
+  const MeshMapLayout layout = mesh_map_layout(capacity);
   const HeaderSource header{snapshot, layout};
   image.registers_per_unit = registers_per_unit;
   image.registers.assign(std::size_t{layout.block_count()} * block_size, 0);
   const auto block = [&](std::uint32_t number) {
     return std::span(image.registers).subspan(std::size_t{number} * block_size, block_size);
   };
-  // Entry `index` of a table whose blocks begin with number `first`.
-  const auto entry = [&](std::uint32_t first, std::uint32_t index, std::uint32_t per_block,
-                         std::uint32_t registers) {
-    return block(first + index / per_block)
-        .subspan(generation_registers + std::size_t{index % per_block} * registers, registers);
+  const auto put_list = [&](const MapBlocks& blocks, std::uint32_t per_block,
+                            std::uint32_t registers, const auto& rows, const auto& entries) {
+    for (std::uint32_t i = 0; i < entries.size(); ++i) {
+      const std::size_t at = generation_registers + std::size_t{i % per_block} * registers;
+      put_all(block(blocks.first + i / per_block).subspan(at, registers), rows, entries[i]);
+    }
   };
   for (std::uint32_t number = 0; number < layout.block_count(); ++number) {
     put(block(number), header_rows().front(), header);
   }
   put_all(block(0), header_rows(), header);
-  for (std::uint32_t row = 0; row < snapshot.vertices.size(); ++row) {
-    put_all(entry(layout.vertex_block_first, row, block_vertices, vertex_registers), vertex_rows(),
-            snapshot.vertices[row]);
-  }
-  for (std::uint32_t number = 0; number < snapshot.neighbours.size(); ++number) {
-    put_all(entry(layout.neighbour_block_first, number, block_neighbours, neighbour_registers),
-            neighbour_rows(), snapshot.neighbours[number]);
-  }
+  put_list(layout.vertices, block_vertices, vertex_registers, vertex_rows(), snapshot.vertices);
+  put_list(layout.neighbours, block_neighbours, neighbour_registers, neighbour_rows(),
+           snapshot.neighbours);
+  const MeshAnalysis& analysis = snapshot.analysis;
+  put_list(layout.relays, block_relays, relay_registers, relay_rows(), analysis.relays);
+  put_list(layout.holes, block_holes, hole_registers, hole_rows(), analysis.holes);
+  put_list(layout.gaps, block_gaps, gap_registers, gap_rows(), analysis.gaps);
+  put_list(layout.long_links, block_long_links, long_link_registers, long_link_rows(),
+           analysis.long_links);
+  put_list(layout.quarantine, block_quarantined, quarantined_registers, quarantined_rows(),
+           snapshot.quarantine);
 }
 
 std::string describe_mesh_map() {
   const Snapshot snapshot{};
-  const MeshMapLayout layout = mesh_map_layout(0);
-  return "Header: block 0" + describe(header_rows(), "", HeaderSource{snapshot, layout}) +
-         "\nVertex block: " + describe_block(block_vertices, "vertices", vertex_registers) +
-         describe(vertex_rows(), " of the vertex", SnapshotVertex{}) +
-         "\nNeighbour block: " + describe_block(block_neighbours, "entries", neighbour_registers) +
-         describe(neighbour_rows(), " of the entry", SnapshotNeighbour{});
+  const MeshMapLayout layout = mesh_map_layout({});
+  const auto list = [](const char* name, std::uint32_t count, const char* what,
+                       std::uint32_t registers) {
+    return "\n" + std::string(name) + " block: " + describe_block(count, what, registers);
+  };
+  std::string text = "Header: block 0" +
+                     describe(header_rows(), "", HeaderSource{snapshot, layout}) +
+                     list("Vertex", block_vertices, "vertices", vertex_registers) +
+                     describe(vertex_rows(), " of the vertex", SnapshotVertex{}) +
+                     list("Neighbour", block_neighbours, "entries", neighbour_registers) +
+                     describe(neighbour_rows(), " of the entry", SnapshotNeighbour{}) +
+                     list("Relay", block_relays, "relays", relay_registers) +
+                     describe(relay_rows(), " of the relay", ProposedRelay{}) +
+                     list("Hole", block_holes, "holes", hole_registers) +
+                     describe(hole_rows(), " of the hole", CoverageHole{}) +
+                     list("Gap", block_gaps, "gaps", gap_registers) +
+                     describe(gap_rows(), " of the gap", BarrierGap{}) +
+                     list("Long link", block_long_links, "links", long_link_registers) +
+                     describe(long_link_rows(), " of the link", LongLink{}) +
+                     list("Quarantine", block_quarantined, "entries", quarantined_registers) +
+                     describe(quarantined_rows(), " of the entry", SnapshotQuarantined{}) +
+                     "\n| reason | what it means |\n|---|---|\n";
+  for (const QuarantineReason& reason : quarantine_reasons()) {
+    text += "| " + std::to_string(reason.code) + " | " + reason.meaning + " |\n";
+  }
+  return text;
 }
 
 }  // namespace etcm::firmware

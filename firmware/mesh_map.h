@@ -21,25 +21,56 @@ inline constexpr std::uint32_t vertex_registers = 16;
 inline constexpr std::uint32_t block_vertices = 7;
 inline constexpr std::uint32_t neighbour_registers = 2;
 inline constexpr std::uint32_t block_neighbours = 59;
+inline constexpr std::uint32_t relay_registers = 12;
+inline constexpr std::uint32_t block_relays = 9;
+inline constexpr std::uint32_t hole_registers = 12;
+inline constexpr std::uint32_t block_holes = 9;
+inline constexpr std::uint32_t gap_registers = 8;
+inline constexpr std::uint32_t block_gaps = 14;
+inline constexpr std::uint32_t long_link_registers = 4;
+inline constexpr std::uint32_t block_long_links = 29;
+inline constexpr std::uint32_t quarantined_registers = 14;
+inline constexpr std::uint32_t block_quarantined = 8;
 inline constexpr std::uint32_t units_max = 247;
 
-// Where everything is, for a mesh of at most vertices_max vertices: fixed for a configuration, so a
-// master's addresses do not change while nodes join.
-struct MeshMapLayout {
-  std::uint32_t vertex_block_first = 1;
-  std::uint32_t vertex_blocks = 0;
-  std::uint32_t neighbour_block_first = 1;
-  std::uint32_t neighbour_blocks = 0;
-  std::uint32_t block_count() const { return neighbour_block_first + neighbour_blocks; }
+// The most entries of each list: fixed for a configuration.
+struct MeshMapCapacity {
+  std::uint32_t vertices = 0;
+  std::uint32_t relays = 0;
+  std::uint32_t holes = 0;
+  std::uint32_t gaps = 0;
+  std::uint32_t long_links = 0;
+  std::uint32_t quarantined = 0;
 };
-MeshMapLayout mesh_map_layout(std::uint32_t vertices_max);
 
-// The most vertices the units can hold.
+// The blocks of one list.
+struct MapBlocks {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+  std::uint32_t end() const { return first + count; }
+};
+
+// Where everything is: fixed for a configuration, so a master's addresses do not change while nodes
+// join.
+struct MeshMapLayout {
+  MapBlocks vertices;
+  MapBlocks neighbours;
+  MapBlocks relays;
+  MapBlocks holes;
+  MapBlocks gaps;
+  MapBlocks long_links;
+  MapBlocks quarantine;
+  std::uint32_t block_count() const { return quarantine.end(); }
+};
+MeshMapLayout mesh_map_layout(const MeshMapCapacity& capacity);
+
+// The most vertices the units can hold, beside the longest lists.
 std::uint32_t mesh_map_vertices_max();
 
-// REQUIRES: snapshot.vertices.size() <= vertices_max.
+// REQUIRES: no list of the snapshot is longer than its capacity.
 // Into an image that is empty or of the same configuration; then it takes no memory.
-void encode_mesh(const Snapshot& snapshot, std::uint32_t vertices_max, port::RegisterImage& image);
+void encode_mesh(const Snapshot& snapshot, const MeshMapCapacity& capacity,
+                 port::RegisterImage& image);
 
 // The tables, as Markdown; `etcm-gateway --register-map` prints them.
 std::string describe_mesh_map();

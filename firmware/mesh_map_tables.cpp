@@ -55,7 +55,8 @@ constexpr auto header_table = in_sequence(std::to_array<MapRow<HeaderSource>>({
     {"features_configured", 2, "features in the configuration",
      [](const HeaderSource& source) { return source.snapshot.features_configured; }},
     {"quarantined_count", 2,
-     "nodes, anchors and features that are kept out, and doubtful answers; the log has the reasons",
+     "nodes, anchors and features that are kept out, and doubtful answers; the quarantine list has "
+     "the reasons",
      [](const HeaderSource& source) { return source.snapshot.quarantined_count; }},
     {"stale_count", 2, "nodes in the mesh that have not answered lately",
      [](const HeaderSource& source) { return source.snapshot.stale_count; }},
@@ -66,17 +67,17 @@ constexpr auto header_table = in_sequence(std::to_array<MapRow<HeaderSource>>({
        return static_cast<std::uint32_t>(source.snapshot.vertices.size());
      }},
     {"vertex_block_first", 2, "number of the first vertex block",
-     [](const HeaderSource& source) { return source.layout.vertex_block_first; }},
+     [](const HeaderSource& source) { return source.layout.vertices.first; }},
     {"vertex_blocks", 2, "vertex blocks there are; fixed by vertices_max",
-     [](const HeaderSource& source) { return source.layout.vertex_blocks; }},
+     [](const HeaderSource& source) { return source.layout.vertices.count; }},
     {"neighbour_entries", 2, "entries of the neighbour list in use",
      [](const HeaderSource& source) {
        return static_cast<std::uint32_t>(source.snapshot.neighbours.size());
      }},
     {"neighbour_block_first", 2, "number of the first neighbour block",
-     [](const HeaderSource& source) { return source.layout.neighbour_block_first; }},
+     [](const HeaderSource& source) { return source.layout.neighbours.first; }},
     {"neighbour_blocks", 2, "neighbour blocks there are; fixed by vertices_max",
-     [](const HeaderSource& source) { return source.layout.neighbour_blocks; }},
+     [](const HeaderSource& source) { return source.layout.neighbours.count; }},
     {"mesh_hash_high", 2, "the same for the same mesh, whatever its history; high half",
      [](const HeaderSource& source) {
        return static_cast<std::uint32_t>(source.snapshot.mesh_hash >> 32);
@@ -105,7 +106,7 @@ constexpr auto header_table = in_sequence(std::to_array<MapRow<HeaderSource>>({
      [](const HeaderSource& source) { return source.snapshot.analysis.sensing_range; }},
     {"hole_count", 2,
      "coverage holes: places of the domain farther than sensing_range from every node, each the "
-     "worst around; 0: all is seen",
+     "worst around; 0: all is seen, or there is no node",
      [](const HeaderSource& source) { return source.snapshot.analysis.hole_count; }},
     {"gap_count", 2,
      "barrier gaps: stretches of features that the nodes on the feature do not see whole",
@@ -115,6 +116,52 @@ constexpr auto header_table = in_sequence(std::to_array<MapRow<HeaderSource>>({
      [](const HeaderSource& source) { return source.snapshot.analysis.unwatched_gap_count; }},
     {"anchor_count", 2, "anchors in the mesh",
      [](const HeaderSource& source) { return source.snapshot.anchor_count; }},
+    {"relays_per_block", 1, "{}", [](const HeaderSource&) { return block_relays; }},
+    {"relay_entries", 2, "entries of the list of relays in use",
+     [](const HeaderSource&
+            source) { return static_cast<std::uint32_t>(source.snapshot.analysis.relays.size()); }},
+    {"relay_block_first", 2, "number of the first block of relays",
+     [](const HeaderSource& source) { return source.layout.relays.first; }},
+    {"relay_blocks", 2, "blocks of relays there are; fixed by the configuration",
+     [](const HeaderSource& source) { return source.layout.relays.count; }},
+    {"holes_per_block", 1, "{}", [](const HeaderSource&) { return block_holes; }},
+    {"hole_entries", 2, "entries of the list of coverage holes in use",
+     [](const HeaderSource& source) {
+       return static_cast<std::uint32_t>(source.snapshot.analysis.holes.size());
+     }},
+    {"hole_block_first", 2, "number of the first block of coverage holes",
+     [](const HeaderSource& source) { return source.layout.holes.first; }},
+    {"hole_blocks", 2, "blocks of coverage holes there are; fixed by the configuration",
+     [](const HeaderSource& source) { return source.layout.holes.count; }},
+    {"gaps_per_block", 1, "{}", [](const HeaderSource&) { return block_gaps; }},
+    {"gap_entries", 2, "entries of the list of barrier gaps in use",
+     [](const HeaderSource& source) {
+       return static_cast<std::uint32_t>(source.snapshot.analysis.gaps.size());
+     }},
+    {"gap_block_first", 2, "number of the first block of barrier gaps",
+     [](const HeaderSource& source) { return source.layout.gaps.first; }},
+    {"gap_blocks", 2, "blocks of barrier gaps there are; fixed by the configuration",
+     [](const HeaderSource& source) { return source.layout.gaps.count; }},
+    {"long_links_per_block", 1, "{}", [](const HeaderSource&) { return block_long_links; }},
+    {"long_link_entries", 2, "entries of the list of links that are too long in use",
+     [](const HeaderSource& source) {
+       return static_cast<std::uint32_t>(source.snapshot.analysis.long_links.size());
+     }},
+    {"long_link_block_first", 2, "number of the first block of links that are too long",
+     [](const HeaderSource& source) { return source.layout.long_links.first; }},
+    {"long_link_blocks", 2,
+     "blocks of links that are too long there are; fixed by the configuration",
+     [](const HeaderSource& source) { return source.layout.long_links.count; }},
+    {"quarantine_per_block", 1, "{}", [](const HeaderSource&) { return block_quarantined; }},
+    {"quarantine_entries", 2, "entries of the list of what is in quarantine in use",
+     [](const HeaderSource& source) {
+       return static_cast<std::uint32_t>(source.snapshot.quarantine.size());
+     }},
+    {"quarantine_block_first", 2, "number of the first block of what is in quarantine",
+     [](const HeaderSource& source) { return source.layout.quarantine.first; }},
+    {"quarantine_blocks", 2,
+     "blocks of what is in quarantine there are; fixed by the configuration",
+     [](const HeaderSource& source) { return source.layout.quarantine.count; }},
 }));
 
 constexpr auto vertex_table = in_sequence(std::to_array<MapRow<SnapshotVertex>>({
@@ -155,6 +202,92 @@ constexpr auto neighbour_table = in_sequence(std::to_array<MapRow<SnapshotNeighb
      }},
 }));
 
+// Columns that several lists have.
+template <typename Source>
+constexpr std::uint32_t x_of(const Source& source) {
+  return whole(source.place.x);
+}
+template <typename Source>
+constexpr std::uint32_t x_fraction_of(const Source& source) {
+  return fraction(source.place.x);
+}
+template <typename Source>
+constexpr std::uint32_t y_of(const Source& source) {
+  return whole(source.place.y);
+}
+template <typename Source>
+constexpr std::uint32_t y_fraction_of(const Source& source) {
+  return fraction(source.place.y);
+}
+
+constexpr auto relay_table = in_sequence(std::to_array<MapRow<ProposedRelay>>({
+    {"x", 2, "int32, whole units (rounded down)", x_of<ProposedRelay>},
+    {"x_fraction", 2, "what is left, in 2^-28 units", x_fraction_of<ProposedRelay>},
+    {"y", 2, "int32, whole units (rounded down)", y_of<ProposedRelay>},
+    {"y_fraction", 2, "what is left, in 2^-28 units", y_fraction_of<ProposedRelay>},
+    {"feature", 2, "number of the feature it is on, from 1 as configured; 0: an anchor on none",
+     [](const ProposedRelay& relay) { return relay.feature; }},
+    {"row", 2,
+     "row of the Steiner vertex or anchor that stands there, from 0; 4294967295: it is between "
+     "vertices",
+     [](const ProposedRelay& relay) { return relay.row; }},
+}));
+
+constexpr auto hole_table = in_sequence(std::to_array<MapRow<CoverageHole>>({
+    {"x", 2, "int32, whole units (rounded down)", x_of<CoverageHole>},
+    {"x_fraction", 2, "what is left, in 2^-28 units", x_fraction_of<CoverageHole>},
+    {"y", 2, "int32, whole units (rounded down)", y_of<CoverageHole>},
+    {"y_fraction", 2, "what is left, in 2^-28 units", y_fraction_of<CoverageHole>},
+    {"distance", 2, "to the nearest node, in units, rounded up",
+     [](const CoverageHole& hole) { return hole.distance; }},
+    {"hole_flags", 1, "bit 0: on the boundary of the domain",
+     [](const CoverageHole& hole) { return flag(hole.on_boundary, 1); }},
+    {"reserved", 1, "{}", [](const CoverageHole&) { return 0u; }},
+}));
+
+constexpr auto gap_table = in_sequence(std::to_array<MapRow<BarrierGap>>({
+    {"feature", 2, "number of the feature, from 1 as configured",
+     [](const BarrierGap& gap) { return gap.feature; }},
+    {"from_row", 2, "row of the vertex where it begins: a node, or an anchor that ends the feature",
+     [](const BarrierGap& gap) { return gap.from_row; }},
+    {"to_row", 2, "row of the vertex where it ends",
+     [](const BarrierGap& gap) { return gap.to_row; }},
+    {"gap_flags", 1, "bit 0: nodes beside the feature see all of it",
+     [](const BarrierGap& gap) { return flag(gap.watched, 1); }},
+    {"reserved", 1, "{}", [](const BarrierGap&) { return 0u; }},
+}));
+
+constexpr auto long_link_table = in_sequence(std::to_array<MapRow<LongLink>>({
+    {"from_row", 2, "row of one of the two nodes",
+     [](const LongLink& link) { return link.from_row; }},
+    {"to_row", 2, "row of the other", [](const LongLink& link) { return link.to_row; }},
+}));
+
+constexpr auto quarantined_table = in_sequence(std::to_array<MapRow<SnapshotQuarantined>>({
+    {"kind", 1, "1 node, 2 feature, 3 anchor, 4 doubtful answer of a unit",
+     [](const SnapshotQuarantined& entry) { return static_cast<std::uint32_t>(entry.kind); }},
+    {"reason", 1, "see below",
+     [](const SnapshotQuarantined& entry) { return std::uint32_t{entry.reason}; }},
+    {"serial", 2, "of a node or a doubtful answer; else 0",
+     [](const SnapshotQuarantined& entry) { return entry.serial; }},
+    {"feature", 2, "number of a feature, from 1 as configured; else 0",
+     [](const SnapshotQuarantined& entry) { return entry.feature; }},
+    {"bus", 1, "of the unit that answers, from 1 as configured; 0: not known",
+     [](const SnapshotQuarantined& entry) { return std::uint32_t{entry.bus}; }},
+    {"unit", 1, "on that bus",
+     [](const SnapshotQuarantined& entry) { return std::uint32_t{entry.unit}; }},
+    {"x", 2, "int32, units: where a node or an anchor cannot be; else 0",
+     [](const SnapshotQuarantined& entry) { return static_cast<std::uint32_t>(entry.place.x); }},
+    {"y", 2, "int32, units",
+     [](const SnapshotQuarantined& entry) { return static_cast<std::uint32_t>(entry.place.y); }},
+    {"age_s", 2, "seconds it had been there when this generation was made",
+     [](const SnapshotQuarantined& entry) { return entry.age_s; }},
+}));
+static_assert(static_cast<int>(QuarantineKind::node) == 1 &&
+              static_cast<int>(QuarantineKind::feature) == 2 &&
+              static_cast<int>(QuarantineKind::anchor) == 3 &&
+              static_cast<int>(QuarantineKind::answer) == 4);
+
 template <typename Source>
 constexpr std::uint32_t size_of(std::span<const MapRow<Source>> rows) {
   return rows.back().offset + rows.back().registers;
@@ -182,24 +315,49 @@ constexpr std::uint32_t fingerprint(std::span<const MapRow<Source>> rows) {
 using HeaderRows = std::span<const MapRow<HeaderSource>>;
 using VertexRows = std::span<const MapRow<SnapshotVertex>>;
 using NeighbourRows = std::span<const MapRow<SnapshotNeighbour>>;
+using RelayRows = std::span<const MapRow<ProposedRelay>>;
+using HoleRows = std::span<const MapRow<CoverageHole>>;
+using GapRows = std::span<const MapRow<BarrierGap>>;
+using LongLinkRows = std::span<const MapRow<LongLink>>;
+using QuarantinedRows = std::span<const MapRow<SnapshotQuarantined>>;
 static_assert(has_plain_widths(HeaderRows(header_table)));
 static_assert(has_plain_widths(VertexRows(vertex_table)));
 static_assert(has_plain_widths(NeighbourRows(neighbour_table)));
+static_assert(has_plain_widths(RelayRows(relay_table)));
+static_assert(has_plain_widths(HoleRows(hole_table)));
+static_assert(has_plain_widths(GapRows(gap_table)));
+static_assert(has_plain_widths(LongLinkRows(long_link_table)));
+static_assert(has_plain_widths(QuarantinedRows(quarantined_table)));
 static_assert(size_of(HeaderRows(header_table)) <= block_size);
 static_assert(size_of(VertexRows(vertex_table)) == vertex_registers);
 static_assert(size_of(NeighbourRows(neighbour_table)) == neighbour_registers);
+static_assert(size_of(RelayRows(relay_table)) == relay_registers);
+static_assert(size_of(HoleRows(hole_table)) == hole_registers);
+static_assert(size_of(GapRows(gap_table)) == gap_registers);
+static_assert(size_of(LongLinkRows(long_link_table)) == long_link_registers);
+static_assert(size_of(QuarantinedRows(quarantined_table)) == quarantined_registers);
 static_assert(header_table[0].offset == 0 && header_table[0].registers == generation_registers);
 
 // Masters in the field read version 1 as it is here. If one of these fails, a published register
 // was renamed or moved: append behind these rows instead, or raise the version.
-static_assert(fingerprint(HeaderRows(header_table).first(37)) == 0xd3284692);
+static_assert(fingerprint(HeaderRows(header_table).first(57)) == 0xf5c016e3);
 static_assert(fingerprint(VertexRows(vertex_table)) == 0x0efde454);
 static_assert(fingerprint(NeighbourRows(neighbour_table)) == 0xd0a7cf4e);
+static_assert(fingerprint(RelayRows(relay_table)) == 0x81679c81);
+static_assert(fingerprint(HoleRows(hole_table)) == 0x86c9083f);
+static_assert(fingerprint(GapRows(gap_table)) == 0x096a3f79);
+static_assert(fingerprint(LongLinkRows(long_link_table)) == 0xa6a3a596);
+static_assert(fingerprint(QuarantinedRows(quarantined_table)) == 0xe4612885);
 
 }  // namespace
 
 std::span<const MapRow<HeaderSource>> header_rows() { return header_table; }
 std::span<const MapRow<SnapshotVertex>> vertex_rows() { return vertex_table; }
 std::span<const MapRow<SnapshotNeighbour>> neighbour_rows() { return neighbour_table; }
+std::span<const MapRow<ProposedRelay>> relay_rows() { return relay_table; }
+std::span<const MapRow<CoverageHole>> hole_rows() { return hole_table; }
+std::span<const MapRow<BarrierGap>> gap_rows() { return gap_table; }
+std::span<const MapRow<LongLink>> long_link_rows() { return long_link_table; }
+std::span<const MapRow<SnapshotQuarantined>> quarantined_rows() { return quarantined_table; }
 
 }  // namespace etcm::firmware

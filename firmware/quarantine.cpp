@@ -32,6 +32,7 @@ void list_quarantine(const Roster& roster, const FeatureBook& features, const An
     if (!node.is_known() || !node.is_quarantined()) continue;
     list.push_back({.serial = node.serial,
                     .unit = node.unit,
+                    .place = node.refused_at,
                     .refusal = node.refusal,
                     .since = node.refused_since});
   }
@@ -43,7 +44,7 @@ void list_quarantine(const Roster& roster, const FeatureBook& features, const An
   }
   for (const AnchorRecord& anchor : anchors.records()) {
     if (anchor.refusal.is_none()) continue;
-    list.push_back({.anchor = anchor.settings.position,
+    list.push_back({.place = anchor.settings.position,
                     .refusal = anchor.refusal,
                     .since = anchor.refused_since});
   }

@@ -18,7 +18,7 @@ struct QuarantineEntry {
   std::uint32_t serial = no_serial;  // of a node; no_serial: it is a feature or an anchor
   std::uint32_t feature = 0;         // its number, counted from 1 as configured; 0: it is none
   std::uint32_t unit = no_unit;      // where the node answers, if that is known
-  Position anchor{};                 // where the anchor is to stand, if it is one
+  Position place{};                  // where the node or the anchor cannot be, if it is one
   Refusal refusal{};                 // none: it did not come so far
   Doubt doubt = Doubt::none;         // about who the node is
   port::Instant since{};

@@ -55,6 +55,22 @@ struct SnapshotMissingFeature {
   Refusal refusal;  // none: it waits for its ends
 };
 
+// Of the quarantine (quarantine.h) this many at most are listed; the count beside them is of all.
+inline constexpr std::uint32_t quarantine_listed_max = 1000;
+
+enum class QuarantineKind : std::uint8_t { none, node, feature, anchor, answer };
+
+struct SnapshotQuarantined {
+  QuarantineKind kind = QuarantineKind::none;
+  std::uint16_t reason = 0;   // its code (quarantine_reason.h)
+  std::uint32_t serial = 0;   // of a node, or of a doubtful answer
+  std::uint32_t feature = 0;  // its number, from 1 as configured
+  std::uint16_t bus = 0;      // of the unit that answers, from 1 as configured; 0: not known
+  std::uint16_t unit = 0;     // its address
+  Position place{};           // where the node or the anchor cannot be
+  std::uint32_t age_s = 0;    // since when it has been there, when this generation was made
+};
+
 struct Snapshot {
   std::uint32_t generation = 0;
   std::uint16_t state = 0;       // bits of snapshot_state; 0 is all well
@@ -73,6 +89,7 @@ struct Snapshot {
   std::vector<SnapshotNeighbour> neighbours;
   std::vector<SnapshotOutsider> outsiders{};
   std::vector<SnapshotMissingFeature> missing_features{};
+  std::vector<SnapshotQuarantined> quarantine{};
   MeshAnalysis analysis{};
 };
 

@@ -4,6 +4,8 @@
 #include <limits>
 #include <span>
 
+#include "quarantine_reason.h"
+
 namespace etcm::firmware {
 
 namespace {
@@ -15,11 +17,29 @@ constexpr std::size_t neighbours_per_vertex_max = 6;
 
 }  // namespace
 
+MeshMapCapacity map_capacity(const Settings& settings) {
+  const auto analysis = [](std::uint32_t range) {
+    return range == 0 ? 0u : static_cast<std::uint32_t>(analysis_list_max);
+  };
+  const std::uint32_t radio = analysis(settings.analysis.radio_range);
+  const std::uint32_t sensing = analysis(settings.analysis.sensing_range);
+  const std::uint64_t known =
+      std::uint64_t{settings.mesh.vertices_max} + settings.mesh.features_max;
+  return {.vertices = settings.mesh.vertices_max,
+          .relays = radio,
+          .holes = sensing,
+          .gaps = sensing,
+          .long_links = radio,
+          .quarantined =
+              static_cast<std::uint32_t>(std::min<std::uint64_t>(known, quarantine_listed_max))};
+}
+
 void reserve(Snapshot& snapshot, const Settings& settings, std::uint32_t nodes) {
   snapshot.vertices.reserve(settings.mesh.vertices_max);
   snapshot.neighbours.reserve(neighbours_per_vertex_max * settings.mesh.vertices_max);
   snapshot.outsiders.reserve(nodes);
   snapshot.missing_features.reserve(settings.mesh.features_max);
+  snapshot.quarantine.reserve(map_capacity(settings).quarantined);
   reserve(snapshot.analysis, settings.analysis);
 }
 
@@ -30,7 +50,7 @@ SnapshotTaker::SnapshotTaker(const Settings& settings, std::uint32_t nodes)
 }
 
 const Snapshot& SnapshotTaker::take(std::uint32_t generation, const MeshKeeper& keeper,
-                                    const Roster& roster,
+                                    const Roster& roster, const Poller& poller,
                                     std::span<const QuarantineEntry> quarantine,
                                     port::Instant now) {
   const Mesh& mesh = keeper.mesh();
@@ -49,6 +69,7 @@ const Snapshot& SnapshotTaker::take(std::uint32_t generation, const MeshKeeper& 
   copy_mesh(keeper);
   look_at_nodes(roster, now);
   look_at_features(features);
+  look_at_quarantine(poller, quarantine, now);
   analyst_.look_at(mesh, features, snapshot_);
   if (snapshot_.quarantined_count > 0 ||
       snapshot_.features_active < snapshot_.features_configured) {
@@ -120,6 +141,30 @@ void SnapshotTaker::look_at_features(const FeatureBook& features) {
                                           .from = record.settings.from,
                                           .to = record.settings.to,
                                           .refusal = record.refusal});
+  }
+}
+
+void SnapshotTaker::look_at_quarantine(const Poller& poller,
+                                       std::span<const QuarantineEntry> quarantine,
+                                       port::Instant now) {
+  snapshot_.quarantine.clear();
+  for (const QuarantineEntry& entry : quarantine) {
+    if (snapshot_.quarantine.size() == snapshot_.quarantine.capacity()) return;
+    SnapshotQuarantined& listed = snapshot_.quarantine.emplace_back();
+    listed.kind = entry.doubt != Doubt::none  ? QuarantineKind::answer
+                  : entry.feature != 0        ? QuarantineKind::feature
+                  : entry.serial != no_serial ? QuarantineKind::node
+                                              : QuarantineKind::anchor;
+    listed.reason = reason_code(entry.refusal, entry.doubt);
+    listed.serial = entry.serial == no_serial ? 0 : entry.serial;
+    listed.feature = entry.feature;
+    if (entry.unit != no_unit) {
+      listed.bus = static_cast<std::uint16_t>(poller.bus_of(entry.unit) + 1);
+      listed.unit = poller.address_of(entry.unit);
+    }
+    listed.place = entry.place;
+    listed.age_s = static_cast<std::uint32_t>(std::clamp<std::int64_t>(
+        (now - entry.since) / 1s, 0, std::numeric_limits<std::uint32_t>::max()));
   }
 }
 

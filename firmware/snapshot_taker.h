@@ -10,12 +10,17 @@
 #include "etcm/mesh.h"
 #include "etcm/port/clock.h"
 #include "mesh_keeper.h"
+#include "mesh_map.h"
+#include "poller.h"
 #include "quarantine.h"
 #include "roster.h"
 #include "settings.h"
 #include "snapshot.h"
 
 namespace etcm::firmware {
+
+// How much of each kind a snapshot may list, and registers have room for.
+MeshMapCapacity map_capacity(const Settings& settings);
 
 // Takes its memory at once, for so many nodes.
 void reserve(Snapshot& snapshot, const Settings& settings, std::uint32_t nodes);
@@ -30,7 +35,8 @@ class SnapshotTaker {
 
   // Good until the next call.
   const Snapshot& take(std::uint32_t generation, const MeshKeeper& keeper, const Roster& roster,
-                       std::span<const QuarantineEntry> quarantine, port::Instant now);
+                       const Poller& poller, std::span<const QuarantineEntry> quarantine,
+                       port::Instant now);
   // The one taken last; empty before.
   const Snapshot& latest() const { return snapshot_; }
 
@@ -38,6 +44,8 @@ class SnapshotTaker {
   void copy_mesh(const MeshKeeper& keeper);
   void look_at_nodes(const Roster& roster, port::Instant now);
   void look_at_features(const FeatureBook& features);
+  void look_at_quarantine(const Poller& poller, std::span<const QuarantineEntry> quarantine,
+                          port::Instant now);
 
   Snapshot snapshot_;
   std::vector<Neighbour> around_;  // of one vertex

@@ -6,6 +6,7 @@
 
 #include "mesh_map_tables.h"
 #include "node_map.h"
+#include "quarantine_reason.h"
 #include "words.h"
 
 namespace etcm::firmware {
@@ -122,6 +123,18 @@ class Reader {
     ADD_FAILURE() << "no vertex row " << name;
     return 0;
   }
+  template <class Source>
+  std::uint32_t entry(const std::string& list, std::uint32_t per_block, std::uint32_t registers,
+                      std::span<const MapRow<Source>> rows, std::uint32_t number,
+                      const std::string& name) const {
+    for (const auto& field : rows) {
+      if (name != field.name) continue;
+      return value(header(list + "_block_first") + number / per_block,
+                   2 + number % per_block * registers + field.offset, field.registers);
+    }
+    ADD_FAILURE() << "no row " << name;
+    return 0;
+  }
   std::uint32_t neighbour(std::uint32_t entry) const {
     return value(header("neighbour_block_first") + entry / 59, 2 + entry % 59 * 2u, 2);
   }
@@ -160,7 +173,7 @@ TEST(MeshMap, ComesBackByTheDocumentedRule) {
                              .first_neighbour = 4000,
                              .degree = 1};
   port::RegisterImage image;
-  encode_mesh(snapshot, vertices, image);
+  encode_mesh(snapshot, {.vertices = vertices}, image);
   const Reader reader(image);
   EXPECT_EQ(reader.header("magic"), 0x4d45u);
   EXPECT_EQ(reader.header("node_count"), 4999u);
@@ -183,10 +196,91 @@ TEST(MeshMap, ComesBackByTheDocumentedRule) {
   EXPECT_EQ(reader.vertex(4000, "y_fraction"), 1u);
 }
 
+TEST(MeshMap, ListsComeBackByTheDocumentedRule) {
+  Snapshot snapshot{.generation = 7, .vertices = {}, .neighbours = {}};
+  for (std::uint32_t i = 0; i < 30; ++i) {
+    const auto place = to_point({-static_cast<int>(i), 5});
+    snapshot.analysis.relays.push_back({place, i + 1, i % 2 == 0 ? no_row : i});
+    snapshot.analysis.holes.push_back({place, 100 + i, i % 2 == 0});
+    snapshot.analysis.gaps.push_back({i + 1, 10 + i, 20 + i, i % 2 == 0});
+    snapshot.analysis.long_links.push_back({10 + i, 20 + i});
+    snapshot.quarantine.push_back({.kind = QuarantineKind::anchor,
+                                   .reason = 10,
+                                   .serial = i,
+                                   .bus = 2,
+                                   .unit = 3,
+                                   .place = {-4, static_cast<int>(i)},
+                                   .age_s = 70000});
+  }
+  const MeshMapCapacity capacity{
+      .vertices = 10, .relays = 30, .holes = 31, .gaps = 32, .long_links = 33, .quarantined = 34};
+  port::RegisterImage image;
+  encode_mesh(snapshot, capacity, image);
+  const Reader reader(image);
+  EXPECT_EQ(image.registers.size(), std::size_t{mesh_map_layout(capacity).block_count()} * 120);
+  EXPECT_EQ(reader.header("relay_block_first"),
+            reader.header("neighbour_block_first") + reader.header("neighbour_blocks"));
+  EXPECT_EQ(reader.header("relay_blocks"), 4u);
+  for (const char* list : {"relay", "hole", "gap", "long_link", "quarantine"}) {
+    EXPECT_EQ(reader.header(std::string(list) + "_entries"), 30u) << list;
+  }
+  for (std::uint32_t i = 0; i < 30; ++i) {
+    const auto signed_value = [](std::uint32_t value) { return static_cast<std::int32_t>(value); };
+    const auto relay = [&](const char* name) {
+      return reader.entry("relay", 9, 12, relay_rows(), i, name);
+    };
+    EXPECT_EQ(signed_value(relay("x")), -static_cast<int>(i));
+    EXPECT_EQ(relay("feature"), i + 1);
+    EXPECT_EQ(relay("row"), i % 2 == 0 ? 0xffffffffu : i);
+    const auto hole = [&](const char* name) {
+      return reader.entry("hole", 9, 12, hole_rows(), i, name);
+    };
+    EXPECT_EQ(hole("y"), 5u);
+    EXPECT_EQ(hole("distance"), 100 + i);
+    EXPECT_EQ(hole("hole_flags"), i % 2 == 0 ? 1u : 0u);
+    const auto gap = [&](const char* name) {
+      return reader.entry("gap", 14, 8, gap_rows(), i, name);
+    };
+    EXPECT_EQ(gap("feature"), i + 1);
+    EXPECT_EQ(gap("from_row"), 10 + i);
+    EXPECT_EQ(gap("to_row"), 20 + i);
+    EXPECT_EQ(gap("gap_flags"), i % 2 == 0 ? 1u : 0u);
+    EXPECT_EQ(reader.entry("long_link", 29, 4, long_link_rows(), i, "to_row"), 20 + i);
+    const auto quarantined = [&](const char* name) {
+      return reader.entry("quarantine", 8, 14, quarantined_rows(), i, name);
+    };
+    EXPECT_EQ(quarantined("kind"), 3u);
+    EXPECT_EQ(quarantined("reason"), 10u);
+    EXPECT_EQ(quarantined("serial"), i);
+    EXPECT_EQ(quarantined("bus"), 2u);
+    EXPECT_EQ(quarantined("unit"), 3u);
+    EXPECT_EQ(signed_value(quarantined("x")), -4);
+    EXPECT_EQ(quarantined("y"), i);
+    EXPECT_EQ(quarantined("age_s"), 70000u);
+  }
+}
+
 TEST(MeshMap, TheGreatestMeshFitsTheUnits) {
-  const MeshMapLayout greatest = mesh_map_layout(mesh_map_vertices_max());
-  EXPECT_LE(greatest.block_count(), units_max * unit_blocks);
-  EXPECT_GT(mesh_map_layout(mesh_map_vertices_max() + 100).block_count(), units_max * unit_blocks);
+  const auto blocks = [](std::uint32_t vertices) {
+    constexpr std::uint32_t list = analysis_list_max;
+    return mesh_map_layout({.vertices = vertices,
+                            .relays = list,
+                            .holes = list,
+                            .gaps = list,
+                            .long_links = list,
+                            .quarantined = quarantine_listed_max})
+        .block_count();
+  };
+  EXPECT_LE(blocks(mesh_map_vertices_max()), units_max * unit_blocks);
+  EXPECT_GT(blocks(mesh_map_vertices_max() + 100), units_max * unit_blocks);
+}
+
+TEST(MeshMap, EachRefusalHasAReasonOfItsOwn) {
+  for (const QuarantineReason& reason : quarantine_reasons()) {
+    if (reason.code == other_reason) continue;
+    EXPECT_EQ(reason_code(reason.refusal, reason.doubt), reason.code) << reason.meaning;
+  }
+  EXPECT_EQ(reason_code(Status::buffer_too_small, Doubt::none), other_reason);
 }
 
 TEST(MeshMap, TheOperatingGuideHasItsTables) {

@@ -14,6 +14,7 @@ namespace etcm::firmware {
 namespace {
 
 constexpr std::uint32_t vertices = 40;
+constexpr MeshMapCapacity capacity{.vertices = vertices, .holes = 20, .quarantined = 10};
 constexpr std::uint32_t clients_max = 2;
 
 // Every register of a row depends on the generation.
@@ -24,12 +25,18 @@ Snapshot snapshot_of(std::uint32_t generation) {
         {.kind = VertexKind::node, .serial = 1000 * generation + row, .point = {}});
     snapshot.neighbours.push_back({.row = 1000 * generation + row});
   }
+  for (std::uint32_t i = 0; i < capacity.holes; ++i) {
+    snapshot.analysis.holes.push_back({.place = {}, .distance = 1000 * generation + i});
+  }
+  for (std::uint32_t i = 0; i < capacity.quarantined; ++i) {
+    snapshot.quarantine.push_back({.serial = 1000 * generation + i});
+  }
   return snapshot;
 }
 
 std::vector<std::uint16_t> registers_of(std::uint32_t generation) {
   port::RegisterImage image;
-  encode_mesh(snapshot_of(generation), vertices, image);
+  encode_mesh(snapshot_of(generation), capacity, image);
   return image.registers;
 }
 
@@ -61,8 +68,8 @@ class Master {
 };
 
 TEST(PublishedMap, AMasterReadsOneGenerationWhileNewerOnesArePublished) {
-  const std::uint32_t blocks = mesh_map_layout(vertices).block_count();
-  ImagePool images(vertices, 2, clients_max + 2);
+  const std::uint32_t blocks = mesh_map_layout(capacity).block_count();
+  ImagePool images(capacity, 2, clients_max + 2);
   port::EventLoop loop;
   port::RegisterServer server(loop, {.host = 0x7f000001, .port = 0}, clients_max,
                               {{"Maker", "mesh server", "1.2"}}, images.encode(snapshot_of(1)));

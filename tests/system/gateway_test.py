@@ -3,6 +3,7 @@ and read by mbpoll.
 
 The programs' folder is in ETCM_BIN.
 """
+import json
 import os
 import pathlib
 import re
@@ -11,6 +12,7 @@ import socket
 import subprocess
 import sys
 import unittest
+import urllib.request
 
 HERE = pathlib.Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "support"))
@@ -371,6 +373,148 @@ class CommandLine(GatewayCase):
         buses = self.start_nodes(["0,1,join,0,0", "0,2,join,90,0", "0,3,join,0,90"])
         self.start_gateway(buses, head='[site]\nfile = "site.poly"\n')
         self.wait_for_header(nodes=3, features=2, state=0)
+
+
+class ListsOfTheMap(GatewayCase):
+    """Read by pymodbus, as the tables that the gateway prints say."""
+
+    SITE = {"type": "FeatureCollection", "features": [
+        {"type": "Feature", "properties": {"kind": "domain"}, "geometry": {
+            "type": "Polygon", "coordinates": [[[0, 0], [1000, 0], [1000, 1000], [0, 1000], [0, 0]]]}},
+        {"type": "Feature", "properties": {"kind": "hole"}, "geometry": {
+            "type": "Polygon", "coordinates": [[[400, 400], [600, 400], [600, 600], [400, 600],
+                                                [400, 400]]]}},
+        {"type": "Feature", "properties": {"serials": [1, None, 2]}, "geometry": {
+            "type": "LineString", "coordinates": [[100, 100], [800, 200], [900, 900]]}}]}
+
+    def tables(self):
+        """{heading: ({name: (offset, registers)}, entries of a block, registers of an entry)}"""
+        text = subprocess.run([PROGRAMS / "etcm-gateway", "--register-map"], capture_output=True,
+                              text=True, timeout=PATIENCE_S, check=True).stdout
+        found = {}
+        for part in re.split(r"\n(?=[A-Z])", text):
+            heading = part.split(":")[0]
+            size = re.search(r"then (\d+) \w+ of (\d+) registers", part)
+            rows = re.findall(r"^\| (\d+)(?:-(\d+))? \| (\w+) \|", part, re.M)
+            found[heading] = ({name: (int(first), int(last or first) - int(first) + 1)
+                               for first, last, name in rows},
+                              *(int(number) for number in (size.groups() if size else (0, 0))))
+        return found
+
+    def block(self, number):
+        answer = self.client.read_input_registers(number % 546 * 120, 120, slave=1 + number // 546)
+        self.assertFalse(answer.isError(), answer)
+        return answer.registers
+
+    @staticmethod
+    def value(registers, at, count):
+        return registers[at] if count == 1 else registers[at] << 16 | registers[at + 1]
+
+    def read_map(self):
+        """The header and the lists of one generation, on one connection."""
+        tables = self.tables()
+        block = self.block(0)
+        header = {name: self.value(block, *place) for name, place in tables["Header"][0].items()}
+        lists = {}
+        for name, heading in [("vertex", "Vertex block"), ("relay", "Relay block"),
+                              ("hole", "Hole block"), ("gap", "Gap block"),
+                              ("long_link", "Long link block"), ("quarantine", "Quarantine block")]:
+            rows, per_block, size = tables[heading]
+            used = header["vertex_rows" if name == "vertex" else name + "_entries"]
+            lists[name] = []
+            for number in range(header[name + "_block_first"],
+                                header[name + "_block_first"] + header[name + "_blocks"]):
+                if len(lists[name]) == used:
+                    break
+                block = self.block(number)
+                self.assertEqual(self.value(block, 0, 2), header["generation"])
+                for entry in range(min(per_block, used - len(lists[name]))):
+                    at = 2 + entry * size
+                    lists[name].append({row: self.value(block, at + first, count)
+                                        for row, (first, count) in rows.items()})
+            self.assertEqual(len(lists[name]), used)
+        return header, lists
+
+    def test_they_are_the_lists_of_the_map_document(self):
+        from pymodbus.client import ModbusTcpClient
+        (self.folder / "site.geojson").write_text(json.dumps(self.SITE))
+        buses = self.start_nodes(["0,1,join,100,100", "0,2,join,900,900", "0,3,join,350,500",
+                                  "0,4,join,650,500", "0,5,join,0,0", "0,6,join,500,500",
+                                  "0,7,join,-5,500", "1500,8,join,350,500", "0,9,join,820,260"])
+        gateway = self.start_gateway(
+            buses, head='[site]\nfile = "site.geojson"\n',
+            more='[http]\nlisten = "127.0.0.1:0"\n'
+                 '[analysis]\nradio_range = 300\nsensing_range = 200\n')
+        url = gateway.wait_for_line(r"status page on (http://\S+)").group(1)
+        self.wait_for_header(nodes=6, quarantined=3)
+        self.client = ModbusTcpClient("127.0.0.1", port=self.port)
+        self.assertTrue(self.client.connect())
+
+        def of_one_generation():
+            with urllib.request.urlopen(url + "/mesh.geojson", timeout=PATIENCE_S) as answer:
+                document = json.load(answer)
+            header, lists = self.read_map()
+            return (document, header, lists) if document["generation"] == header["generation"] else None
+        document, header, lists = wait_for("one generation in both", of_one_generation)
+        self.client.close()
+
+        def point(entry):
+            signed = lambda value: value - (value >> 31 << 32)
+            return tuple(round(signed(entry[axis]) + entry[axis + "_fraction"] / 2 ** 28, 3)
+                         for axis in "xy")
+
+        def rounded(place):
+            return tuple(round(coordinate, 3) for coordinate in place)
+        places = [point(vertex) for vertex in lists["vertex"]]
+        kinds = [vertex["kind"] & 0xFF for vertex in lists["vertex"]]
+        features = document["features"]
+
+        def points_of(kind):
+            return [feature for feature in features if feature["properties"]["kind"] == kind
+                    and feature["geometry"]["type"] == "Point"]
+
+        def lines_of(kind):
+            return sorted(sorted(map(rounded, line)) for feature in features
+                          if feature["properties"]["kind"] == kind
+                          for line in feature["geometry"]["coordinates"])
+
+        def lines(entries):
+            return sorted(sorted((places[entry["from_row"]], places[entry["to_row"]]))
+                          for entry in entries)
+
+        for name in ["relay", "hole", "gap", "long_link"]:
+            self.assertGreater(len(lists[name]), 0, name)
+            self.assertEqual(header[name + "_count"], len(lists[name]), name)
+        # The document has Steiner vertices as such.
+        at_steiner = [entry for entry in lists["relay"]
+                      if entry["row"] != 0xFFFFFFFF and kinds[entry["row"]] == 2]
+        self.assertEqual(len(at_steiner), header["steiner_count"])
+        for entry in lists["relay"]:
+            if entry["row"] != 0xFFFFFFFF:
+                self.assertEqual(point(entry), places[entry["row"]])
+        self.assertEqual(
+            sorted((point(entry), entry["feature"]) for entry in lists["relay"]
+                   if entry not in at_steiner),
+            sorted((rounded(feature["geometry"]["coordinates"]), feature["properties"]["feature"])
+                   for feature in points_of("relay")))
+        self.assertEqual(
+            sorted((point(entry), entry["distance"]) for entry in lists["hole"]),
+            sorted((rounded(feature["geometry"]["coordinates"]), feature["properties"]["distance"])
+                   for feature in points_of("hole")))
+        for x, y in map(point, lists["hole"]):
+            self.assertFalse(400 < x < 600 and 400 < y < 600, "in the hole of the site")
+        unwatched = [entry for entry in lists["gap"] if not entry["gap_flags"] & 1]
+        self.assertEqual(len(unwatched), header["unwatched_gap_count"])
+        self.assertEqual(lines(unwatched), lines_of("gaps"))
+        self.assertEqual(lines(lists["long_link"]), lines_of("long_links"))
+        for entry in lists["long_link"]:
+            self.assertEqual([kinds[entry["from_row"]], kinds[entry["to_row"]]], [1, 1])
+        self.assertEqual(header["quarantined_count"], 3)
+        self.assertEqual(
+            sorted((entry["kind"], entry["reason"], entry["serial"], entry["bus"],
+                    entry["x"] - (entry["x"] >> 31 << 32), entry["y"])
+                   for entry in lists["quarantine"]),
+            [(1, 1, 7, 1, -5, 500), (1, 2, 6, 1, 500, 500), (1, 10, 8, 1, 350, 500)])
 
 
 if __name__ == "__main__":
