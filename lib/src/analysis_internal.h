@@ -46,8 +46,8 @@ VertexId nearest_vertex(const MeshState& m, const Point& place) noexcept;
 struct Handover {
   VertexId before{};
   VertexId after{};
-  Int128 step;
-  Int128 scale;
+  Int128 step{};
+  Int128 scale{};
 };
 
 class NearestWalk {

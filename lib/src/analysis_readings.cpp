@@ -20,8 +20,8 @@ std::int64_t value_at(const MeshState& m, VertexId v,
 std::int64_t in_triangle(const MeshState& m, IdValue t, const Point& p,
                          std::span<const std::int32_t> readings) noexcept {
   const TriangleRecord& r = m.topology.triangle(t);
-  Int256 weighted;
-  Int128 weights;
+  Int256 weighted{};
+  Int128 weights{};
   for (unsigned i = 0; i < 3; ++i) {
     // Twice the area of the triangle with p in the place of the corner.
     const Int128 weight =

@@ -18,10 +18,11 @@
 
 namespace etcm::internal {
 
-// Two's complement, least significant limb first.
+// Two's complement, least significant limb first. Without a value until one is given, as integers
+// are.
 template <std::size_t Count>
 struct Limbs {
-  std::array<std::uint32_t, Count> limb{};
+  std::array<std::uint32_t, Count> limb;
 
   constexpr bool is_negative() const noexcept { return (limb[Count - 1] >> 31) != 0; }
 
@@ -62,8 +63,8 @@ struct LimbArithmetic {
     for (std::size_t i = 0; i < Count; ++i) {
       std::uint64_t carry = 0;
       for (std::size_t j = 0; j < Count; ++j) {
-        // At most (2^32 - 1)^2 + 2 (2^32 - 1) = 2^64 - 1.
-        carry += std::uint64_t{a.limb[i]} * b.limb[j] + result.limb[i + j];
+        // Nothing is there before the first row. At most (2^32 - 1)^2 + 2 (2^32 - 1) = 2^64 - 1.
+        carry += std::uint64_t{a.limb[i]} * b.limb[j] + (i == 0 ? 0 : result.limb[i + j]);
         result.limb[i + j] = static_cast<std::uint32_t>(carry);
         carry >>= 32;
       }
