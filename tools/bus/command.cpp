@@ -36,6 +36,12 @@ port::SocketAddress resolve(const std::string& device, std::uint16_t tcp_port) {
     if (!given) throw UsageError(device + ": no port behind the colon; write 192.168.1.5:502");
     tcp_port = *given;
   }
+  // The resolver would take 10.0.5 for 10.0.0.5, and ask whoever is there.
+  if (host.find_first_not_of("0123456789.") == std::string::npos &&
+      !port::parse_socket_address(host + ":0")) {
+    throw UsageError(device +
+                     ": an IPv4 address has four numbers of at most 255, as in 192.168.1.5");
+  }
   const addrinfo wanted{.ai_flags = 0,
                         .ai_family = AF_INET,
                         .ai_socktype = SOCK_STREAM,

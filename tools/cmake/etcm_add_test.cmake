@@ -1,12 +1,15 @@
-# etcm_add_test(NAME SOURCES file... [LIBRARIES target...] [TIMEOUT seconds] [LABELS label...])
+# etcm_add_test(NAME SOURCES file... [LIBRARIES target...] [TIMEOUT seconds] [LABELS label...]
+#               [COMPUTES])
 #
 # One GoogleTest program; each of its cases becomes a test named "<folder>/<suite>.<case>".
 # A source of its own with main() is welcome: it takes precedence over GoogleTest's.
 # TIMEOUT is per case; without it a case has 60 seconds. An emulator gets ten times that.
+# COMPUTES: the test itself works hard, as an oracle does, and is optimised as the build is. Others
+# are not: what they call is, and their own code is mostly GoogleTest's, which takes long to optimise.
 include(GoogleTest)
 
 function(etcm_add_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "SOURCES;LIBRARIES;LABELS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COMPUTES" "TIMEOUT" "SOURCES;LIBRARIES;LABELS")
   if(NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "etcm_add_test(${name}): give SOURCES; not understood: "
                         "'${arg_UNPARSED_ARGUMENTS}'")
@@ -24,6 +27,9 @@ function(etcm_add_test name)
 
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} GTest::gmock_main etcm_warnings)
+  if(NOT arg_COMPUTES)
+    target_compile_options(${name} PRIVATE -O0)
+  endif()
   if(CMAKE_CROSSCOMPILING_EMULATOR)
     target_compile_definitions(${name} PRIVATE ETCM_EMULATED)
   endif()

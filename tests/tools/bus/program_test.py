@@ -247,6 +247,8 @@ class Refusals(BusCase):
         refused = self.complaint("scan", f"127.0.0.1:{free_port()}")
         self.assertIn("Connection refused; check address and port (-p)", refused)
         self.assertIn("no port behind the colon", self.complaint("scan", "127.0.0.1:x", code=2))
+        for short in "127.1:502", "10.0.5", "10.0.0.256", "1":
+            self.assertIn("four numbers", self.complaint("scan", short, code=2))
 
     def hostile(self, answer):
         """A peer that answers whatever comes with these bytes."""
