@@ -7,7 +7,7 @@
 #include "support/emulated.h"
 
 int main(int argc, char** argv) {
-  const int cases = 100 / etcm::test::thinning_if_emulated;
+  const int cases = 100 / etcm::test::thinning_if_slow;
   const std::string parameters = "seed=20150720 max_success=" + std::to_string(cases);
   setenv("RC_PARAMS", parameters.c_str(), 0);
   testing::InitGoogleMock(&argc, argv);

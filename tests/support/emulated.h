@@ -1,4 +1,5 @@
-// How much of a long test to do under an emulator, where everything takes thirty times as long.
+// How much of a long test to do under an emulator, where everything takes thirty times as long, and
+// under AddressSanitizer, where it takes ten times.
 #pragma once
 
 namespace etcm::test {
@@ -7,10 +8,15 @@ namespace etcm::test {
 // builds, on the same source; and that the other machine's meshes are the same, bit for bit, is
 // asked of the whole corpus (property/corpus_same_bits_as_host).
 #ifdef ETCM_EMULATED
-inline constexpr int thinning_if_emulated = 10;
+inline constexpr int thinning_if_slow = 10;
+inline constexpr bool is_emulated = true;
 #else
-inline constexpr int thinning_if_emulated = 1;
+#ifdef __SANITIZE_ADDRESS__
+inline constexpr int thinning_if_slow = 3;
+#else
+inline constexpr int thinning_if_slow = 1;
 #endif
-inline constexpr bool is_emulated = thinning_if_emulated > 1;
+inline constexpr bool is_emulated = false;
+#endif
 
 }  // namespace etcm::test

@@ -20,7 +20,7 @@ inline constexpr std::int64_t coordinate_max = std::int64_t{1} << 52;
 #ifdef __SANITIZE_ADDRESS__
 inline constexpr int thinning = 20;
 #else
-inline constexpr int thinning = thinning_if_emulated;
+inline constexpr int thinning = thinning_if_slow;
 #endif
 
 class Random {
