@@ -38,14 +38,7 @@ export function showStatus(status) {
     pair.append(element("dt", name), element("dd", value));
     return pair;
   }));
-  byId("footer").replaceChildren(
-    ...[["mesh.geojson", "GeoJSON"], ["metrics", "Metrics"], ["healthz", "Health"]]
-      .map(([target, text]) => {
-        const link = element("a", text);
-        link.href = target;
-        return link;
-      }),
-    element("span", `version ${status.version}, up ${ageText(status.uptime_ms)}`));
+  byId("version").textContent = `version ${status.version}, up ${ageText(status.uptime_ms)}`;
 }
 
 const meterMs = 10000;   // until then nothing has been measured

@@ -1,4 +1,6 @@
-// The table of nodes: sorted, searched, and only the rows that are seen are made.
+// The table of nodes: sorted, searched, and only the rows that are seen are made. A row stays the
+// same element while its node is seen, and is moved only where the order changed: a click, the focus
+// and a selection outlive what changes in the row.
 import { ageText, nodeStates, placeText, whereText } from "./model.js";
 
 const rowHeight = 31;   // of style.css, with its line
@@ -24,6 +26,9 @@ export class NodeTable {
     this.search = document.getElementById("search");
     this.nodes = [];
     this.found = [];
+    this.rows = new Map();   // of the nodes that are seen, by serial
+    this.above = spacer();
+    this.below = spacer();
     this.choice = null;
     this.order = { column: columns[0], isUp: true };
     this.makeHead();
@@ -85,35 +90,58 @@ export class NodeTable {
     const first = Math.max(0, Math.floor(this.area.scrollTop / rowHeight) - spareRows);
     const shown = Math.ceil(this.area.clientHeight / rowHeight) + 2 * spareRows;
     const last = Math.min(this.found.length, first + shown);
-    // A row that has the focus keeps it.
-    const focused = document.activeElement?.closest?.("tr.row")?.dataset.serial;
-    const rows = [];
-    if (first > 0) rows.push(spacer(first));
-    for (let index = first; index < last; ++index) rows.push(this.rowOf(this.found[index], index));
-    if (last < this.found.length) rows.push(spacer(this.found.length - last));
-    this.body.replaceChildren(...rows);
-    if (focused) this.body.querySelector(`tr[data-serial="${focused}"] button`)?.focus();
+    const seen = this.found.slice(first, last);
+    const serials = new Set(seen.map((node) => node.serial));
+    for (const [serial, row] of this.rows) {
+      if (serials.has(serial)) continue;
+      row.remove();
+      this.rows.delete(serial);
+    }
+    this.place(this.above, 0);
+    seen.forEach((node, at) => {
+      const row = this.rows.get(node.serial) ?? this.makeRow(node.serial);
+      this.fill(row, node, first + at);
+      this.place(row, 1 + at);
+    });
+    this.place(this.below, 1 + seen.length);
+    setSpace(this.above, first);
+    setSpace(this.below, this.found.length - last);
   }
 
-  rowOf(node, index) {
+  place(row, at) {
+    const there = this.body.children[at] ?? null;
+    if (there === row) return;
+    const focused = row.contains(document.activeElement) ? document.activeElement : null;
+    this.body.insertBefore(row, there);
+    focused?.focus({ preventScroll: true });
+  }
+
+  makeRow(serial) {
     const row = document.createElement("tr");
+    row.dataset.serial = serial;
+    for (const column of columns) {
+      const cell = document.createElement("td");
+      cell.className = classOf(column);
+      row.append(cell);
+    }
+    const button = document.createElement("button");
+    button.textContent = serial;
+    row.cells[0].append(button);
+    row.cells[1].append(document.createElement("span"));
+    this.rows.set(serial, row);
+    return row;
+  }
+
+  fill(row, node, index) {
     row.className = node === this.choice ? "row chosen" : "row";
     row.dataset.index = index;
-    row.dataset.serial = node.serial;
-    const serial = document.createElement("button");
-    serial.textContent = node.serial;
-    const state = document.createElement("span");
+    const state = row.cells[1].firstChild;
     state.className = `mark ${node.state}`;
-    state.textContent = node.state;
-    const cells = [serial, state, ageText(node.ageMs), whereText(node),
-      placeText(node), String(node.degree)];
-    cells.forEach((content, at) => {
-      const cell = document.createElement("td");
-      cell.className = classOf(columns[at]);
-      cell.append(content);
-      row.append(cell);
-    });
-    return row;
+    setText(state, node.state);
+    setText(row.cells[2], ageText(node.ageMs));
+    setText(row.cells[3], whereText(node));
+    setText(row.cells[4], placeText(node));
+    setText(row.cells[5], String(node.degree));
   }
 }
 
@@ -127,12 +155,21 @@ function classOf(column) {
   return [column.number && "number", column.optional && "optional", column.isLong && "long"].filter(Boolean).join(" ");
 }
 
-function spacer(rows) {
+function setText(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+// Stands for the rows that are not made.
+function spacer() {
   const row = document.createElement("tr");
   row.className = "spacer";
   const cell = document.createElement("td");
   cell.colSpan = columns.length;
-  cell.style.height = `${rows * rowHeight}px`;
   row.append(cell);
   return row;
+}
+
+function setSpace(row, rows) {
+  row.hidden = rows === 0;
+  row.cells[0].style.height = `${rows * rowHeight}px`;
 }

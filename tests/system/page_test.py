@@ -156,6 +156,22 @@ class InABrowser(PageCase):
         self.assertEqual([entry for entry in self.browser.get_log("browser")
                           if entry["level"] == "SEVERE"], [])
 
+    def test_a_click_outlives_what_changes_under_it(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700"])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#nodes-title", r"\(3\)")
+        uptime = lambda: self.text("footer")
+        for selector in ("tr[data-serial='2'] button", "footer a[href='healthz']"):
+            pressed = self.find(selector)
+            before = uptime()
+            ActionChains(self.browser).click_and_hold(pressed).perform()
+            wait_for("another turn of the page", lambda: uptime() != before)
+            ActionChains(self.browser).release().perform()
+            if selector.startswith("tr"):
+                self.wait_for_text("#details-title", r"^Node 2$")
+        wait_for("the page behind the link", lambda: self.browser.current_url.endswith("/healthz"))
+
     def test_the_map_pans_and_zooms(self):
         self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700"])
         self.size(1280, 800)
