@@ -11,14 +11,34 @@ namespace {
 // A change as wide as this is harm enough.
 constexpr unsigned triangles_most = 48;
 
+// Where at() starts: which subsegments are watched depends on it, and where rounding makes
+// at_least() say too much, that could show. So it depends on places alone, not on how the walk came
+// or how the triangles are stored.
+Edge first_side(const MeshState& m, const Found& found) noexcept {
+  const Topology& topo = m.topology;
+  const auto precedes = [&](Edge e, Edge other) {
+    return m.at(topo.origin(e)) < m.at(topo.origin(other));
+  };
+  const Edge e = found.edge;
+  if (found.place == Place::on_edge) {
+    const Edge other = topo.twin(e);
+    return !topo.is_ghost(Topology::triangle_of(other)) && precedes(other, e) ? other : e;
+  }
+  const Edge next = Topology::next(e), prev = Topology::prev(e);
+  const Edge first = precedes(next, e) ? next : e;
+  return precedes(prev, first) ? prev : first;
+}
+
 }  // namespace
 
-// Where the line of the piece runs inside the triangle's circle. False: nowhere. In double: it only
-// spares at() work.
-bool HarmCount::chord(IdValue triangle, Span& span) const noexcept {
-  const TriangleRecord& t = line_.mesh.topology.triangle(triangle);
-  const Point& a = line_.mesh.at(t.corner[0]);
-  const Offset b = offset(line_.mesh.at(t.corner[1]), a), c = offset(line_.mesh.at(t.corner[2]), a);
+// Where the line of the piece runs inside the circle of the edge's triangle. False: nowhere. In
+// double: it only spares at() work. Worked out from the edge, so that it rounds alike however the
+// triangle's corners are stored.
+bool HarmCount::chord(Edge edge, Span& span) const noexcept {
+  const Topology& topo = line_.mesh.topology;
+  const Point& a = line_.mesh.at(topo.origin(edge));
+  const Offset b = offset(line_.mesh.at(topo.target(edge)), a);
+  const Offset c = offset(line_.mesh.at(topo.apex(edge)), a);
   const Offset head = offset(line_.head, a);
   const double bb = lift(b), cc = lift(c);
   const double half = 0.5 / (b.x * c.y - b.y * c.x);
@@ -40,9 +60,9 @@ void HarmCount::watch(Edge edge) noexcept {
   for (unsigned i = 0; i < watched_count_; ++i) {
     if (watched_[i].edge == edge || watched_[i].edge == other) return;
   }
-  const IdValue here = Topology::triangle_of(edge), there = Topology::triangle_of(other);
   Span one, two;
-  if (topo.is_ghost(here) || topo.is_ghost(there) || !chord(here, one) || !chord(there, two))
+  if (topo.is_ghost(Topology::triangle_of(edge)) || topo.is_ghost(Topology::triangle_of(other)) ||
+      !chord(edge, one) || !chord(other, two))
     return;
   watched_[watched_count_++] = {
       edge, {one.from > two.from ? one.from : two.from, one.to < two.to ? one.to : two.to}};
@@ -68,7 +88,7 @@ unsigned HarmCount::at(Parameter t, Edge near, unsigned enough) noexcept {
   unsigned depth = 0;
   unsigned triangles = 1;
   unsigned harm = 0;
-  Edge e = found.edge;
+  Edge e = first_side(line_.mesh, found);
   Seen u = see(line_.mesh, topo.origin(e), p), v = see(line_.mesh, topo.target(e), p);
   double uv = cross_value(u.at, v.at);
   for (unsigned sides = 0;;) {

@@ -49,7 +49,7 @@ class HarmCount {
     Edge edge;
     Span breaks;
   };
-  bool chord(IdValue triangle, Span& span) const noexcept;
+  bool chord(Edge edge, Span& span) const noexcept;
 
   static constexpr unsigned watched_most = 4;
   const PieceLine& line_;
