@@ -59,21 +59,26 @@ void Gateway::restore(port::Instant now) {
   if (!saved) return;
   generation_ = saved->next_generation - 1;
   const bool is_same = state_transfer_.restore(*saved, generation_ + 1, now);
-  const Mesh& mesh = keeper_.mesh();
-  ports_.log.write(
-      port::Level::info,
-      std::string(is_same ? "restored the mesh" : "restored the nodes, not their mesh,") +
-          " of generation " + std::to_string(saved->generation) + ": " +
-          std::to_string(keeper_.node_count()) + " of " + std::to_string(saved->nodes.size()) +
-          " nodes, " + std::to_string(keeper_.features().active_count()) + " features, " +
-          std::to_string(mesh.steiner_count()) +
-          " Steiner vertices; all are stale until they answer");
+  // Before the first mesh only a promise about generations is saved.
+  if (saved->generation > 0) log_restored(*saved, is_same);
   static_cast<void>(keeper_.take_changed());
   // Where somebody was is not looked for in its turn, but at once.
   for (const NodeRecord& node : roster_.records()) {
     if (node.unit != no_unit) poller_.ask_unit_at_once(node.unit, now);
   }
   publish(now);
+}
+
+void Gateway::log_restored(const SavedState& saved, bool is_same) {
+  const Mesh& mesh = keeper_.mesh();
+  ports_.log.write(
+      port::Level::info,
+      std::string(is_same ? "restored the mesh" : "restored the nodes, not their mesh,") +
+          " of generation " + std::to_string(saved.generation) + ": " +
+          std::to_string(keeper_.node_count()) + " of " + std::to_string(saved.nodes.size()) +
+          " nodes, " + std::to_string(keeper_.features().active_count()) + " features, " +
+          std::to_string(mesh.steiner_count()) +
+          " Steiner vertices; all are stale until they answer");
 }
 
 void Gateway::step(port::Instant now) {

@@ -96,6 +96,7 @@ class Gateway final : private ReadingListener, private Errands {
   void sweep_silent(port::Instant now);
   void publish(port::Instant now);
   void save_state(port::Instant now);
+  void log_restored(const SavedState& saved, bool is_same);
 
   const Settings& settings_;
   const GatewayPorts ports_;

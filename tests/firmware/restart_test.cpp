@@ -63,6 +63,20 @@ TEST_F(Restart, ServesTheLastMeshAtOnceAllStale) {
             1u);
 }
 
+TEST_F(Restart, BeforeTheFirstMeshSaysNothingOfOne) {
+  const auto before = rig_of(fence_);
+  before->run(2s);
+  before->gateway->finish(before->clock.now());
+  before->gateway->finish_saving(before->clock.now());
+  ASSERT_GT(store_.saves, 0u);
+  const auto after = rig_of(fence_);
+  after->start();
+  after->gateway->restore(after->clock.now());
+  EXPECT_EQ(after->log.count("restored"), 0u);
+  populate(*after);
+  EXPECT_EQ(after->server.header("node_count"), 12u);
+}
+
 TEST_F(Restart, AnchorsAreWhereTheyWere) {
   const auto site = [this](std::int32_t end_x) {
     auto rig = rig_of({{.from = FeatureEnd::anchor({-20, -90}),

@@ -23,7 +23,8 @@ int main(int argc, char** argv) {
   ::signal(SIGXFSZ, SIG_IGN);
 
   CLI::App program("Conforming Delaunay meshes of constraint graphs, exactly.", "etcm");
-  program.require_subcommand(1);
+  // That one is there is asked below: CLI11 would ask it before it names a word that it does not know.
+  program.require_subcommand(0, 1);
   program.footer(
       "Exit codes: 0 done; 1 an output cannot be written; 2 bad input or command line, nothing\n"
       "written; 3 written, but some feature is not conforming (over budget); 4 verify: a rule of\n"
@@ -41,6 +42,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return complain(cli::exit_bad_input, std::string(error.what()) + " (etcm --help tells more)");
   }
+  if (!run) return complain(cli::exit_bad_input, "a command is required (etcm --help tells which)");
   try {
     return run();
   } catch (const files::InputError& error) {

@@ -232,7 +232,8 @@ class Refusals(BusCase):
                                 (["read", "-c", "0"], "--count")):
             self.assertIn(what, self.complaint(*arguments, "/dev/null/x", code=2))
         self.assertIn("device", self.complaint("scan", code=2))
-        self.assertIn("subcommand", self.complaint(code=2))
+        self.assertIn("a command is required", self.complaint(code=2))
+        self.assertIn("red", self.complaint("red", "/dev/null/x", code=2))
 
     def test_ports_that_cannot_be_had_come_with_the_cure(self):
         self.assertIn("ls /dev/serial/by-path", self.complaint("scan", "/dev/no such port"))

@@ -175,6 +175,7 @@ TEST(Program, RefusesAWrongCommandLine) {
     EXPECT_EQ(folder.file_count(), 1u) << arguments;
     EXPECT_EQ(folder.read("in.poly"), small_plate);
   }
+  EXPECT_NE(run("frobnicate").errors.find("frobnicate"), std::string::npos);
   EXPECT_EQ(run("--help").code, 0);
   EXPECT_EQ(run("mesh --help").code, 0);
 }
