@@ -136,14 +136,16 @@ port::NodeBus* interface_of(const Bus& bus) {
 class Web {
  public:
   Web(const firmware::HttpSettings& settings, const firmware::StatusSources& sources,
-      port::ServiceCounters& counters, port::EventLoop& loop)
+      port::ServiceCounters& counters, port::EventLoop& loop, port::Log& log)
       : page_(sources, settings.clients_max),
         server_(loop, page_, {.listen = settings.listen, .clients_max = settings.clients_max},
                 counters) {
-    allow(settings.allow);
+    allow(settings.allow, log);
   }
 
-  void allow(const std::vector<port::Network>& networks) { server_.allow(networks); }
+  void allow(const std::vector<port::Network>& networks, port::Log& log) {
+    server_.allow(networks, log);
+  }
 
   void step(port::Instant now) {
     page_.advance(now);
@@ -258,7 +260,7 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
                                         .version = ETCM_VERSION,
                                         .started_at = clock.now(),
                                         .resident_bytes = port::resident_bytes},
-                readers, loop);
+                readers, loop, log);
     log.write(port::Level::info, "shows the status page on http://" + to_string(web->address()) +
                                      " to " + list_of(settings.http->allow));
   }
@@ -271,7 +273,7 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
       watch.reloading();
       if (firmware::reload(config, settings, log)) {
         server.allow(settings.server.allow, log);
-        if (web) web->allow(settings.http->allow);
+        if (web) web->allow(settings.http->allow, log);
         gateway.update_settings();
       }
       watch.ready(clock.now());

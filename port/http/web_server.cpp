@@ -10,6 +10,7 @@
 #include <charconv>
 #include <cstring>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -68,7 +69,7 @@ class WebServer::Callbacks {
   static MHD_Result accepts(void* self, const sockaddr* address, socklen_t) {
     auto& server = *static_cast<WebServer*>(self);
     if (any_contains(server.allowed_, host_of(address))) return MHD_YES;
-    ++server.counters_.refused;
+    server.turn_away(host_of(address));
     return MHD_NO;
   }
 
@@ -215,11 +216,21 @@ WebServer::WebServer(EventLoop& loop, WebSite& site, const WebServerOptions& opt
 
 WebServer::~WebServer() { loop_.remove(descriptor_); }
 
-void WebServer::allow(std::vector<Network> networks) {
+void WebServer::allow(std::vector<Network> networks, Log& log) {
+  log_ = &log;
   allowed_ = std::move(networks);
   for (Client& client : clients_) {
     if (!client.is_free && !any_contains(allowed_, client.host)) hang_up(client);
   }
+}
+
+void WebServer::turn_away(std::uint32_t host) {
+  ++counters_.refused;
+  std::string peer = to_string(SocketAddress{.host = host});
+  peer.erase(peer.rfind(':'));
+  log_->write(Level::warning, "a browser at " + peer +
+                                  " is turned away: its network is not in allow of [http]; add it "
+                                  "there if it may see everything");
 }
 
 void WebServer::on_ready(bool, bool) { is_ready_ = true; }

@@ -13,6 +13,7 @@
 #include <memory>
 #include <vector>
 
+#include "etcm/port/log.h"
 #include "etcm/port/service_counters.h"
 #include "etcm/port/web_site.h"
 #include "posix/event_loop.h"
@@ -43,8 +44,9 @@ class WebServer final : private EventHandler {
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
 
-  // Who may connect from now on; at first everybody. Hangs up on those who no longer may.
-  void allow(std::vector<Network> networks);
+  // Who may connect from now on; at first everybody. Hangs up on those who no longer may. Who is
+  // turned away is said in the log, which must outlive this.
+  void allow(std::vector<Network> networks, Log& log);
 
   // Does what has become possible: takes requests, sends a part of each answer under way.
   void advance(Instant now);
@@ -70,12 +72,14 @@ class WebServer final : private EventHandler {
 
   void on_ready(bool can_read, bool can_write) override;
   void close_overdue();
+  void turn_away(std::uint32_t host);
   void hang_up(Client& client);
   static bool has_gone(const Client& client);
 
   EventLoop& loop_;
   WebSite& site_;
   const WebServerOptions options_;
+  Log* log_ = nullptr;
   ServiceCounters& counters_;
   SocketAddress address_;
   std::vector<Network> allowed_{everybody};

@@ -124,13 +124,18 @@ TEST_F(WebServerTest, AConnectionServesOneRequestAfterTheOther) {
 TEST_F(WebServerTest, WhoIsNotAllowedIsTurnedAway) {
   const FileDescriptor before = client("GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
   receive(before.get());
-  server_.allow({{.host = 0x0a000000, .prefix = 8}});
+  KeptLog log;
+  server_.allow({{.host = 0x0a000000, .prefix = 8}}, log);
   EXPECT_TRUE(turn_until([&] { return is_gone(before.get()) && counters_.clients == 0; }));
   const FileDescriptor after = client("GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
   EXPECT_TRUE(turn_until([&] { return is_gone(after.get()); }));
   EXPECT_EQ(site_.begun, 1u);
   EXPECT_EQ(counters_.refused, 2u);
-  server_.allow({this_machine});
+  ASSERT_EQ(log.lines.size(), 1u);
+  EXPECT_EQ(log.lines[0],
+            "a browser at 127.0.0.1 is turned away: its network is not in allow of [http]; add it "
+            "there if it may see everything");
+  server_.allow({this_machine}, log);
   EXPECT_TRUE(get("/10").starts_with("HTTP/1.1 200 OK\r\n"));
 }
 

@@ -16,7 +16,8 @@ int complain(int code, const std::string& message) {
 int main(int argc, char** argv) {
   using namespace etcm;
   CLI::App program("Asks the units of a Modbus bus, on a serial line or over TCP.", "etcm-bus");
-  // That one is there is asked below: CLI11 would ask it before it names a word that it does not know.
+  // That one is there is asked below: CLI11 would ask it before it names a word that it does not
+  // know.
   program.require_subcommand(0, 1);
   program.footer(
       "Exit codes: 0 done; 1 the bus: no port, no answer, or not what was written; 2 bad command\n"
@@ -34,7 +35,8 @@ int main(int argc, char** argv) {
     return complain(bus::exit_bad_usage,
                     std::string(error.what()) + " (etcm-bus --help tells more)");
   }
-  if (!run) return complain(bus::exit_bad_usage, "a command is required (etcm-bus --help tells which)");
+  if (!run)
+    return complain(bus::exit_bad_usage, "a command is required (etcm-bus --help tells which)");
   try {
     return run();
   } catch (const bus::UsageError& error) {

@@ -23,7 +23,8 @@ int main(int argc, char** argv) {
   ::signal(SIGXFSZ, SIG_IGN);
 
   CLI::App program("Conforming Delaunay meshes of constraint graphs, exactly.", "etcm");
-  // That one is there is asked below: CLI11 would ask it before it names a word that it does not know.
+  // That one is there is asked below: CLI11 would ask it before it names a word that it does not
+  // know.
   program.require_subcommand(0, 1);
   program.footer(
       "Exit codes: 0 done; 1 an output cannot be written; 2 bad input or command line, nothing\n"
