@@ -250,9 +250,9 @@ export class MeshMap {
     return x > -20 && x < this.view.width + 20 && y > -20 && y < this.view.height + 20;
   }
 
-  // The roundest length that takes about a fifth of the width.
+  // The roundest length with room for its text: at the most 160 pixels, or half of the width.
   drawScale() {
-    const longest = Math.min(140, this.view.width / 5) / this.view.scale;
+    const longest = Math.min(160, this.view.width / 2) / this.view.scale;
     const power = 10 ** Math.floor(Math.log10(longest));
     const length = [5, 2, 1].map((digit) => digit * power).find((value) => value <= longest) ?? power;
     this.scaleBar.style.width = `${length * this.view.scale}px`;
