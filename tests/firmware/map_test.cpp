@@ -176,6 +176,7 @@ TEST(MeshMap, ComesBackByTheDocumentedRule) {
   encode_mesh(snapshot, {.vertices = vertices}, image);
   const Reader reader(image);
   EXPECT_EQ(reader.header("magic"), 0x4d45u);
+  EXPECT_EQ(reader.header("word_order_check"), 0x01020304u);
   EXPECT_EQ(reader.header("node_count"), 4999u);
   EXPECT_EQ(reader.header("anchor_count"), 7u);
   EXPECT_EQ(reader.header("mesh_hash_high"), 0x01234567u);
