@@ -1,5 +1,7 @@
 #include "address_assigner.h"
 
+#include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace etcm::firmware {
@@ -20,7 +22,7 @@ void AddressAssigner::on_newcomer(std::uint32_t bus, std::uint32_t serial, port:
   if (poller_.bus(bus).assign.empty() || job.step != Step::none) return;
   if (job.last_serial == serial && now < job.retry_at) return;
   job.serial = serial;
-  choose(bus, no_unit, now);
+  choose(bus, true, now);
 }
 
 void AddressAssigner::next(std::uint32_t bus, Errand& errand) {
@@ -54,7 +56,7 @@ std::uint32_t AddressAssigner::done(std::uint32_t bus, const port::BusAnswer& an
       if (answer.result == port::BusResult::timeout) {
         job.step = Step::write;
       } else {
-        choose(bus, job.unit, now);
+        choose(bus, false, now);
       }
       break;
     case Step::write:
@@ -92,21 +94,22 @@ bool AddressAssigner::is_free(std::uint32_t unit) const {
   return roster_.at(unit) == nullptr && !poller_.is_sound(unit);
 }
 
-std::uint32_t AddressAssigner::free_unit_after(std::uint32_t bus, std::uint32_t unit) const {
-  bool is_behind = unit == no_unit;
-  for (const UnitRange range : poller_.bus(bus).assign) {
-    for (unsigned address = range.first; address <= range.last; ++address) {
-      const std::uint32_t found = poller_.unit_at(bus, static_cast<std::uint8_t>(address));
-      if (is_behind && is_free(found)) return found;
-      is_behind = is_behind || found == unit;
-    }
-  }
-  return no_unit;
+port::Instant AddressAssigner::used_at(std::uint32_t unit) const {
+  return std::max(poller_.counters(unit).answered_at, roster_.released_heard_at(unit));
 }
 
-void AddressAssigner::choose(std::uint32_t bus, std::uint32_t after, port::Instant now) {
+void AddressAssigner::choose(std::uint32_t bus, bool is_first, port::Instant now) {
   Job& job = jobs_[bus];
-  job.unit = free_unit_after(bus, after);
+  const std::pair before{job.unit_used_at, job.unit};
+  std::pair best{port::never, no_unit};
+  for (const UnitRange range : poller_.bus(bus).assign) {
+    for (unsigned address = range.first; address <= range.last; ++address) {
+      const std::uint32_t unit = poller_.unit_at(bus, static_cast<std::uint8_t>(address));
+      const std::pair found{used_at(unit), unit};
+      if (is_free(unit) && (is_first || found > before)) best = std::min(best, found);
+    }
+  }
+  std::tie(job.unit_used_at, job.unit) = best;
   if (job.unit != no_unit) {
     job.step = Step::look;
     job.due = now;

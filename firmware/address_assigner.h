@@ -3,6 +3,9 @@
 // First somebody is looked for at the new unit; where nobody answers, the node is written its new
 // unit together with its serial, so that only the node with that serial takes it, however many wait
 // at the default unit; then it must answer at the new unit. One node of a bus at a time.
+//
+// A unit where somebody answered before is given last, and of these the one that has been silent
+// longest first: who was there may come back to it, and two nodes at one unit can be told nothing.
 #pragma once
 
 #include <cstdint>
@@ -41,6 +44,7 @@ class AddressAssigner {
     port::Instant due = port::never;
     std::uint32_t serial = no_serial;
     std::uint32_t unit = no_unit;  // the new one
+    port::Instant unit_used_at{};  // as it was when the unit was chosen
     std::uint8_t verified = 0;     // so often in vain
     std::uint32_t last_serial = no_serial;
     port::Instant retry_at{};             // with the same node as last time
@@ -50,9 +54,11 @@ class AddressAssigner {
   };
 
   bool is_free(std::uint32_t unit) const;
-  // The first free unit behind this one among those the bus may give; no_unit when there is none.
-  std::uint32_t free_unit_after(std::uint32_t bus, std::uint32_t unit) const;
-  void choose(std::uint32_t bus, std::uint32_t after, port::Instant now);
+  // When somebody was last known to be there; the origin: never.
+  port::Instant used_at(std::uint32_t unit) const;
+  // Takes the best of the free units that the bus may give, or the next best after the one chosen
+  // before.
+  void choose(std::uint32_t bus, bool is_first, port::Instant now);
   void give_up(Job& job, std::string_view why, port::Instant now);
   void end(Job& job, port::Instant retry_at);
 

@@ -276,6 +276,9 @@ void Poller::count_answer(Unit& unit, port::BusResult result, port::Instant now)
   line.progressed_at = now;
   UnitCounters& counters = unit.counters;
   ++counters.results[static_cast<std::size_t>(result)];
+  if (result == port::BusResult::ok || result == port::BusResult::exception) {
+    counters.answered_at = now;
+  }
   if (result != port::BusResult::ok) return;
   line.counters.answered_at = now;
   line.counters.floor += line.exchange_floor;

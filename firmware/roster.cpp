@@ -15,7 +15,9 @@ constexpr std::uint32_t record_count(std::uint32_t unit_count) {
 }  // namespace
 
 Roster::Roster(std::uint32_t unit_count)
-    : records_(record_count(unit_count)), by_unit_(unit_count, no_slot) {
+    : records_(record_count(unit_count)),
+      by_unit_(unit_count, no_slot),
+      released_heard_at_(unit_count) {
   by_serial_.reserve(records_.size());
   free_.reserve(records_.size());
   for (auto slot = static_cast<std::uint32_t>(records_.size()); slot-- > 0;) free_.push_back(slot);
@@ -59,7 +61,10 @@ void Roster::release(NodeRecord& node) {
   const auto entry = lower_bound(node.serial);
   free_.push_back(entry->slot);
   by_serial_.erase(entry);
-  if (node.unit != no_unit) by_unit_[node.unit] = no_slot;
+  if (node.unit != no_unit) {
+    by_unit_[node.unit] = no_slot;
+    released_heard_at_[node.unit] = node.heard_at;
+  }
   node = {};
 }
 

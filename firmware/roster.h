@@ -48,6 +48,8 @@ class Roster {
 
   // The node that answers at a unit, or null.
   NodeRecord* at(std::uint32_t unit);
+  // When the node that was released last at this unit was heard; the origin: there was none.
+  port::Instant released_heard_at(std::uint32_t unit) const { return released_heard_at_[unit]; }
   // All records, free ones between them.
   std::span<NodeRecord> records() { return records_; }
   std::span<const NodeRecord> records() const { return records_; }
@@ -73,6 +75,7 @@ class Roster {
   std::vector<std::uint32_t> free_;     // slots
   std::vector<Entry> by_serial_;        // sorted
   std::vector<std::uint32_t> by_unit_;  // slots
+  std::vector<port::Instant> released_heard_at_;
 };
 
 }  // namespace etcm::firmware

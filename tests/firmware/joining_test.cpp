@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "fakes.h"
+#include "memory_store.h"
 
 namespace etcm::firmware {
 namespace {
@@ -63,6 +64,62 @@ TEST_F(Joining, AUnitWhereSomebodyAnswersAfterAllIsNotGiven) {
   rig_.run(3s);
   EXPECT_EQ(rig_.log.count("node 77 has unit 11 of yard now"), 1u) << logged();
   EXPECT_EQ(rig_.mesh.node_count(), 2u);
+}
+
+// Its battery is changed while newcomers wait: they must not be where it comes back.
+TEST_F(Joining, AUnitWhoseNodeIsAwayIsGivenLast) {
+  bus().units = {};
+  bus().assign = {{.first = 10, .last = 13}};
+  put(10, 1, {0, 0});
+  put(12, 2, {9, 0});
+  rig_.run(1s);
+  rig_.bus.silence(12);
+  rig_.run(4s);
+  rig_.bus.silence(10);
+  rig_.run(4s);
+  ASSERT_EQ(rig_.log.count("left (silent)"), 2u) << logged();
+  // Those where nobody was; of the others the one that has been silent longer.
+  for (const std::uint32_t serial : {77u, 78u, 79u}) {
+    put(247, serial, {static_cast<std::int32_t>(serial), 5});
+    rig_.run(2s);
+  }
+  EXPECT_EQ(rig_.log.count("node 77 has unit 11 of yard now"), 1u) << logged();
+  EXPECT_EQ(rig_.log.count("node 78 has unit 13 of yard now"), 1u) << logged();
+  EXPECT_EQ(rig_.log.count("node 79 has unit 12 of yard now"), 1u) << logged();
+}
+
+TEST_F(Joining, SoIsOneWhoseNodeIsOnlyKnownFromBeforeARestart) {
+  MemoryStore store;
+  Rig before;
+  for (Rig* const rig : {&before, &rig_}) {
+    rig->settings.state = StateSettings{.folder = "/state", .interval = 1s};
+    rig->store = &store;
+    rig->settings.buses[0].units = {};
+    rig->settings.buses[0].assign = {{.first = 10, .last = 11}};
+  }
+  before.bus.set(10, {.serial = 1, .position = {0, 0}, .status = node_status::fix_valid});
+  before.run(2s);
+  rig_.start();
+  rig_.gateway->restore(rig_.clock.now());
+  rig_.run(5s);
+  ASSERT_EQ(rig_.log.count("node 1 left (silent)"), 1u) << logged();
+  put(247, 77);
+  rig_.run(2s);
+  EXPECT_EQ(rig_.log.count("node 77 has unit 11 of yard now"), 1u) << logged();
+}
+
+// What is no node answers there too.
+TEST_F(Joining, SoIsOneWhereSomeOtherDeviceAnswered) {
+  bus().units = {};
+  bus().assign = {{.first = 10, .last = 11}};
+  put(10, 1);
+  rig_.bus.set_result(10, port::BusResult::exception, 2);
+  rig_.run(1s);
+  rig_.bus.silence(10);
+  rig_.run(4s);
+  put(247, 77);
+  rig_.run(2s);
+  EXPECT_EQ(rig_.log.count("node 77 has unit 11 of yard now"), 1u) << logged();
 }
 
 TEST_F(Joining, AWriteWithoutAnAnswerIsVerifiedAndTriedAgain) {
