@@ -23,7 +23,7 @@ Panel::Panel(port::DigitalIo& io, const PanelLines& lines, Gateway& gateway)
 void Panel::step(port::Instant now) {
   io_.advance(now);
   const bool is_wanted = is_join_wanted();
-  if (is_wanted && (!was_join_wanted_ || join_due_ <= now)) {
+  if (is_wanted && join_due_ <= now) {
     gateway_.ask_at_once(default_unit, now);
     join_due_ = now + join_interval;
   }

@@ -17,7 +17,8 @@ struct PanelLines {
   std::optional<port::Line> watchdog;
 };
 
-// While the alert is up the default address is asked this often, and at once when it goes up.
+// The default address is asked when the alert goes up, and while it is up: at the most this often,
+// however it flutters.
 inline constexpr port::Duration join_interval = std::chrono::seconds(1);
 
 // The watchdog line changes its level this often, as long as somebody calls step().

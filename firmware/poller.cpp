@@ -197,28 +197,25 @@ bool Poller::is_stalled(std::uint32_t bus, port::Instant now, port::Duration pat
   return due <= now && std::max(due, line.progressed_at) + patience < now;
 }
 
-void Poller::ask_at_once(std::uint8_t address, port::Instant now) {
-  for (const Line& line : lines_) {
-    if (const std::uint32_t unit = line.unit_at[address]; unit != no_unit) {
-      ask_unit_at_once(unit, now);
-    }
-  }
+void Poller::ask_unit_at_once(std::uint32_t unit, port::Instant now) {
+  lines_[units_[unit].bus].probe_allowed = now;
+  bring_forward(unit, port::Instant{});
 }
 
-void Poller::ask_unit_at_once(std::uint32_t index, port::Instant now) {
+// It is asked in its turn, but as if it had been due then.
+void Poller::bring_forward(std::uint32_t index, port::Instant due) {
   Unit& unit = units_[index];
   Line& line = lines_[unit.bus];
-  line.probe_allowed = now;
   if (unit.is_resting) {
     unit.is_resting = false;
     --line.resting;
-    return ask_again(index, port::Instant{});
+    return ask_again(index, due);
   }
   for (std::vector<Turn>* const turns : {&line.turns, &line.probes}) {
     const auto found = std::find_if(turns->begin(), turns->end(),
                                     [&](const Turn& turn) { return turn.unit == index; });
     if (found == turns->end()) continue;
-    found->due = port::Instant{};
+    found->due = std::min(found->due, due);
     std::make_heap(turns->begin(), turns->end(), later);
   }
 }

@@ -50,6 +50,10 @@ class ReadingListener {
 // answers; on a line that others want within scan_budget of each interval. One that was found and
 // does not answer any more is only looked for again, once others of its bus answer.
 //
+// Units that somebody calls for are asked at once; where a bus takes one request at a time this
+// costs the others 1/32 of its time at the most, and beyond that they are asked as failing units
+// are.
+//
 // Errands wait until nobody is due; on a bus that is always busy they have 1/16 of its time.
 //
 // Where no unit of a bus answers, something between is broken, such as a cable: all are asked as
@@ -67,7 +71,8 @@ class Poller {
   // The timeouts in the settings of the buses have changed.
   void update_timeouts();
 
-  // Asks the units with this address next, whoever else is due and however often they have failed.
+  // Somebody is said to be at this address: asks its units next, whoever else is due and however
+  // often they have failed, as far as their share of the time allows.
   void ask_at_once(std::uint8_t address, port::Instant now);
 
   void ask_unit_at_once(std::uint32_t unit, port::Instant now);
@@ -130,6 +135,7 @@ class Poller {
     bool takes_one = false;               // request at a time
     port::Duration probe_cost_max{};      // to a unit that does not answer, where it takes one
     port::Instant probe_allowed{};        // at others' cost, where it takes one
+    port::Instant call_allowed{};         // likewise, whom somebody calls for
     std::vector<std::uint32_t> sought{};  // units that are not listed
     std::size_t sought_next = 0;
     std::uint32_t resting = 0;
@@ -145,6 +151,7 @@ class Poller {
     BusCounters counters{};
   };
 
+  void bring_forward(std::uint32_t unit, port::Instant due);
   void add_unit(Line& line, std::uint8_t address, bool is_listed);
   bool ask_next(std::uint32_t bus, port::Instant now);
   void ask(Line& line, const Turn& turn, Asking asking, port::Instant now);

@@ -15,6 +15,19 @@ constexpr std::int64_t errand_share = 16;
 
 }  // namespace
 
+void Poller::ask_at_once(std::uint8_t address, port::Instant now) {
+  for (Line& line : lines_) {
+    const std::uint32_t unit = line.unit_at[address];
+    if (unit == no_unit) continue;
+    if (line.takes_one && now < line.call_allowed) {
+      bring_forward(unit, now);
+    } else {
+      line.call_allowed = now + line.probe_cost_max * probe_share;
+      ask_unit_at_once(unit, now);
+    }
+  }
+}
+
 // REQUIRES: one is resting.
 std::uint32_t Poller::next_sought(Line& line) {
   while (true) {

@@ -27,20 +27,21 @@ constexpr PanelLines all_lines{.alert = port::Line{0},
                                .status_led = port::Line{2},
                                .watchdog = port::Line{3}};
 
-class PanelOfAGateway : public testing::Test {
- protected:
-  PanelOfAGateway() {
+struct GatewayWithPanel {
+  GatewayWithPanel() {
     rig_.settings.buses[0].units = {{.first = 1, .last = 20}, {.first = 247, .last = 247}};
     rig_.settings.poll.interval = 100ms;
     rig_.settings.poll.absent_interval = 1min;
     rig_.settings.poll.leave_after = 10min;
     rig_.settings.poll.stale_after = 10min;
-    rig_.start();
-    panel_.emplace(lines_, all_lines, *rig_.gateway);
   }
 
   // Runs both, and counts the times a line went up.
   void run(port::Duration duration) {
+    if (!panel_) {
+      rig_.start();
+      panel_.emplace(lines_, all_lines, *rig_.gateway);
+    }
     for (port::Duration passed{}; passed < duration; passed += 10ms) {
       const std::map<int, bool> before = lines_.levels;
       panel_->step(rig_.clock.now());
@@ -56,6 +57,8 @@ class PanelOfAGateway : public testing::Test {
   std::optional<Panel> panel_;
   std::map<int, int> rises_;
 };
+
+class PanelOfAGateway : public testing::Test, protected GatewayWithPanel {};
 
 TEST_F(PanelOfAGateway, AnAlertBringsANewNodeIntoTheMeshAtOnce) {
   rig_.put(1, 0, 0);
@@ -85,6 +88,69 @@ TEST_F(PanelOfAGateway, WhileTheAlertIsUpTheDefaultAddressIsAskedAgainAndAgain) 
   run(5s);
   EXPECT_GE(rig_.bus.reads[247], before + 5);
   EXPECT_LE(rig_.bus.reads[247], before + 7);
+}
+
+struct Polls {
+  std::uint32_t of_the_sound = 0;
+  std::uint32_t of_the_dead = 0;
+  std::uint32_t of_newcomers = 0;
+};
+
+// On a serial line that is always busy, where each question in vain costs the others its timeout.
+// The alert is up and down in turn for so long.
+Polls polls_with_alert(port::Duration up, port::Duration down) {
+  GatewayWithPanel busy;
+  Rig& rig = busy.rig_;
+  rig.bus.outstanding_max = 1;
+  rig.settings.buses[0].outstanding_max = 1;
+  rig.settings.buses[0].timeout = 100ms;
+  rig.settings.poll.interval = 10ms;
+  rig.settings.poll.absent_interval = 1s;
+  for (std::uint8_t unit = 1; unit <= 18; ++unit) rig.put(unit, unit * unit, 7 * unit % 11);
+  busy.run(10s);
+  rig.bus.reads.clear();
+  for (port::Duration passed{}; passed < 100s; passed += up + down) {
+    busy.lines_.levels[0] = true;
+    busy.run(up);
+    busy.lines_.levels[0] = false;
+    busy.run(down);
+  }
+  Polls polls{.of_the_dead = rig.bus.reads[19] + rig.bus.reads[20],
+              .of_newcomers = rig.bus.reads[247]};
+  for (std::uint8_t unit = 1; unit <= 18; ++unit) polls.of_the_sound += rig.bus.reads[unit];
+  return polls;
+}
+
+// A floating pin: each edge is more than the debounce away from the one before.
+TEST_F(PanelOfAGateway, AFlutteringAlertCostsTheOthersLittle) {
+  const Polls calm = polls_with_alert(0ms, 100s);
+  const Polls fluttering = polls_with_alert(30ms, 30ms);
+  EXPECT_GE(fluttering.of_the_sound * 100, calm.of_the_sound * 95);
+  EXPECT_GE(fluttering.of_the_dead * 2, calm.of_the_dead) << "they may come back";
+  EXPECT_GE(fluttering.of_newcomers, 20u);
+}
+
+TEST_F(PanelOfAGateway, SoDoesOneThatIsStuck) {
+  const Polls calm = polls_with_alert(0ms, 100s);
+  const Polls stuck = polls_with_alert(100s, 0ms);
+  EXPECT_GE(stuck.of_the_sound * 100, calm.of_the_sound * 95);
+  EXPECT_GE(stuck.of_the_dead * 2, calm.of_the_dead);
+  EXPECT_GE(stuck.of_newcomers, 20u);
+}
+
+// Where nobody is kept waiting it is asked every second.
+TEST_F(PanelOfAGateway, OnAnIdleLineAnAlertIsHeardEverySecond) {
+  rig_.bus.outstanding_max = 1;
+  rig_.settings.buses[0].outstanding_max = 1;
+  rig_.settings.buses[0].units = {{.first = 1, .last = 1}, {.first = 247, .last = 247}};
+  rig_.settings.poll.interval = 500ms;
+  rig_.put(1, 0, 0);
+  run(5min);
+  const std::uint32_t before = rig_.bus.reads[247];
+  lines_.levels[0] = true;
+  run(10s);
+  EXPECT_GE(rig_.bus.reads[247], before + 10);
+  EXPECT_LE(rig_.bus.reads[247], before + 12);
 }
 
 TEST_F(PanelOfAGateway, TheLedShowsTheState) {
