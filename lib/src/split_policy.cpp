@@ -23,6 +23,11 @@ Parameter within(const SplitSite& site, Parameter t) noexcept {
 // Where a split aims at another vertex, it leaves that vertex's feature a neighbour at its side
 // instead of one in the way: worth so many times the length it finishes.
 constexpr double aimed_worth = 1.7;
+// The same where it aims at a Steiner vertex so near, against the longest part that one split can
+// finish, that its feature runs beside this one. Among parallels too every place returns on all of
+// them, so one that is there is better than a new one; but no better than to break a subsegment.
+constexpr double aligned_worth = 2.0;
+constexpr double beside = 0.03;
 // The same where both features leave a node at an angle below `narrow`, and both vertices stand at
 // one distance from it. In a fan every distance at which one feature has a vertex returns on its
 // neighbours; so the fewer the distances, the fewer the vertices, whatever this split breaks.
@@ -193,6 +198,7 @@ void Choice::aim_along(double along, VertexId v, double worth) noexcept {
 }
 
 void Choice::aim_at(VertexId v, const View& seen) noexcept {
+  const double aside = std::fabs(seen.across.value) * line_.per_squared_length;
   // On a feature that shares a node with this one, the same distance from there: the two vertices
   // and the node are isosceles, so neither is in the other's way.
   const auto distance_from = [&](VertexId node) {
@@ -200,7 +206,6 @@ void Choice::aim_at(VertexId v, const View& seen) noexcept {
     return std::sqrt(internal::lift(at) * line_.per_squared_length);
   };
   const auto worth = [&](double distance) {
-    const double aside = std::fabs(seen.across.value) * line_.per_squared_length;
     return aside < narrow * distance ? ring_worth : aimed_worth;
   };
   if (!from_.is_none() && ends_at(v, from_)) {
@@ -212,7 +217,9 @@ void Choice::aim_at(VertexId v, const View& seen) noexcept {
     aim_along(std::ceil(parameter_end - distance - 0.5) - site_.head, v, worth(distance));
   }
   // Else straight beside it, where the piece's two parts see it under no more than a right angle.
-  aim_along(seen.along, v, aimed_worth);
+  const bool is_aligned =
+      aside * per_longest_ < beside && mesh_.owner(v).role() != internal::Role::node;
+  aim_along(seen.along, v, is_aligned ? aligned_worth : aimed_worth);
 }
 
 // Opposite the end of the piece in its triangle.

@@ -183,6 +183,13 @@ TEST(MeshBuild, NeedsFewVerticesOnAFanOfNarrowAngles) {
   }
 }
 
+TEST(MeshBuild, SharesThePlacesOfManyParallels) {
+  // A place of its own for each split would take 1920.
+  const auto mesh = built(inputs::parallels(20, 10, 100'000, 40, 51));
+  EXPECT_LT((*mesh)->steiner_count(), 1150u);
+  EXPECT_TRUE(passes_audit(**mesh));
+}
+
 TEST(MeshOpen, ChecksItsConfiguration) {
   MeshStorage<10, 4> storage;
   Mesh mesh;
