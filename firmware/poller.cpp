@@ -154,7 +154,7 @@ void Poller::ask(Line& line, const Turn& turn, Asking asking, port::Instant now)
 }
 
 // Where the next question comes from: whoever has waited longest and may be asked. Null for nobody.
-std::vector<Poller::Turn>* Poller::next_turns(Line& line, port::Instant now) {
+std::vector<Poller::Turn>* Poller::next_turns(Line& line, port::Instant now) const {
   const port::Instant turn = line.turns.empty() ? port::never : line.turns.front().due;
   const port::Instant probe = probe_due(line, now);
   if (std::min(turn, probe) > now) return nullptr;
@@ -164,11 +164,14 @@ std::vector<Poller::Turn>* Poller::next_turns(Line& line, port::Instant now) {
 }
 
 // When a failing unit may be asked, as far as that is known now.
-port::Instant Poller::probe_due(const Line& line, port::Instant now) {
+port::Instant Poller::probe_due(const Line& line, port::Instant now) const {
   if (line.probes.empty() || line.probes_under_way >= line.probes_max) return port::never;
   const port::Instant due = line.probes.front().due;
   if (!line.takes_one || line.turns.empty()) return due;
-  const bool is_idle = line.turns.front().due > std::max(due, now) + line.probe_cost_max;
+  const Unit& unit = units_[line.probes.front().unit];
+  const port::Duration cost =
+      std::max(line.probe_cost_max, unit.timeout + unit.silence + line.exchange_floor);
+  const bool is_idle = line.turns.front().due > std::max(due, now) + cost;
   return is_idle ? due : std::max(due, line.probe_allowed);
 }
 
@@ -233,6 +236,7 @@ TextLine Poller::name(std::uint32_t unit) const {
 void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Instant now) {
   Unit& unit = units_[index];
   count_answer(unit, answer.result, now);
+  unit.silence = answer.silence;
   note_cost(unit, answer, now);
   switch (answer.result) {
     case port::BusResult::ok:

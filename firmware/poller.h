@@ -118,6 +118,7 @@ class Poller {
     std::uint32_t failures = 0;  // in a row
     port::Instant due{};         // for the question asked at
     port::Instant asked_at{};
+    port::Duration silence{};  // that its last answer, or the wait for it, cost the others
     UnitCounters counters{};
   };
   struct Turn {
@@ -161,13 +162,13 @@ class Poller {
   static port::Instant scan_start(const Line& line, port::Instant now);
   static port::Instant start_beside(const Line& line, port::Instant due, port::Instant allowed,
                                     port::Instant now);
-  static port::Duration cost_of(const Line& line, port::Instant asked_at,
-                                const port::BusAnswer& answer, port::Instant now);
+  static port::Duration cost_of(port::Instant asked_at, const port::BusAnswer& answer,
+                                port::Instant now);
   std::uint32_t next_sought(Line& line);
   void note_cost(Unit& unit, const port::BusAnswer& answer, port::Instant now);
   void rest(std::uint32_t unit);
-  static std::vector<Turn>* next_turns(Line& line, port::Instant now);
-  static port::Instant probe_due(const Line& line, port::Instant now);
+  std::vector<Turn>* next_turns(Line& line, port::Instant now) const;
+  port::Instant probe_due(const Line& line, port::Instant now) const;
   void take(const port::BusAnswer& answer, std::uint32_t unit, port::Instant now);
   void count_answer(Unit& unit, port::BusResult result, port::Instant now);
   void fail(std::uint32_t unit, std::string_view why, bool is_silence, port::Instant now);

@@ -92,23 +92,21 @@ void Poller::finish_errand(std::uint32_t number, const port::BusAnswer& answer, 
   line.errand_under_way = false;
   --line.under_way;
   line.progressed_at = now;
-  line.errand_allowed = now + cost_of(line, line.errand_asked_at, answer, now) * (errand_share - 1);
+  line.errand_allowed = now + cost_of(line.errand_asked_at, answer, now) * (errand_share - 1);
   errands_->on_errand_done(number, answer, now);
 }
 
 // What a request has cost the others.
-port::Duration Poller::cost_of(const Line& line, port::Instant asked_at,
-                               const port::BusAnswer& answer, port::Instant now) {
-  const bool is_in_vain =
-      answer.result == port::BusResult::timeout || answer.result == port::BusResult::bad_answer;
-  return now - asked_at + (is_in_vain ? line.polled.settings->quiet : port::Duration{});
+port::Duration Poller::cost_of(port::Instant asked_at, const port::BusAnswer& answer,
+                               port::Instant now) {
+  return now - asked_at + answer.silence;
 }
 
 // What the others had to wait for a unit that failed, or was only looked for, comes off its share.
 void Poller::note_cost(Unit& unit, const port::BusAnswer& answer, port::Instant now) {
   Line& line = lines_[unit.bus];
   if (unit.asking == Asking::turn) return;
-  const port::Duration cost = cost_of(line, unit.asked_at, answer, now);
+  const port::Duration cost = cost_of(unit.asked_at, answer, now);
   if (unit.asking == Asking::probe) {
     --line.probes_under_way;
     line.probe_allowed = now + cost * (probe_share - 1);

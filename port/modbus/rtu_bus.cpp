@@ -157,7 +157,7 @@ bool RtuBus::note_late(const RtuAnswer& found, Instant now) {
   Unit& unit = units_[found.unit];
   if (!unit.owes_answer) return false;
   unit.owes_answer = false;
-  unit.slowest_late = std::max(unit.slowest_late, now - unit.asked_at);
+  unit.lateness = std::max(unit.lateness, now - unit.asked_at);
   if (!std::exchange(unit.is_reported_late, true)) {
     const auto late = std::chrono::ceil<std::chrono::milliseconds>(now - unit.asked_at).count();
     log_.write(Level::warning, "bus " + options_.name + ": unit " + std::to_string(found.unit) +
@@ -176,7 +176,11 @@ void RtuBus::give_up(Instant now) {
         request_.function == read_input_registers ? read_holding_registers : read_input_registers;
   }
   complete(heard_wrong_ || line_.has_heard() ? BusResult::bad_answer : BusResult::timeout);
-  const Instant until = std::max(now + options_.quiet, unit.asked_at + unit.slowest_late);
+  const Instant until = std::max(now + options_.quiet,
+                                 std::min(now + late_silence_max, unit.asked_at + unit.lateness));
+  // Half of it the next time, unless a late answer comes again.
+  unit.lateness = (until - unit.asked_at) / 2;
+  answer_.silence = until - now;
   be_silent(until, until + babble_max());
 }
 

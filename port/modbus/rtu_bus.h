@@ -7,7 +7,9 @@
 //   unit and the range) and the right checksum; other bytes (noise, an echo, another unit's late
 //   answer) do not end the wait;
 // - after a wait in vain the line stays silent for as long as that unit may still begin to answer:
-//   `quiet`, or longer where it once was slower; less once its late answer has passed;
+//   `quiet`, or longer where it once was slower; less once its late answer has passed. Never longer
+//   than late_silence_max, and each miss without a late answer halves what is remembered: who falls
+//   into another's answer spoils that one, and no more, so waiting longer would cost more;
 // - the unit that was waited for in vain is next asked with the other function that reads the same
 //   registers (FC 3 after FC 4, FC 4 after FC 3), so that even a later answer does not match. There
 //   is no other function that writes: node_bus.h says what follows from that.
@@ -25,6 +27,9 @@
 #include "posix/event_loop.h"
 
 namespace etcm::port {
+
+// The line is silent for no longer after a wait in vain, where `quiet` is not longer.
+inline constexpr Duration late_silence_max = std::chrono::seconds(1);
 
 struct RtuBusOptions {
   std::string name;  // for the log
@@ -71,7 +76,7 @@ class RtuBus final : public NodeBus {
     bool owes_answer = false;                      // to the request that was sent at asked_at
     bool is_reported_late = false;
     Instant asked_at{};
-    Duration slowest_late{};  // from the end of a request to the end of a late answer
+    Duration lateness{};  // from the end of a request to the end of a late answer, as remembered
   };
 
   void send(const Request& request, std::span<std::uint8_t> frame, std::size_t pdu_bytes,

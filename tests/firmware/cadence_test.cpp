@@ -77,5 +77,29 @@ TEST_F(Cadence, ALineThatIsTooSlowIsFair) {
   }
 }
 
+// A line that takes one question at a time, with a unit that does not answer: polls of another one
+// in two minutes, where the bus is silent for so long after each wait in vain.
+std::uint32_t polls_beside_an_absent_unit(port::Duration interval, port::Duration silence) {
+  Rig rig;
+  rig.bus.outstanding_max = 1;
+  rig.bus.silence_after_timeout = silence;
+  rig.settings.buses[0].outstanding_max = 1;
+  rig.settings.buses[0].units = {{.first = 1, .last = 2}};
+  rig.settings.poll.interval = rig.settings.poll.absent_interval = interval;
+  rig.put(1, 0, 0);
+  rig.run(2min);
+  EXPECT_GE(rig.bus.reads[2], 3u) << "it may come back";
+  return rig.bus.reads[1];
+}
+
+TEST(SilenceForAnAbsentUnit, IsWithinItsShareOfABusyLine) {
+  EXPECT_GT(polls_beside_an_absent_unit(10ms, 1s) * 100,
+            polls_beside_an_absent_unit(10ms, 0s) * 96);
+}
+
+TEST(SilenceForAnAbsentUnit, DoesNotComeInTheWayOfThoseAboutToBeAsked) {
+  EXPECT_GE(polls_beside_an_absent_unit(500ms, 1s), 220u);
+}
+
 }  // namespace
 }  // namespace etcm::firmware

@@ -58,6 +58,7 @@ bool ScriptedBus::take_in(const port::RegisterWrite& write) {
 
 void ScriptedBus::advance(port::Instant now) {
   if (is_stuck) return;
+  now_ = now;
   std::erase_if(waiting_, [&](const Waiting& waiting) {
     if (waiting.deadline > now) return false;
     timed_out_.push_back(waiting.request);
@@ -71,7 +72,9 @@ bool ScriptedBus::take_answer(port::BusAnswer& answer) {
     answer = {.unit = timed_out_.front().unit,
               .ticket = timed_out_.front().ticket,
               .result = port::BusResult::timeout,
+              .silence = silence_after_timeout,
               .registers = {}};
+    silent_until_ = now_ + silence_after_timeout;
     timed_out_.pop_front();
     return true;
   }
@@ -101,7 +104,7 @@ bool ScriptedBus::take_answer(port::BusAnswer& answer) {
 }
 
 port::Instant ScriptedBus::next_deadline() const {
-  port::Instant deadline = port::never;
+  port::Instant deadline = silent_until_ > now_ ? silent_until_ : port::never;
   for (const Waiting& waiting : waiting_) deadline = std::min(deadline, waiting.deadline);
   return deadline;
 }

@@ -37,7 +37,8 @@ class RecordingLog final : public port::Log {
 class ScriptedBus final : public port::NodeBus {
  public:
   bool ready() const override {
-    return link_up && waiting_.size() + done_.size() + timed_out_.size() < outstanding_max;
+    return link_up && silent_until_ <= now_ &&
+           waiting_.size() + done_.size() + timed_out_.size() < outstanding_max;
   }
   void start_read(const port::RegisterRead& read, port::Instant now) override;
   void start_write(const port::RegisterWrite& write, port::Instant now) override;
@@ -55,6 +56,7 @@ class ScriptedBus final : public port::NodeBus {
   bool link_up = true;
   bool is_stuck = false;  // neither answers nor lets time pass
   std::size_t outstanding_max = 100;
+  port::Duration silence_after_timeout{};
   std::map<std::uint8_t, std::uint32_t> reads;      // by unit
   std::map<std::uint8_t, port::Duration> timeouts;  // of the last read, by unit
   std::map<std::uint8_t, std::uint32_t> writes;     // by unit, also in vain
@@ -84,6 +86,8 @@ class ScriptedBus final : public port::NodeBus {
   };
   bool take_in(const port::RegisterWrite& write);
 
+  port::Instant now_{};
+  port::Instant silent_until_{};
   std::map<std::uint8_t, Unit> units_;
   std::vector<Waiting> waiting_;
   std::deque<Request> done_;

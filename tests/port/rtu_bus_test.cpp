@@ -277,6 +277,31 @@ TEST_F(SerialBus, AUnitThatOnceWasSlowGetsALongerQuiet) {
   EXPECT_TRUE(bus().ready());
 }
 
+TEST_F(SerialBus, AUnitThatWasOnceVeryLateCostsTheOthersLittle) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  pass(9s);
+  say(two_registers(7, 1));
+  // It misses again and again, without a late answer.
+  Duration silences{};
+  become_ready();
+  for (int miss = 0; miss < 20; ++miss) {
+    bus().start_read({.unit = 7, .first = 0, .count = 2, .timeout = timeout}, now_);
+    take(rtu_read_request_bytes);
+    now_ = bus().next_deadline();
+    bus().advance(now_);
+    BusAnswer missed;
+    ASSERT_TRUE(bus().take_answer(missed));
+    EXPECT_EQ(missed.result, BusResult::timeout);
+    EXPECT_EQ(now_ + missed.silence, bus().next_deadline()) << "what it costs is told";
+    EXPECT_LE(missed.silence, late_silence_max);
+    silences += missed.silence;
+    pass(missed.silence);
+    ASSERT_TRUE(bus().ready());
+  }
+  EXPECT_LE(silences, 20 * quiet + 2 * late_silence_max) << "it is forgotten";
+}
+
 struct Misbehaviour {
   const char* name;
   Bytes bytes;

@@ -50,6 +50,8 @@ struct BusAnswer {
   std::uint32_t ticket = 0;  // of the request
   BusResult result = BusResult::ok;
   std::uint8_t exception = 0;  // the code, with BusResult::exception
+  // After a wait in vain: for so long at the most the bus takes no request because of it.
+  Duration silence{};
   // Of a read, with BusResult::ok; valid until the next call.
   std::span<const std::uint16_t> registers;
 };
