@@ -3,9 +3,18 @@
 //
 // A late answer can never become another request's data: each request has its own transaction
 // number, and an answer whose number is not under way is thrown away.
+//
+// A connection can freeze without a word: a converter that hangs, a firewall that has forgotten it.
+// So one on which requests were sent and nothing at all came back for tcp_silence_max, or three
+// timeouts where that is longer, is given up and made anew. What was sent into it is thrown away,
+// as far as the other side has not taken it. No request is cut short by that: no more are taken,
+// and those under way have their time. Where the new connection is as silent (all units behind a
+// converter are dead), the next comes after twice the time, up to tcp_silence_longest; the log has
+// one line until something comes.
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +23,12 @@
 #include "modbus/tcp_connection.h"
 
 namespace etcm::port {
+
+inline constexpr Duration tcp_silence_max = std::chrono::seconds(5);
+inline constexpr Duration tcp_silence_longest = std::chrono::minutes(1);
+// An attempt to connect may take so long, or reconnect_interval where that is longer: a packet that
+// is lost is sent again after a second.
+inline constexpr Duration tcp_connect_max = std::chrono::seconds(3);
 
 struct TcpBusOptions {
   std::string name;  // for the log
@@ -56,15 +71,25 @@ class TcpBus final : public NodeBus, private TcpConnection::Listener {
   void on_connected() override;
   void on_frame(const Frame& frame) override;
   void on_lost(const char* why) override;
-  void send(Request request, std::span<std::uint8_t> frame, std::size_t pdu_bytes);
+  void send(Request request, Duration timeout, std::span<std::uint8_t> frame, std::size_t pdu_bytes,
+            Instant now);
   void complete(std::size_t request, BusResult result);
+  void give_up_silent(Instant now);
+  void note_up();
   void connect(Instant now);
+  Instant next_attempt() const;
 
   Log& log_;
   TcpBusOptions options_;
   TcpConnection connection_;
   bool reported_down_ = false;
   Instant next_attempt_{};
+  Instant attempt_ends_{};
+
+  std::optional<Instant> unheard_since_;    // a request was sent, and nothing has come since then
+  Duration slowest_timeout_{};              // of the requests since then
+  Duration silence_max_ = tcp_silence_max;  // longer where the connection before was as silent
+  bool is_silent_ = false;                  // for longer than it may be
   std::uint16_t last_transaction_ = 0;
   std::vector<Request> requests_;     // under way
   std::vector<Completed> completed_;  // a ring; never more than outstanding_max are in it

@@ -40,6 +40,11 @@ void TcpConnection::close() {
   state_ = State::down;
 }
 
+void TcpConnection::abort() {
+  if (socket_.is_open()) reset_on_close(socket_.get());
+  close();
+}
+
 void TcpConnection::on_ready(bool can_read, bool can_write) {
   if (state_ == State::connecting) {
     const int error = connect_error(socket_.get());
@@ -67,7 +72,7 @@ void TcpConnection::receive() {
 }
 
 void TcpConnection::lose(const char* why) {
-  close();
+  abort();
   listener_.on_lost(why);
 }
 

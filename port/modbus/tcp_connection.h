@@ -49,6 +49,8 @@ class TcpConnection final : private EventHandler {
 
   // Is down then, and says nothing.
   void close();
+  // The same, and what was sent is thrown away as far as the other side has not taken it.
+  void abort();
 
  private:
   void on_ready(bool can_read, bool can_write) override;

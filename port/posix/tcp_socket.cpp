@@ -59,6 +59,8 @@ FileDescriptor connect_tcp(const SocketAddress& address) {
   FileDescriptor socket = open_socket();
   if (!socket.is_open()) return socket;
   send_at_once(socket.get());
+  const unsigned int unconfirmed_ms = 10'000;
+  ::setsockopt(socket.get(), IPPROTO_TCP, TCP_USER_TIMEOUT, &unconfirmed_ms, sizeof unconfirmed_ms);
   const sockaddr_in native = to_native(address);
   const int result =
       ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&native), sizeof native);
@@ -71,6 +73,11 @@ int connect_error(int descriptor) {
   socklen_t size = sizeof error;
   ::getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size);
   return error;
+}
+
+void reset_on_close(int descriptor) {
+  const linger at_once{.l_onoff = 1, .l_linger = 0};
+  ::setsockopt(descriptor, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
 }
 
 FileDescriptor accept_tcp(int listener, SocketAddress* peer) {

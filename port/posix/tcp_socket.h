@@ -12,9 +12,13 @@ FileDescriptor listen_tcp(const SocketAddress& address);
 SocketAddress bound_address(int descriptor);
 
 // Starts to connect. The socket is writable once that ended; connect_error() then tells how.
-// Not open when it failed at once.
+// Not open when it failed at once. A connection whose peer does not confirm for 10 s what was sent
+// fails.
 FileDescriptor connect_tcp(const SocketAddress& address);
 int connect_error(int descriptor);
+
+// Closing it then ends the connection at once, without what waits to be sent.
+void reset_on_close(int descriptor);
 
 // Not open when there is nobody to accept. Sets `peer` to who connected. A peer that vanishes
 // without a word is found out within minutes.

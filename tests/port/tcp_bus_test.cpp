@@ -15,14 +15,16 @@ class Bus : public testing::Test {
  protected:
   Bus() : listener_(listen_tcp({.host = 0x7f000001, .port = 0})) {}
 
-  void connect(std::uint32_t outstanding_max = 2) {
-    if (!bus_) {
-      bus_ = std::make_unique<TcpBus>(loop_, log_,
-                                      TcpBusOptions{.name = "test",
-                                                    .address = bound_address(listener_.get()),
-                                                    .outstanding_max = outstanding_max,
-                                                    .reconnect_interval = 100ms});
-    }
+  void make_bus() {
+    bus_ = std::make_unique<TcpBus>(loop_, log_,
+                                    TcpBusOptions{.name = "test",
+                                                  .address = bound_address(listener_.get()),
+                                                  .outstanding_max = 2,
+                                                  .reconnect_interval = 100ms});
+  }
+
+  void connect() {
+    if (!bus_) make_bus();
     bus_->advance(now_);
     ASSERT_TRUE(turn_until(loop_, [&] {
       if (!peer_.is_open()) peer_ = accept_tcp(listener_.get());
@@ -31,8 +33,8 @@ class Bus : public testing::Test {
   }
 
   // The transaction number of the request that arrives next.
-  std::uint16_t request(std::uint8_t unit) {
-    bus_->start_read({.unit = unit, .first = 0, .count = 2, .timeout = 50ms}, now_);
+  std::uint16_t request(std::uint8_t unit, Duration at_most = 50ms) {
+    bus_->start_read({.unit = unit, .first = 0, .count = 2, .timeout = at_most}, now_);
     Bytes bytes;
     EXPECT_TRUE(turn_until(loop_, [&] {
       receive_available(peer_.get(), bytes);
@@ -68,6 +70,30 @@ class Bus : public testing::Test {
     BusAnswer found;
     for (int turn = 0; turn < 5; ++turn) loop_.wait(2ms);
     EXPECT_FALSE(bus_->take_answer(found));
+  }
+
+  // A request each second, until the bus takes none or it is time. None is cut short.
+  void ask_in_vain_until(Instant end) {
+    while (now_ < end && bus_->ready()) {
+      request(7);
+      now_ += 50ms;
+      bus_->advance(now_);
+      EXPECT_EQ(answer().result, BusResult::timeout);
+      now_ += 950ms;
+      bus_->advance(now_);
+    }
+  }
+
+  // Whether the other side has thrown the connection away; before that came `rest`.
+  static bool is_reset(int descriptor, Bytes& rest) {
+    while (true) {
+      pollfd readable{.fd = descriptor, .events = POLLIN, .revents = 0};
+      if (::poll(&readable, 1, 20'000) != 1) return false;
+      std::uint8_t chunk[4096];
+      const ssize_t count = ::recv(descriptor, chunk, sizeof chunk, 0);
+      if (count <= 0) return count < 0 && errno == ECONNRESET;
+      rest.insert(rest.end(), chunk, chunk + count);
+    }
   }
 
   void reply(std::uint16_t transaction, std::uint8_t unit, std::uint8_t value) {
@@ -205,6 +231,127 @@ TEST_F(Bus, ARefusedConnectionIsTriedAgainAndSaidOnce) {
   EXPECT_EQ(log_.lines.size(), 1u);
   listener_ = listen_tcp(address);
   connect();
+}
+
+// Requests into the void, one each second, until the bus does not take them any more.
+TEST_F(Bus, APeerThatFallsSilentIsConnectedAnew) {
+  connect();
+  reply(request(7), 7, 1);
+  EXPECT_EQ(answer().result, BusResult::ok);
+  const Instant asked_first = now_;
+  ask_in_vain_until(asked_first + tcp_silence_max);
+  EXPECT_EQ(now_, asked_first + tcp_silence_max);
+  Bytes rest;
+  EXPECT_TRUE(is_reset(peer_.get(), rest));
+  EXPECT_TRUE(rest.empty());
+  peer_.close();
+  connect();
+  EXPECT_EQ(log_.lines.size(), 2u) << "connected, silent";
+  EXPECT_NE(log_.lines.back().find("nothing answers"), std::string::npos) << log_.lines.back();
+  reply(request(7), 7, 3);
+  EXPECT_EQ(answer().registers[0], 3);
+  EXPECT_EQ(log_.lines.size(), 3u) << "connected";
+}
+
+TEST_F(Bus, WhatIsUnderWayHasItsTimeWhenThePeerIsSilent) {
+  connect();
+  const Instant asked_first = now_;
+  request(7);
+  now_ += 50ms;
+  bus_->advance(now_);
+  EXPECT_EQ(answer().result, BusResult::timeout);
+  now_ = asked_first + tcp_silence_max - 10ms;
+  bus_->advance(now_);
+  const std::uint16_t last = request(8);
+  now_ += 10ms;
+  bus_->advance(now_);
+  EXPECT_FALSE(bus_->ready());
+  expect_no_answer();
+  reply(last, 8, 5);
+  EXPECT_EQ(answer().registers[0], 5);
+  EXPECT_TRUE(bus_->ready()) << "it has spoken";
+}
+
+TEST_F(Bus, ASlowUnitIsNoSilentPeer) {
+  connect();
+  const std::uint16_t slow = request(7, 4s);
+  now_ += tcp_silence_max - 2s;
+  bus_->advance(now_);
+  expect_no_answer();
+  EXPECT_EQ(request(8, 50ms), slow + 1);
+  now_ += 2s;
+  bus_->advance(now_);
+  EXPECT_EQ(answer().result, BusResult::timeout);
+  EXPECT_EQ(answer().result, BusResult::timeout);
+  EXPECT_TRUE(bus_->ready()) << "three of its timeouts are not over";
+}
+
+// A converter with nobody alive behind it.
+TEST_F(Bus, APeerThatStaysSilentIsConnectedEverMoreRarelyAndSaidOnce) {
+  connect();
+  int connections = 0;
+  for (const Instant end = now_ + 10min; now_ < end; ++connections) {
+    ask_in_vain_until(end);
+    if (bus_->ready()) break;
+    peer_.close();
+    connect();
+  }
+  EXPECT_GE(connections, 10);
+  EXPECT_LE(connections, 15);
+  EXPECT_EQ(log_.lines.size(), 2u);
+}
+
+TEST_F(Bus, ABacklogIsNotWorkedOff) {
+  connect();
+  while (bus_->ready()) {
+    bus_->start_read({.unit = 7, .first = 0, .count = 2, .timeout = 50ms}, now_);
+    now_ += 50ms;
+    bus_->advance(now_);
+    EXPECT_EQ(answer().result, BusResult::timeout);
+  }
+  const FileDescriptor frozen = std::move(peer_);
+  connect();
+  Bytes bytes;
+  EXPECT_TRUE(is_reset(frozen.get(), bytes)) << "what has not got through is thrown away";
+  EXPECT_LE(bytes.size(), 12 * (tcp_silence_max / 50ms));
+  reply(request(7), 7, 3);
+  EXPECT_EQ(answer().registers[0], 3);
+}
+
+// The listener's queue is full, so the first packet of the connection is lost; the system sends it
+// again after a second.
+TEST_F(Bus, ASlowConnectionIsWaitedFor) {
+  ASSERT_EQ(::listen(listener_.get(), 0), 0);
+  const FileDescriptor first = connect_tcp(bound_address(listener_.get()));
+  pollfd made{.fd = first.get(), .events = POLLOUT, .revents = 0};
+  ASSERT_EQ(::poll(&made, 1, 20'000), 1);
+  make_bus();
+  const Instant begun = now_;
+  for (; now_ < begun + tcp_connect_max; now_ += 100ms) {
+    bus_->advance(now_);
+    loop_.wait(Duration{});
+    EXPECT_LE(bus_->next_deadline(), begun + tcp_connect_max);
+    ASSERT_TRUE(log_.lines.empty()) << log_.lines.back();
+  }
+  now_ -= 100ms;
+  EXPECT_TRUE(accept_tcp(listener_.get()).is_open());
+  connect();
+  EXPECT_EQ(log_.lines.size(), 1u) << "connected";
+}
+
+TEST_F(Bus, AConnectionThatNeverComesIsTriedAgain) {
+  ASSERT_EQ(::listen(listener_.get(), 0), 0);
+  const FileDescriptor first = connect_tcp(bound_address(listener_.get()));
+  pollfd made{.fd = first.get(), .events = POLLOUT, .revents = 0};
+  ASSERT_EQ(::poll(&made, 1, 20'000), 1);
+  make_bus();
+  bus_->advance(now_);
+  now_ += tcp_connect_max;
+  EXPECT_EQ(bus_->next_deadline(), now_);
+  bus_->advance(now_);
+  ASSERT_EQ(log_.lines.size(), 1u);
+  EXPECT_NE(log_.lines[0].find("no answer to the attempt"), std::string::npos) << log_.lines[0];
+  EXPECT_EQ(bus_->next_deadline(), now_ + tcp_connect_max);
 }
 
 TEST_F(Bus, WritesRegisters) {
