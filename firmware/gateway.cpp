@@ -43,6 +43,7 @@ Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports
       snapshots_(settings, static_cast<std::uint32_t>(roster_.records().size())),
       images_(map_capacity(settings), images_ready, settings.server.clients_max + 2),
       state_transfer_(keeper_, roster_, poller_),
+      interval_(settings.poll.interval),
       sweep_interval_(sweep_interval(settings.poll)) {
   quarantine_.reserve(quarantine_max(roster_, keeper_.features(), keeper_.anchors(), admission_));
   if (ports.store != nullptr && settings.state) {
@@ -101,8 +102,10 @@ void Gateway::step(port::Instant now) {
   }
 }
 
-void Gateway::update_settings() {
-  poller_.update_timeouts();
+void Gateway::update_settings(port::Instant now) {
+  const port::Instant heard_by = poller_.update_settings(now);
+  if (settings_.poll.interval < interval_) silence_counts_from_ = heard_by;
+  interval_ = settings_.poll.interval;
   sweep_interval_ = sweep_interval(settings_.poll);
   keeper_.update_site(generation_ + 1);
   snapshots_.update_site(settings_.domain);
@@ -227,7 +230,7 @@ void Gateway::sweep_silent(port::Instant now) {
   admission_.sweep(now);
   for (NodeRecord& node : roster_.records()) {
     if (!node.is_known()) continue;
-    const port::Duration silence = now - node.heard_at;
+    const port::Duration silence = now - std::max(node.heard_at, silence_counts_from_);
     if (silence > settings_.poll.leave_after) {
       if (node.is_placed()) {
         keeper_.leave(node, "silent", generation_ + 1);

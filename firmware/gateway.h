@@ -68,8 +68,9 @@ class Gateway final : private ReadingListener, private Errands {
   // Asks the units with this address next: somebody says that a node is there.
   void ask_at_once(std::uint8_t address, port::Instant now) { poller_.ask_at_once(address, now); }
 
-  // The settings have changed, in what can change while the gateway runs (reload.h).
-  void update_settings();
+  // The settings have changed, in what can change while the gateway runs (reload.h). Where units are
+  // asked more often than before, silence counts once all of them have had time to answer.
+  void update_settings(port::Instant now);
 
   std::uint32_t generation() const { return generation_; }
   std::uint32_t node_count() const { return keeper_.node_count(); }
@@ -113,6 +114,8 @@ class Gateway final : private ReadingListener, private Errands {
   StateTransfer state_transfer_;
   std::optional<StateKeeper> state_keeper_;
   std::optional<FilesKeeper> files_keeper_;
+  port::Duration interval_;  // of the polls, as it was when the settings changed last
+  port::Instant silence_counts_from_{};
   port::Duration sweep_interval_;
   port::Instant sweep_due_{};
   port::Instant publish_due_{};   // not before

@@ -274,7 +274,7 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
       if (firmware::reload(config, settings, log)) {
         server.allow(settings.server.allow, log);
         if (web) web->allow(settings.http->allow, log);
-        gateway.update_settings();
+        gateway.update_settings(clock.now());
       }
       watch.ready(clock.now());
     }

@@ -91,11 +91,23 @@ void Poller::add_unit(Line& line, std::uint8_t address, bool is_listed) {
   }
 }
 
-void Poller::update_timeouts() {
-  for (Line& line : lines_) line.probe_cost_max = cost_max(*line.polled.settings);
+port::Instant Poller::update_settings(port::Instant now) {
   for (Unit& unit : units_) {
     unit.timeout = timeout_of(*lines_[unit.bus].polled.settings, unit.address);
   }
+  const port::Instant asked_by = now + settings_.interval;
+  port::Instant heard_by = asked_by;
+  for (Line& line : lines_) {
+    line.probe_cost_max = cost_max(*line.polled.settings);
+    heard_by = std::max(heard_by, asked_by + line.probe_cost_max);
+    for (std::vector<Turn>* const turns : {&line.turns, &line.probes}) {
+      for (Turn& turn : *turns) turn.due = std::min(turn.due, now + pause_of(turn.unit));
+      std::make_heap(turns->begin(), turns->end(), later);
+    }
+    line.scan_due = std::min(line.scan_due, asked_by);
+    line.scan_allowed = std::min(line.scan_allowed, now + scan_pause(line, line.probe_cost_max));
+  }
+  return heard_by;
 }
 
 void Poller::step(port::Instant now) {

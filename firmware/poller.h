@@ -68,8 +68,10 @@ class Poller {
   void step(port::Instant now);
   port::Instant next_deadline() const;
 
-  // The timeouts in the settings of the buses have changed.
-  void update_timeouts();
+  // The settings of the polls, or timeouts of the buses, have changed: whoever would be asked later
+  // than these have it comes forward. Returns when all units that are there will have answered, on
+  // buses that have the time.
+  port::Instant update_settings(port::Instant now);
 
   // Somebody is said to be at this address: asks its units next, whoever else is due and however
   // often they have failed, as far as their share of the time allows.
@@ -176,6 +178,7 @@ class Poller {
   void ask_again(std::uint32_t unit, port::Instant due);
   port::Instant next_due(const Unit& unit, port::Duration pause) const;
   port::Duration pause_of(std::uint32_t unit) const;
+  port::Duration scan_pause(const Line& line, port::Duration cost) const;
 
   const PollSettings& settings_;
   ReadingListener& listener_;

@@ -114,10 +114,15 @@ void Poller::note_cost(Unit& unit, const port::BusAnswer& answer, port::Instant 
   }
   line.scan_under_way = false;
   line.scan_due = unit.asked_at + settings_.interval;
-  const std::int64_t intervals = cost / std::max<port::Duration>(line.polled.settings->scan_budget,
-                                                                 std::chrono::milliseconds(1)) +
-                                 1;
-  line.scan_allowed = unit.asked_at + intervals * settings_.interval;
+  line.scan_allowed = unit.asked_at + scan_pause(line, cost);
+}
+
+// As many intervals as have the time for such a search.
+port::Duration Poller::scan_pause(const Line& line, port::Duration cost) const {
+  const port::Duration budget = line.polled.settings->scan_budget;
+  const std::int64_t intervals =
+      cost / std::max<port::Duration>(budget, std::chrono::milliseconds(1)) + 1;
+  return intervals * settings_.interval;
 }
 
 // It is looked for again when its time comes.

@@ -104,6 +104,47 @@ TEST_F(Reload, ASiteThatDoesNotFitTheMeshThereIsIsRefused) {
   EXPECT_EQ(settings_.features.size(), 1u);
 }
 
+// Nobody was asked as often as the new settings have it, so nobody was silent.
+TEST_F(Reload, ShorterPausesLetNobodyLeave) {
+  Rig rig;
+  const auto poll = [&](port::Duration interval, port::Duration stale, port::Duration leave) {
+    rig.settings.poll.interval = interval;
+    rig.settings.poll.absent_interval = 10 * interval;
+    rig.settings.poll.stale_after = stale;
+    rig.settings.poll.leave_after = leave;
+  };
+  poll(1min, 3min, 5min);
+  rig.put_square();
+  rig.run(130s);
+  const std::uint32_t asked = rig.bus.reads[1];
+  const std::uint32_t generation = rig.gateway->generation();
+  rig.run(45s);  // they were heard long ago, as it will be
+  poll(1s, 5s, 30s);
+  rig.gateway->update_settings(rig.clock.now());
+  rig.run(10s);
+  EXPECT_GE(rig.bus.reads[1], asked + 9) << "the new interval holds at once";
+  EXPECT_EQ(rig.log.count("left"), 0u) << testing::PrintToString(rig.log.lines);
+  EXPECT_EQ(rig.server.header("stale_count"), 0u);
+  EXPECT_EQ(rig.gateway->generation(), generation + 1) << "that of the reload";
+  const std::uint32_t absent = rig.bus.reads[5];
+  rig.run(40s);
+  EXPECT_GE(rig.bus.reads[5], absent + 3) << "so do those for who does not answer";
+  rig.bus.silence(1);
+  rig.run(32s);
+  EXPECT_EQ(rig.log.count("node 1001 left (silent)"), 1u);
+}
+
+TEST_F(Reload, OneThatIsSilentAlreadyLeavesAfterTheNewPause) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  rig.bus.silence(1);
+  rig.run(2s);
+  rig.gateway->update_settings(rig.clock.now());  // nothing has changed
+  rig.run(1500ms);
+  EXPECT_EQ(rig.log.count("node 1001 left (silent)"), 1u) << "3 s of silence";
+}
+
 TEST_F(Reload, TheRunningGatewayGoesByIt) {
   Rig rig;
   rig.put(1, 10, 10);
@@ -111,7 +152,7 @@ TEST_F(Reload, TheRunningGatewayGoesByIt) {
   const std::uint32_t asked = rig.bus.reads[1];
   rig.settings.poll.interval = 50ms;
   rig.settings.poll.dead_band = 100;
-  rig.gateway->update_settings();
+  rig.gateway->update_settings(rig.clock.now());
   rig.run(1s);
   EXPECT_GE(rig.bus.reads[1] - asked, 17u);
   rig.put(1, 50, 10);
