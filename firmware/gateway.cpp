@@ -178,6 +178,7 @@ bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::I
     }
     return true;
   }
+  keeper_.stay(*node);
   // Without a fix the node stays where it was last known to be.
   if ((reading.status & node_status::fix_valid) == 0) return true;
   node->position = reading.position;

@@ -94,9 +94,12 @@ void MeshKeeper::leave(NodeRecord& node, const char* why, std::uint32_t generati
   AnchorRecord* const anchor = anchor_of(node);
   if (anchor != nullptr) anchor->is_taken = false;
   const Status status = anchor != nullptr ? Status::ok : mesh_.leave(node.vertex);
-  ++epoch_;
-  changed_ = true;
   node.refused_to_leave = status != Status::ok;
+  // A refusal alone makes room for nobody.
+  if (!node.refused_to_leave || lost_features) {
+    ++epoch_;
+    changed_ = true;
+  }
   if (node.refused_to_leave) return refuse(node, "leave", status, start);
   serials_[node.vertex.value] = no_serial;
   node.vertex = VertexId::none();
@@ -105,6 +108,14 @@ void MeshKeeper::leave(NodeRecord& node, const char* why, std::uint32_t generati
   line << "node " << node.serial << " left (" << why << "): generation " << generation;
   tell_difference(line, start);
   log_.write(port::Level::info, line);
+}
+
+void MeshKeeper::stay(NodeRecord& node) {
+  // One outside the domain is not wanted.
+  if (!node.refused_to_leave || place_of(node.placed) != DomainPlace::inside) return;
+  node.refused_to_leave = false;
+  forgive(node);
+  activate_features_at(node.serial);
 }
 
 void MeshKeeper::forgive(NodeRecord& node) {

@@ -55,6 +55,8 @@ class MeshKeeper {
   // Also takes the node's features out; they come back with it. Where the mesh refuses, the node
   // stays in it without features.
   void leave(NodeRecord& node, const char* why, std::uint32_t generation);
+  // The node answers: where the mesh refused to let it leave, it has its features back.
+  void stay(NodeRecord& node);
   // The node no longer asks for what was refused.
   void forgive(NodeRecord& node);
 

@@ -314,5 +314,71 @@ TEST(SiteKeeping, AnAnchorTheMeshCannotSpareGoesWhenItCan) {
   EXPECT_TRUE(audit(rig.mesh));
 }
 
+// Nodes 1 to 4 are the corners of a square, whose diagonals are features; they may cross only while
+// node 5 is in its middle. A cable leads from node 5 to node 6. `first`: of the units 1 to 6.
+void put_crossing(Rig& rig, std::uint8_t first, std::int32_t x) {
+  const Position places[] = {{0, 0}, {100, 0}, {100, 100}, {0, 100}, {50, 50}, {50, 10}};
+  for (const Position& place : places) {
+    rig.put(static_cast<std::uint8_t>(first + (&place - places)), x + place.x, place.y);
+  }
+  const std::uint32_t serial = 1000u + first;
+  for (const auto& [from, to] : {std::pair{0u, 2u}, {1u, 3u}, {4u, 5u}}) {
+    rig.settings.features.push_back(feature(serial + from, serial + to));
+  }
+}
+
+TEST(SiteKeeping, ANodeThatCouldNotLeaveHasItsFeaturesBack) {
+  for (const std::int32_t moves : {0, 5}) {
+    Rig rig;
+    put_crossing(rig, 1, 0);
+    rig.run(500ms);
+    ASSERT_EQ(rig.server.header("features_active"), 3u);
+    rig.bus.silence(5);
+    rig.run(4s);
+    ASSERT_EQ(rig.log.count("node 1005 cannot leave"), 1u);
+    ASSERT_EQ(rig.server.header("features_active"), 2u);
+    ASSERT_EQ(rig.server.header("quarantined_count"), 1u);
+    rig.put(5, 50, 50);
+    rig.run(1s);
+    EXPECT_EQ(rig.server.header("features_active"), 3u);
+    EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
+    EXPECT_EQ(rig.server.header("state"), 0u);
+    EXPECT_TRUE(audit(rig.mesh));
+    // The same once more.
+    rig.bus.silence(5);
+    rig.run(4s);
+    EXPECT_EQ(rig.log.count("node 1005 cannot leave"), 2u);
+    EXPECT_EQ(rig.server.header("features_active"), 2u);
+    // Without a fix it is there too; and where it is somewhere else, that is refused for itself.
+    rig.put(5, 50, 50 + moves, moves == 0 ? std::uint16_t{0} : node_status::fix_valid);
+    rig.run(1s);
+    EXPECT_EQ(rig.server.header("features_active"), 3u) << moves;
+    EXPECT_EQ(rig.log.count("node 1005 cannot move"), moves == 0 ? 0u : 1u);
+  }
+}
+
+TEST(SiteKeeping, NodesThatCannotLeaveMakeNoGenerations) {
+  Rig rig;
+  put_crossing(rig, 1, 0);
+  put_crossing(rig, 11, 1000);
+  rig.run(500ms);
+  ASSERT_EQ(rig.server.header("features_active"), 6u);
+  rig.bus.silence(5);
+  rig.bus.silence(15);
+  rig.run(4s);
+  ASSERT_EQ(rig.log.count("cannot leave"), 2u);
+  const std::uint32_t generation = rig.gateway->generation();
+  const std::uint64_t changes = rig.gateway->mesh_times().changes;
+  rig.run(10s);
+  EXPECT_EQ(rig.gateway->generation(), generation);
+  EXPECT_EQ(rig.gateway->mesh_times().changes, changes) << "nothing to try again for";
+  // What was in the way goes.
+  rig.bus.silence(1);
+  rig.run(4s);
+  EXPECT_EQ(rig.log.count("node 1005 left"), 1u);
+  EXPECT_EQ(rig.log.count("node 1015 left"), 0u);
+  EXPECT_TRUE(audit(rig.mesh));
+}
+
 }  // namespace
 }  // namespace etcm::firmware
