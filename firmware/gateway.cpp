@@ -113,7 +113,7 @@ void Gateway::update_settings(port::Instant now) {
 }
 
 port::Instant Gateway::next_deadline() const {
-  port::Instant deadline = std::min(poller_.next_deadline(), sweep_due_);
+  port::Instant deadline = std::min({poller_.next_deadline(), sweep_due_, keeper_.next_deadline()});
   if (files_keeper_) deadline = std::min(deadline, files_keeper_->next_deadline());
   if (state_keeper_) deadline = std::min(deadline, state_keeper_->next_deadline());
   if (changed_) deadline = std::min(deadline, publish_due_);

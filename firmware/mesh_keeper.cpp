@@ -125,16 +125,19 @@ void MeshKeeper::forgive(NodeRecord& node) {
 }
 
 void MeshKeeper::retry_refused(std::uint32_t generation) {
-  if (retried_epoch_ == epoch_) return;
+  const port::Instant started = clock_.now();
+  if (started < next_deadline()) return;
   retried_epoch_ = epoch_;
   for (NodeRecord& node : roster_.records()) {
     if (node.is_known() && !node.is_placed() && node.is_quarantined()) join(node, generation);
   }
   update_anchors();
-  if (features_.refused_count() == 0) return;
   for (std::uint32_t number = 0; number < features_.records().size(); ++number) {
+    if (features_.refused_count() == 0) break;
     if (features_.records()[number].refusal != Status::ok) try_feature(number);
   }
+  const port::Instant ended = clock_.now();
+  retry_due_ = ended + retry_share * (ended - started);
 }
 
 bool MeshKeeper::is_short_of_room() const {

@@ -33,6 +33,9 @@ struct MeshTimes {
   port::Duration total{};
 };
 
+// At most this share of all time is spent on trying again what was refused.
+inline constexpr int retry_share = 20;
+
 class MeshKeeper {
  public:
   // The mesh is open and empty; `settings` says what the site is, and its anchors are put in at
@@ -60,8 +63,12 @@ class MeshKeeper {
   // The node no longer asks for what was refused.
   void forgive(NodeRecord& node);
 
-  // Tries again what was refused, where the mesh has changed in a way that may help.
+  // Tries again what was refused, where the mesh has changed in a way that may help: at
+  // next_deadline(), so that no more than the share of all time goes into it.
   void retry_refused(std::uint32_t generation);
+  port::Instant next_deadline() const {
+    return retried_epoch_ == epoch_ ? port::never : retry_due_;
+  }
 
   // Whether the mesh or the quarantine changed since the last call.
   bool take_changed() { return std::exchange(changed_, false); }
@@ -119,6 +126,7 @@ class MeshKeeper {
   // Counts the changes that may make room for what was refused.
   std::uint32_t epoch_ = 0;
   std::uint32_t retried_epoch_ = 0;
+  port::Instant retry_due_{};  // not before
   bool changed_ = false;
   MeshTimes times_;
 };
