@@ -2,18 +2,10 @@
 
 #include <algorithm>
 
+#include "disk_patience.h"
 #include "text_line.h"
 
 namespace etcm::firmware {
-
-namespace {
-
-using namespace std::chrono_literals;
-
-// A disk that takes so long is not slow but broken.
-constexpr port::Duration answer_expected = 10s;
-
-}  // namespace
 
 FilesKeeper::FilesKeeper(const FileSettings& settings, int share, port::MeshFiles& files,
                          const port::Clock& clock, port::Log& log)
@@ -23,7 +15,7 @@ void FilesKeeper::step(port::Instant now) {
   if (!is_writing_) return;
   port::DiskResult result;
   if (!files_.take_result(result)) {
-    if (is_hanging_ || now - started_at_ < answer_expected) return;
+    if (is_hanging_ || now - started_at_ < disk_patience) return;
     is_hanging_ = true;
     log_.write(port::Level::error,
                "files: the disk of `folder` of [files] does not answer; goes on without");

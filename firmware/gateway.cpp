@@ -97,7 +97,7 @@ void Gateway::step(port::Instant now) {
     if (files_keeper_->is_due(now)) files_keeper_->write(keeper_.mesh(), keeper_.serials(), now);
   }
   if (state_keeper_) {
-    state_keeper_->step();
+    state_keeper_->step(now);
     if (state_keeper_->is_due(now)) save_state(now);
   }
 }
@@ -127,7 +127,7 @@ void Gateway::finish(port::Instant now) {
     files_keeper_->write(keeper_.mesh(), keeper_.serials(), now);
   }
   if (state_keeper_ && !ports_.store->is_saving()) {
-    state_keeper_->step();
+    state_keeper_->step(now);
     state_keeper_->finish();
     save_state(now);
   }
@@ -145,7 +145,7 @@ void Gateway::finish(port::Instant now) {
 }
 
 void Gateway::finish_saving(port::Instant now) {
-  if (state_keeper_) state_keeper_->step();
+  if (state_keeper_) state_keeper_->step(now);
   if (files_keeper_) files_keeper_->step(now);
 }
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
+
+#include "disk_patience.h"
 
 namespace etcm::firmware {
 
@@ -54,14 +57,23 @@ std::string StateKeeper::judge(std::span<const std::byte> bytes, SavedState& sta
          state.buses.front() + ")";
 }
 
-void StateKeeper::step() {
+void StateKeeper::step(port::Instant now) {
   port::DiskResult result;
-  if (!store_.take_result(result)) return;
+  if (!store_.take_result(result)) {
+    if (!is_saving_ || is_hanging_ || now - tried_at_ < disk_patience) return;
+    is_hanging_ = true;
+    log_.write(
+        port::Level::error,
+        "state: the disk of `folder` of [state] does not answer, look at it: a restart would "
+        "find an earlier state; goes on without");
+    return;
+  }
+  const bool was_hanging = std::exchange(is_hanging_, false);
   is_saving_ = false;
   if (result.ok) {
     saved_content_ = saving_content_;
     saved_next_ = saving_next_;
-    if (is_failing()) log_.write(port::Level::info, "state is saved again");
+    if (is_failing() || was_hanging) log_.write(port::Level::info, "state is saved again");
     failure_.clear();
     return;
   }

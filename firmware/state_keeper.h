@@ -3,7 +3,7 @@
 //
 // A save is due when what would be saved has changed, at the most once every interval. One that
 // fails is tried again an interval later; the log says so once for each reason, and when it works
-// again.
+// again. It also says when the disk has not answered for a while.
 //
 // Generations go on upward after a restart. A state tells the first one that a restart may give
 // out: beyond all that this gateway can publish before the next save.
@@ -34,7 +34,7 @@ class StateKeeper {
   void outdate() { is_outdated_ = true; }
 
   // Hears how the last save went. The caller then writes a state where is_due().
-  void step();
+  void step(port::Instant now);
   bool is_due(port::Instant now) const { return next_deadline() <= now; }
   port::Instant next_deadline() const;
 
@@ -61,6 +61,7 @@ class StateKeeper {
   bool is_outdated_ = false;
   bool is_ending_ = false;
   bool is_saving_ = false;
+  bool is_hanging_ = false;  // and the log was told
   port::Instant tried_at_{};
   bool was_tried_ = false;
   std::uint32_t written_next_ = 0;  // of the state being written

@@ -166,7 +166,7 @@ class StateKeeperTest : public testing::Test {
  protected:
   // What the gateway does in a step.
   void step(std::int32_t x) {
-    keeper_.step();
+    keeper_.step(clock_.now());
     if (!keeper_.is_due(clock_.now())) return;
     StateWriter& writer = keeper_.begin(generation_, static_cast<std::uint64_t>(x));
     writer.add_bus("yard");
@@ -225,12 +225,12 @@ TEST_F(StateKeeperTest, TheLastStateGoesOnWithTheVeryNextGeneration) {
   keeper_.outdate();
   step(1);
   generation_ = 5;
-  keeper_.step();
+  keeper_.step(clock_.now());
   keeper_.finish();
   step(1);
   EXPECT_EQ(store_.saves, 2u);
   EXPECT_EQ(saved().next_generation, 6u);
-  keeper_.step();
+  keeper_.step(clock_.now());
   keeper_.finish();
   step(1);
   EXPECT_EQ(store_.saves, 2u) << "once is enough";
@@ -268,6 +268,45 @@ TEST_F(StateKeeperTest, WaitsForASaveThatTakesLong) {
   step(1);
   step(2);
   EXPECT_EQ(store_.saves, 2u);
+}
+
+TEST_F(StateKeeperTest, SaysOnceThatTheDiskDoesNotAnswer) {
+  store_.is_slow = true;
+  for (int i = 0; i < 9; ++i, clock_.pass(1s)) {
+    keeper_.outdate();
+    step(i);
+  }
+  EXPECT_TRUE(log_.lines.empty()) << "it may be slow";
+  for (int i = 0; i < 600; ++i, clock_.pass(1s)) step(i);
+  EXPECT_EQ(log_.lines,
+            (std::vector<std::string>{
+                "state: the disk of `folder` of [state] does not answer, look at it: a restart "
+                "would find an earlier state; goes on without"}));
+  store_.is_slow = false;
+  step(1);
+  EXPECT_EQ(log_.lines.back(), "state is saved again");
+  EXPECT_EQ(log_.lines.size(), 2u);
+  // One that fails after all is not saved.
+  clock_.pass(2min);
+  store_.is_slow = true;
+  keeper_.outdate();
+  step(700);
+  clock_.pass(20s);
+  step(700);
+  EXPECT_EQ(log_.count("does not answer"), 2u) << "said anew when it comes back";
+  store_.is_slow = false;
+  store_.why = "/state: cannot write the file (Input/output error); the disk may be failing";
+  clock_.pass(2min);
+  step(701);
+  clock_.pass(2min);
+  step(701);
+  EXPECT_EQ(log_.count("state is not saved: /state: cannot write"), 1u);
+  EXPECT_EQ(log_.count("state is saved again"), 1u);
+  store_.why.clear();
+  clock_.pass(2min);
+  step(702);
+  step(702);
+  EXPECT_EQ(log_.count("state is saved again"), 2u);
 }
 
 TEST_F(StateKeeperTest, LoadsTheLastElseThePrevious) {
