@@ -68,8 +68,8 @@ class Gateway final : private ReadingListener, private Errands {
   // Asks the units with this address next: somebody says that a node is there.
   void ask_at_once(std::uint8_t address, port::Instant now) { poller_.ask_at_once(address, now); }
 
-  // The settings have changed, in what can change while the gateway runs (reload.h). Where units are
-  // asked more often than before, silence counts once all of them have had time to answer.
+  // The settings have changed, in what can change while the gateway runs (reload.h). Where units
+  // are asked more often than before, silence counts once all of them have had time to answer.
   void update_settings(port::Instant now);
 
   std::uint32_t generation() const { return generation_; }

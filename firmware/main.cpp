@@ -269,6 +269,11 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
   gateway.restore(clock.now());
   watch.ready(clock.now());
   while (!stop.received()) {
+    if (panel) panel->step(clock.now());
+    gateway.step(clock.now());
+    watch.step(clock.now());
+    if (web) web->step(clock.now());
+    // A large site takes its time. What arrives meanwhile is taken in before anybody is given up.
     if (reread.take_received()) {
       watch.reloading();
       if (firmware::reload(config, settings, log)) {
@@ -278,10 +283,6 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
       }
       watch.ready(clock.now());
     }
-    if (panel) panel->step(clock.now());
-    gateway.step(clock.now());
-    watch.step(clock.now());
-    if (web) web->step(clock.now());
     const port::Instant deadline = std::min({gateway.next_deadline(), watch.next_deadline(),
                                              panel ? panel->next_deadline() : port::never,
                                              web ? web->next_deadline() : port::never});
