@@ -272,6 +272,7 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
     if (panel) panel->step(clock.now());
     gateway.step(clock.now());
     watch.step(clock.now());
+    server.advance(clock.now());
     if (web) web->step(clock.now());
     // A large site takes its time. What arrives meanwhile is taken in before anybody is given up.
     if (reread.take_received()) {
@@ -283,9 +284,9 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
       }
       watch.ready(clock.now());
     }
-    const port::Instant deadline = std::min({gateway.next_deadline(), watch.next_deadline(),
-                                             panel ? panel->next_deadline() : port::never,
-                                             web ? web->next_deadline() : port::never});
+    const port::Instant deadline = std::min(
+        {gateway.next_deadline(), watch.next_deadline(), server.next_deadline(),
+         panel ? panel->next_deadline() : port::never, web ? web->next_deadline() : port::never});
     loop.wait(deadline - clock.now());
   }
   watch.stopping();

@@ -4,6 +4,16 @@
 
 namespace etcm::port {
 
+namespace {
+
+std::string host_of(const SocketAddress& peer) {
+  std::string host = to_string(peer);
+  host.erase(host.rfind(':'));
+  return host;
+}
+
+}  // namespace
+
 RegisterServer::RegisterServer(EventLoop& loop, const SocketAddress& address,
                                std::size_t clients_max, const Identity& identity,
                                std::shared_ptr<const RegisterImage> first)
@@ -19,13 +29,26 @@ void RegisterServer::allow(std::vector<Network> networks, Log& log) {
 
 void RegisterServer::refused(const SocketAddress& peer, bool is_full) {
   if (log_ == nullptr) return;
-  std::string host = to_string(peer);
-  host.erase(host.rfind(':'));
   log_->write(Level::warning,
-              "a client at " + host + " is turned away: " +
+              "a client at " + host_of(peer) + " is turned away: " +
                   (is_full ? "all places are taken; raise clients_max in [server]"
                            : "its network is not in allow of [server]; add it there if it may read "
                              "the mesh"));
+}
+
+void RegisterServer::displaced(const SocketAddress& peer) {
+  if (log_ == nullptr) return;
+  log_->write(Level::info,
+              "a client at " + host_of(peer) +
+                  " is hung up on: it has asked nothing for over a minute, and another "
+                  "one wants its place; raise clients_max in [server] to keep both");
+}
+
+void RegisterServer::exhausted(const char* why) {
+  if (log_ == nullptr) return;
+  log_->write(Level::error, std::string("no further client can connect: ") + why +
+                                "; raise LimitNOFILE of the service, or lower clients_max in "
+                                "[server] and [http]");
 }
 
 std::size_t RegisterServer::answer(std::size_t client, std::uint8_t unit,

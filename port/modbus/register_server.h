@@ -19,8 +19,10 @@ class RegisterServer final : public MeshServer, private RequestHandler {
                  const Identity& identity, std::shared_ptr<const RegisterImage> first);
 
   void publish(std::shared_ptr<const RegisterImage> image) override { image_ = std::move(image); }
-  // As TcpListener has it. `log`, which must outlive this, hears who is turned away.
+  // As TcpListener has it. `log`, which must outlive this, hears who is turned away or hung up on.
   void allow(std::vector<Network> networks, Log& log);
+  void advance(Instant now) { listener_.advance(now); }
+  Instant next_deadline() const { return listener_.next_deadline(); }
   SocketAddress address() const { return listener_.address(); }
   const ServiceCounters& counters() const { return listener_.counters(); }
 
@@ -28,6 +30,8 @@ class RegisterServer final : public MeshServer, private RequestHandler {
   void connected(std::size_t client) override { pinned_[client] = image_; }
   void disconnected(std::size_t client) override { pinned_[client].reset(); }
   void refused(const SocketAddress& peer, bool is_full) override;
+  void displaced(const SocketAddress& peer) override;
+  void exhausted(const char* why) override;
   std::size_t answer(std::size_t client, std::uint8_t unit, std::span<const std::uint8_t> request,
                      std::span<std::uint8_t> answer) override;
 

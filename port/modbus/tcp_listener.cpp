@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
+#include <utility>
 
 namespace etcm::port {
 
 class TcpListener::Client final : private EventHandler {
  public:
-  Client(EventLoop& loop, RequestHandler& handler, ServiceCounters& counters, std::size_t index)
-      : loop_(loop), handler_(handler), counters_(counters), index_(index) {}
+  Client(TcpListener& listener, std::size_t index) : listener_(listener), index_(index) {}
 
   bool is_free() const { return !socket_.is_open(); }
   const SocketAddress& peer() const { return peer_; }
@@ -21,18 +22,26 @@ class TcpListener::Client final : private EventHandler {
     socket_ = std::move(socket);
     reader_.clear();
     unsent_begin_ = unsent_end_ = 0;
-    ++counters_.clients;
-    loop_.add(socket_.get(), *this, true, false);
-    handler_.connected(index_);
+    has_asked_ = true;
+    ++listener_.counters_.clients;
+    listener_.loop_.add(socket_.get(), *this, true, false);
+    listener_.handler_.connected(index_);
   }
 
   void close() {
     if (is_free()) return;
-    loop_.remove(socket_.get());
+    listener_.loop_.remove(socket_.get());
     socket_.close();
-    --counters_.clients;
-    handler_.disconnected(index_);
+    --listener_.counters_.clients;
+    listener_.handler_.disconnected(index_);
+    listener_.resume();
   }
+
+  void advance(Instant now) {
+    if (std::exchange(has_asked_, false)) asked_at_ = now;
+  }
+  // Bytes that are no whole request, and answers that it does not take, are no sign of life.
+  Instant asked_at() const { return has_asked_ ? never : asked_at_; }
 
  private:
   void on_ready(bool can_read, bool can_write) override {
@@ -40,7 +49,7 @@ class TcpListener::Client final : private EventHandler {
     if (can_write && !send()) return close();
     if (can_read && !is_waiting() && (!receive() || !answer_all() || !send())) return close();
     // While answers wait, the client's further requests wait too, in its own socket.
-    if (is_waiting() != waited) loop_.change(socket_.get(), !is_waiting(), is_waiting());
+    if (is_waiting() != waited) listener_.loop_.change(socket_.get(), !is_waiting(), is_waiting());
   }
 
   bool is_waiting() const { return unsent_end_ > 0; }
@@ -58,13 +67,14 @@ class TcpListener::Client final : private EventHandler {
     Frame request;
     FrameReader::Next next = reader_.next(request);
     for (; next == FrameReader::Next::frame; next = reader_.next(request)) {
-      ++counters_.requests;
+      ++listener_.counters_.requests;
+      has_asked_ = true;
       const std::span<std::uint8_t> out = std::span(unsent_).subspan(unsent_end_, frame_bytes_max);
-      const std::size_t pdu =
-          handler_.answer(index_, request.unit, request.pdu, out.subspan(mbap_header_bytes));
+      const std::size_t pdu = listener_.handler_.answer(index_, request.unit, request.pdu,
+                                                        out.subspan(mbap_header_bytes));
       if (pdu > 0) unsent_end_ += write_header(out, request.transaction, request.unit, pdu);
     }
-    if (next == FrameReader::Next::broken) ++counters_.refused;
+    if (next == FrameReader::Next::broken) ++listener_.counters_.refused;
     return next != FrameReader::Next::broken;
   }
 
@@ -79,12 +89,12 @@ class TcpListener::Client final : private EventHandler {
     return true;
   }
 
-  EventLoop& loop_;
-  RequestHandler& handler_;
-  ServiceCounters& counters_;
+  TcpListener& listener_;
   std::size_t index_;
   FileDescriptor socket_;
   SocketAddress peer_;
+  bool has_asked_ = false;  // since asked_at_
+  Instant asked_at_{};
   FrameReader reader_;
   // Room for the answers to all requests the reader can hold: one with registers in it needs a
   // request of 12 bytes, and an exception is hardly longer than its request.
@@ -97,7 +107,7 @@ TcpListener::TcpListener(EventLoop& loop, RequestHandler& handler, const SocketA
                          std::size_t clients_max)
     : loop_(loop), handler_(handler), socket_(listen_tcp(address)) {
   for (std::size_t i = 0; i < clients_max; ++i) {
-    clients_.push_back(std::make_unique<Client>(loop, handler, counters_, i));
+    clients_.push_back(std::make_unique<Client>(*this, i));
   }
   loop_.add(socket_.get(), *this, true, false);
 }
@@ -111,17 +121,51 @@ void TcpListener::on_ready(bool, bool) {
   while (true) {
     SocketAddress peer;
     FileDescriptor socket = accept_tcp(socket_.get(), &peer);
-    if (!socket.is_open()) return;
-    const auto place = std::find_if(clients_.begin(), clients_.end(),
-                                    [](const auto& client) { return client->is_free(); });
-    const bool is_full = place == clients_.end();
-    if (is_full || !is_allowed(peer)) {
-      ++counters_.refused;
-      handler_.refused(peer, is_full);
+    if (!socket.is_open()) {
+      const bool is_exhausted =
+          errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM;
+      return is_exhausted ? pause(std::strerror(errno)) : void();
+    }
+    is_exhaustion_told_ = false;
+    const bool allowed = is_allowed(peer);
+    if (Client* const place = allowed ? find_place() : nullptr) {
+      place->open(std::move(socket), peer);
     } else {
-      (*place)->open(std::move(socket), peer);
+      ++counters_.refused;
+      handler_.refused(peer, allowed);
     }
   }
+}
+
+// A free place, or that of the client that has been idle for too long; null where there is neither.
+TcpListener::Client* TcpListener::find_place() {
+  const auto earlier = [](const auto& a, const auto& b) { return a->asked_at() < b->asked_at(); };
+  const auto free = std::find_if(clients_.begin(), clients_.end(),
+                                 [](const auto& client) { return client->is_free(); });
+  if (free != clients_.end()) return free->get();
+  Client& idlest = **std::min_element(clients_.begin(), clients_.end(), earlier);
+  if (idlest.asked_at() == never || now_ - idlest.asked_at() <= idle_max) return nullptr;
+  handler_.displaced(idlest.peer());
+  idlest.close();
+  return &idlest;
+}
+
+// Whoever waits to be accepted makes the listener ready all the time.
+void TcpListener::pause(const char* why) {
+  is_paused_ = true;
+  retry_at_ = now_ + retry_interval;
+  loop_.change(socket_.get(), false, false);
+  if (!std::exchange(is_exhaustion_told_, true)) handler_.exhausted(why);
+}
+
+void TcpListener::resume() {
+  if (std::exchange(is_paused_, false)) loop_.change(socket_.get(), true, false);
+}
+
+void TcpListener::advance(Instant now) {
+  now_ = now;
+  for (const auto& client : clients_) client->advance(now);
+  if (retry_at_ <= now) resume();
 }
 
 void TcpListener::allow(std::vector<Network> networks) {

@@ -27,6 +27,12 @@ class RequestHandler {
     static_cast<void>(is_full);
   }
 
+  // `peer` was hung up on: it had been idle longest, and another one wants its place.
+  virtual void displaced(const SocketAddress& peer) { static_cast<void>(peer); }
+  // Nobody more can connect for now: the system has no descriptor left, with its words for it. Said
+  // once until somebody has connected.
+  virtual void exhausted(const char* why) { static_cast<void>(why); }
+
   // Writes the answer to a request of at least one byte into `answer` (pdu_bytes_max bytes) and
   // returns its length; 0 to stay silent, as a unit that is not there does.
   virtual std::size_t answer(std::size_t client, std::uint8_t unit,
@@ -39,8 +45,14 @@ class RequestHandler {
 
 class TcpListener final : private EventHandler {
  public:
+  // A client that has asked nothing for so long makes room for another, where all places are taken.
+  static constexpr Duration idle_max = std::chrono::minutes(1);
+  // Without descriptors it looks so often whether there are some, and when a client has gone.
+  static constexpr Duration retry_interval = std::chrono::seconds(1);
+
   // Listens at once; throws std::system_error where it cannot. `loop` and `handler` must outlive
-  // this. A client beyond clients_max is turned away.
+  // this. A client beyond clients_max takes the place of the one that has been idle longest, if
+  // that is over idle_max; else it is turned away.
   TcpListener(EventLoop& loop, RequestHandler& handler, const SocketAddress& address,
               std::size_t clients_max);
   ~TcpListener();
@@ -51,6 +63,10 @@ class TcpListener final : private EventHandler {
   // is called everybody may.
   void allow(std::vector<Network> networks);
 
+  // Lets time pass; without it no client is idle.
+  void advance(Instant now);
+  Instant next_deadline() const { return is_paused_ ? retry_at_ : never; }
+
   SocketAddress address() const { return bound_address(socket_.get()); }
   const ServiceCounters& counters() const { return counters_; }
 
@@ -59,6 +75,9 @@ class TcpListener final : private EventHandler {
 
   void on_ready(bool can_read, bool can_write) override;
   bool is_allowed(const SocketAddress& peer) const;
+  Client* find_place();
+  void pause(const char* why);
+  void resume();
 
   EventLoop& loop_;
   RequestHandler& handler_;
@@ -66,6 +85,10 @@ class TcpListener final : private EventHandler {
   std::vector<std::unique_ptr<Client>> clients_;
   std::vector<Network> allowed_{everybody};
   ServiceCounters counters_;
+  Instant now_{};
+  bool is_paused_ = false;  // listens, but takes nobody
+  bool is_exhaustion_told_ = false;
+  Instant retry_at_{};
 };
 
 }  // namespace etcm::port

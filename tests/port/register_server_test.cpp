@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 #include <modbus/modbus.h>
+#include <netinet/in.h>
+#include <sys/resource.h>
 
 #include <atomic>
 #include <memory>
@@ -13,6 +15,8 @@
 
 namespace etcm::port {
 namespace {
+
+using namespace std::chrono_literals;
 
 std::shared_ptr<const RegisterImage> image_of(std::uint16_t value) {
   return std::make_shared<const RegisterImage>(RegisterImage{
@@ -47,6 +51,8 @@ class Server : public testing::Test {
     if (answer[7] == 0x84) return -answer[8];
     return answer[9] << 8 | answer[10];
   }
+
+  static constexpr Instant start{1h};
 
   EventLoop loop_;
   RegisterServer server_{
@@ -196,14 +202,113 @@ TEST_F(Server, OneClientTooManyIsTurnedAway) {
   EXPECT_EQ(ask(e, 1, 0), 1);
 }
 
-class Lines final : public Log {
+// A master that reconnects without hanging up, and half-open connections, fill all places.
+TEST_F(Server, AFullHouseMakesRoomForANewClient) {
+  KeptLog log;
+  server_.allow({everybody}, log);
+  server_.advance(start);
+  const FileDescriptor a = connect();
+  const FileDescriptor b = connect();
+  const FileDescriptor c = connect();
+  server_.advance(start + 1s);
+  EXPECT_EQ(ask(a, 1, 0), 1);
+  server_.advance(start + 2s);
+  EXPECT_EQ(ask(c, 1, 0), 1);
+  server_.advance(start + 3s);
+  send_bytes(b.get(), {0, 1, 0});  // no request
+  server_.advance(start + 1s + TcpListener::idle_max + 1ns);
+  const FileDescriptor d = connect();
+  EXPECT_TRUE(turn_until(loop_, [&] { return is_closed(b.get()); })) << "idle for longest";
+  EXPECT_EQ(ask(a, 1, 0), 1);
+  EXPECT_EQ(ask(c, 1, 0), 1);
+  ASSERT_EQ(log.lines.size(), 1u);
+  EXPECT_NE(log.lines[0].find("127.0.0.1 is hung up on"), std::string::npos) << log.lines[0];
+}
+
+TEST_F(Server, AFullHouseOfActiveClientsIsKept) {
+  server_.advance(start);
+  const FileDescriptor a = connect();
+  const FileDescriptor b = connect();
+  const FileDescriptor c = connect();
+  for (const FileDescriptor* client : {&a, &b, &c}) {
+    server_.advance(start + TcpListener::idle_max);
+    EXPECT_EQ(ask(*client, 1, 0), 1);
+  }
+  // The last has asked, and no time has passed since.
+  server_.advance(start + 2 * TcpListener::idle_max);
+  const FileDescriptor d = connect_tcp(server_.address());
+  EXPECT_TRUE(turn_until(loop_, [&] { return is_closed(d.get()); }));
+  for (const FileDescriptor* client : {&a, &b, &c}) EXPECT_EQ(ask(*client, 1, 0), 1);
+}
+
+TEST_F(Server, AStrangerTakesNobodysPlace) {
+  KeptLog log;
+  server_.advance(start);
+  const FileDescriptor a = connect();
+  const FileDescriptor b = connect();
+  const FileDescriptor c = connect();
+  server_.allow({{.host = 0x7f000001, .prefix = 32}}, log);
+  server_.advance(start + 1h);
+  const FileDescriptor stranger(::socket(AF_INET, SOCK_STREAM, 0));
+  sockaddr_in place{.sin_family = AF_INET, .sin_port = 0, .sin_addr = {}, .sin_zero = {}};
+  place.sin_addr.s_addr = htonl(0x7f000002);
+  ASSERT_EQ(::bind(stranger.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place), 0);
+  place.sin_addr.s_addr = htonl(server_.address().host);
+  place.sin_port = htons(server_.address().port);
+  ASSERT_EQ(::connect(stranger.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place), 0);
+  EXPECT_TRUE(turn_until(loop_, [&] { return is_closed(stranger.get()); }));
+  EXPECT_EQ(ask(a, 1, 0), 1);
+}
+
+// Until the limit is lifted this process can open nothing.
+class NoDescriptors {
  public:
-  void write(Level, std::string_view line) override { lines.emplace_back(line); }
-  std::vector<std::string> lines;
+  NoDescriptors() {
+    EXPECT_EQ(::getrlimit(RLIMIT_NOFILE, &before_), 0);
+    const int lowest_free = ::dup(STDERR_FILENO);
+    EXPECT_EQ(::close(lowest_free), 0);
+    rlimit none = before_;
+    none.rlim_cur = static_cast<rlim_t>(lowest_free);
+    EXPECT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  }
+  NoDescriptors(const NoDescriptors&) = delete;
+  NoDescriptors& operator=(const NoDescriptors&) = delete;
+  ~NoDescriptors() { EXPECT_EQ(::setrlimit(RLIMIT_NOFILE, &before_), 0); }
+
+ private:
+  rlimit before_{};
 };
 
+TEST_F(Server, WithoutDescriptorsItNeitherSpinsNorStays) {
+  KeptLog log;
+  server_.allow({everybody}, log);
+  server_.advance(start);
+  FileDescriptor early = connect();
+  const FileDescriptor late = connect_tcp(server_.address());
+  const FileDescriptor later = connect_tcp(server_.address());
+  {
+    const NoDescriptors none;
+    ASSERT_TRUE(turn_until(loop_, [&] { return !log.lines.empty(); }));
+    EXPECT_NE(log.lines[0].find("raise LimitNOFILE"), std::string::npos) << log.lines[0];
+    const SteadyClock clock;
+    const Instant before = clock.now();
+    loop_.wait(20ms);
+    EXPECT_GE(clock.now() - before, 20ms) << "there is nothing to do";
+    EXPECT_EQ(ask(early, 1, 0), 1) << "who is connected is served";
+    EXPECT_EQ(server_.next_deadline(), start + TcpListener::retry_interval);
+    server_.advance(start + TcpListener::retry_interval);
+    ASSERT_TRUE(turn_until(loop_, [&] { return server_.next_deadline() != never; })) << "in vain";
+    EXPECT_EQ(log.lines.size(), 1u) << "said once";
+    // A client that goes leaves a descriptor at either end.
+    early.close();
+    EXPECT_EQ(ask(late, 1, 0), 1);
+  }
+  server_.advance(start + 1h);
+  EXPECT_EQ(ask(later, 1, 0), 1);
+}
+
 TEST_F(Server, OnlyWhoIsAllowedIsServed) {
-  Lines log;
+  KeptLog log;
   const FileDescriptor early = connect();
   server_.allow({{.host = 0x0a000000, .prefix = 8}, this_machine}, log);
   EXPECT_EQ(ask(early, 1, 0), 1);

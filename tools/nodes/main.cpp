@@ -57,7 +57,14 @@ void run_tcp(port::SocketAddress address, const nodes::Script& script) {
                 fleet.unit_count(i));
     if (address.port != 0) ++address.port;
   }
-  run(loop, fleet, [](port::Instant) { return port::never; });
+  run(loop, fleet, [&](port::Instant now) {
+    port::Instant deadline = port::never;
+    for (const auto& listener : listeners) {
+      listener->advance(now);
+      deadline = std::min(deadline, listener->next_deadline());
+    }
+    return deadline;
+  });
 }
 
 void run_rtu(const port::SerialLine& line, const nodes::Script& script) {
