@@ -20,6 +20,7 @@ bool RtuLine::open(std::string& why) {
 }
 
 void RtuLine::close() {
+  if (port_.is_open()) discard_waiting(port_.get());
   if (port_.is_open() && !is_gone_) loop_.remove(port_.get());
   port_.close();
   is_gone_ = has_news_ = false;
@@ -30,7 +31,7 @@ void RtuLine::discard() {
   receive();
   heard_count_ = 0;
   has_news_ = false;
-  discard_input(port_.get());
+  discard_waiting(port_.get());
 }
 
 bool RtuLine::send(std::span<std::uint8_t> frame, std::uint8_t unit, std::size_t pdu_bytes,

@@ -32,7 +32,7 @@ class RtuLine final : private EventHandler {
   // The port went away, which was found while hearing: there is nothing left but to close it.
   bool is_gone() const { return is_gone_; }
 
-  // Throws away what has arrived, and what was heard.
+  // Throws away what has arrived, what was heard, and what was sent and is not on the line yet.
   void discard();
 
   // Sends a PDU that stands at frame[rtu_unit_bytes]. False where the port does not take it, with

@@ -36,6 +36,7 @@ MeshFolder::MeshFolder(const std::string& folder, const std::string& name, const
       worker_("etcm-files",
               [writing = writing_] { writing->failure = writing->files.try_commit(); }) {
   std::filesystem::create_directories(folder);
+  writing_->files.remove_leftovers();
 }
 
 void MeshFolder::start_write(const Mesh& mesh, std::span<const std::uint32_t> serials) {

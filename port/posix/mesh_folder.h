@@ -13,7 +13,8 @@ namespace etcm::port {
 class MeshFolder final : public MeshFiles {
  public:
   // Makes the folder where there is none; throws std::filesystem::filesystem_error where it cannot.
-  // Takes all the memory now that meshes of this size need.
+  // Removes the temporary files of an earlier one that was killed while it wrote; so nobody else
+  // may write files of this name. Takes all the memory now that meshes of this size need.
   MeshFolder(const std::string& folder, const std::string& name, const MeshConfig& config);
 
   void start_write(const Mesh& mesh, std::span<const std::uint32_t> serials) override;

@@ -95,11 +95,11 @@ FileDescriptor open_serial(const SerialLine& line, std::string& why) {
           "); take `rs485` out where the adapter switches by itself, or give `rs485_line`";
     return {};
   }
-  discard_input(port.get());
+  discard_waiting(port.get());
   return port;
 }
 
-void discard_input(int descriptor) { ::tcflush(descriptor, TCIFLUSH); }
+void discard_waiting(int descriptor) { ::tcflush(descriptor, TCIOFLUSH); }
 
 bool is_sent(int descriptor) {
   int waiting = 0;

@@ -11,8 +11,9 @@ namespace etcm::port {
 // Not open where that failed, with the reason (and the cure where there is one) in `why`.
 FileDescriptor open_serial(const SerialLine& line, std::string& why);
 
-// Throws away what has arrived and was not read.
-void discard_input(int descriptor);
+// Throws away what has arrived and was not read, and what was written and is not on the line yet.
+// Closing a port whose bytes do not go out would wait for them.
+void discard_waiting(int descriptor);
 
 // Whether the last bit of everything written is on the line. True where the driver cannot tell.
 bool is_sent(int descriptor);

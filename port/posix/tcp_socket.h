@@ -20,8 +20,8 @@ int connect_error(int descriptor);
 // Closing it then ends the connection at once, without what waits to be sent.
 void reset_on_close(int descriptor);
 
-// Not open when there is nobody to accept, or nobody can be accepted: errno tells. Sets `peer` to who connected. A peer that vanishes
-// without a word is found out within minutes.
+// Not open when there is nobody to accept, or nobody can be accepted: errno tells. Sets `peer` to
+// who connected. A peer that vanishes without a word is found out within minutes.
 FileDescriptor accept_tcp(int listener, SocketAddress* peer = nullptr);
 
 }  // namespace etcm::port

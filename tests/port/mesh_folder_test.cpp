@@ -8,6 +8,7 @@
 
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <string>
@@ -105,6 +106,33 @@ TEST_F(MeshFolderTest, HoldsTheMeshAndTheSerials) {
   EXPECT_NE(read(".node").find("\n60 "), std::string::npos);
   EXPECT_NE(read(".node").find(" 4000000060 0\n"), std::string::npos);
   EXPECT_NE(read(".svg").find("60 nodes"), std::string::npos);
+}
+
+TEST_F(MeshFolderTest, WhatACrashLeftIsRemoved) {
+  std::filesystem::create_directories(path_ + "/elsewhere");
+  std::filesystem::create_symlink("elsewhere/target.svg", path_ + "/mesh.svg");
+  std::ofstream(path_ + "/elsewhere/target.svg") << "old";
+  for (const char* left :
+       {"mesh.node.17.tmp", "mesh.ele.4194304.tmp", "elsewhere/target.svg.9.tmp"}) {
+    std::ofstream(path_ + "/" + left) << "half";
+  }
+  const std::vector<std::string> others = {
+      "mesh.node.tmp",   "mesh.node..tmp",      "mesh.node.1x.tmp",  "mesh.node.17.tmp2",
+      "mesh.node.17",    "mesh.poly.17.tmp",    "other.node.17.tmp", "my mesh.node.17.tmp",
+      "mesh.node17.tmp", "mesh.node.1.7.tmp",   "mesh.node",         "elsewhere/mesh.node.17.tmp",
+      "mesh.svg.tmp",    "elsewhere/target.svg"};
+  for (const std::string& other : others) std::ofstream(path_ + "/" + other) << "kept";
+  std::filesystem::create_directories(path_ + "/mesh.node.3.tmp");
+  folder();
+  for (const char* left :
+       {"mesh.node.17.tmp", "mesh.ele.4194304.tmp", "elsewhere/target.svg.9.tmp"}) {
+    EXPECT_FALSE(std::filesystem::exists(path_ + "/" + left)) << left;
+  }
+  for (const std::string& other : others) {
+    EXPECT_TRUE(std::filesystem::exists(path_ + "/" + other)) << other;
+  }
+  EXPECT_TRUE(std::filesystem::exists(path_ + "/mesh.node.3.tmp")) << "a folder is no leftover";
+  EXPECT_TRUE(write().ok);
 }
 
 TEST_F(MeshFolderTest, AnAnchorHasNoSerial) {

@@ -302,6 +302,29 @@ TEST_F(SerialBus, AUnitThatWasOnceVeryLateCostsTheOthersLittle) {
   EXPECT_LE(silences, 20 * quiet + 2 * late_silence_max) << "it is forgotten";
 }
 
+// A terminal keeps 4 KiB for its reader; what is beyond waits at the sender's side, as in the
+// driver of an adapter that hangs.
+TEST_F(SerialBus, WhatNeverWentOutIsThrownAway) {
+  const std::array<std::uint16_t, write_registers_max> values{};
+  std::size_t sent = 0;
+  for (; sent < 16384; sent += rtu_write_request_bytes(write_registers_max)) {
+    become_ready();
+    bus().start_write({.unit = 7, .first = 200, .values = values, .timeout = timeout}, now_);
+    pass(1s);
+    EXPECT_EQ(result(), BusResult::timeout);
+  }
+  bus_.reset();  // and its port is closed
+  std::size_t arrived = 0;
+  pollfd readable{.fd = cable_->descriptor(), .events = POLLIN, .revents = 0};
+  while (::poll(&readable, 1, 100) == 1) {
+    std::uint8_t chunk[4096];
+    const ssize_t count = ::read(cable_->descriptor(), chunk, sizeof chunk);
+    if (count <= 0) break;
+    arrived += static_cast<std::size_t>(count);
+  }
+  EXPECT_LE(arrived, 8192u) << "of " << sent;
+}
+
 struct Misbehaviour {
   const char* name;
   Bytes bytes;

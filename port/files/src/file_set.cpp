@@ -12,7 +12,9 @@
 #include <climits>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "etcm/files/error.h"
@@ -20,6 +22,9 @@
 namespace etcm::files {
 
 namespace {
+
+// A temporary file is TARGET.PID.tmp.
+constexpr std::string_view temporary_end = ".tmp";
 
 // Holds back what would end the program between two renames.
 class SignalsHeld {
@@ -88,6 +93,17 @@ void sync_folder(std::string_view folder) {
   ::close(descriptor);
 }
 
+// Whether `name` is that of a temporary file for `target`, of whichever process.
+bool is_temporary_of(std::string_view name, std::string_view target) {
+  if (!name.starts_with(target)) return false;
+  name.remove_prefix(target.size());
+  if (!name.starts_with('.') || !name.ends_with(temporary_end)) return false;
+  name.remove_prefix(1);
+  if (name.size() <= temporary_end.size()) return false;
+  name.remove_suffix(temporary_end.size());
+  return name.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
 }  // namespace
 
 FileSet::FileSet() : buffer_(std::size_t{1} << 14) {}
@@ -136,7 +152,7 @@ FileSet::Failure FileSet::write_temporary(File& file) {
   file.temporary = file.target;
   file.temporary += '.';
   file.temporary.append(number.data(), digits.ptr);
-  file.temporary += ".tmp";
+  file.temporary += temporary_end;
   const int descriptor = open_temporary(file.temporary);
   if (descriptor < 0) {
     file.temporary.clear();
@@ -181,6 +197,21 @@ FileSet::Failure FileSet::write_directly(const File& file) {
   int error = write(descriptor, file);
   if (::close(descriptor) != 0 && error == 0) error = errno;
   return error == 0 ? Failure{} : Failure{&file.path, error};
+}
+
+void FileSet::remove_leftovers() {
+  for (File& file : files_) {
+    find_target(file.path, file.target);
+    const std::filesystem::path target(file.target);
+    std::error_code error;
+    std::filesystem::directory_iterator entry(std::string(folder_of(file.target)), error);
+    for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+      const std::string& path = entry->path().native();
+      if (is_temporary_of(entry->path().filename().native(), target.filename().native())) {
+        ::unlink(path.c_str());
+      }
+    }
+  }
 }
 
 void FileSet::remove_temporaries() {

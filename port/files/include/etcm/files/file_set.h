@@ -33,6 +33,10 @@ class FileSet {
   // The same, but throws OutputError.
   void commit();
 
+  // Removes temporary files of these targets that a process left behind which was killed while it
+  // wrote. REQUIRES: no other one writes these targets now.
+  void remove_leftovers();
+
  private:
   struct File {
     std::string path;
