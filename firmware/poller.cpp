@@ -180,9 +180,7 @@ port::Instant Poller::probe_due(const Line& line, port::Instant now) const {
   if (line.probes.empty() || line.probes_under_way >= line.probes_max) return port::never;
   const port::Instant due = line.probes.front().due;
   if (!line.takes_one || line.turns.empty()) return due;
-  const Unit& unit = units_[line.probes.front().unit];
-  const port::Duration cost =
-      std::max(line.probe_cost_max, unit.timeout + unit.silence + line.exchange_floor);
+  const port::Duration cost = probe_cost(line, units_[line.probes.front().unit]);
   const bool is_idle = line.turns.front().due > std::max(due, now) + cost;
   return is_idle ? due : std::max(due, line.probe_allowed);
 }
@@ -256,9 +254,12 @@ void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Inst
     case port::BusResult::link_lost:
       return unit.is_listed || unit.has_answered ? ask_again(index, now) : rest(index);
     case port::BusResult::timeout:
-      return fail(index, to_string(answer.result), true, now);
-    case port::BusResult::bad_answer:
-      return fail(index, to_string(answer.result), false, now);
+    case port::BusResult::bad_answer: {
+      const bool was_sound = is_sound(index);
+      fail(index, to_string(answer.result), answer.result == port::BusResult::timeout, now);
+      if (was_sound) repeat(index, now);
+      return;
+    }
     case port::BusResult::exception:
       return fail(index, TextLine() << "exception " << answer.exception, false, now);
   }

@@ -50,7 +50,8 @@ class ReadingListener {
 // answers; on a line that others want within scan_budget of each interval. One that was found and
 // does not answer any more is only looked for again, once others of its bus answer.
 //
-// Units that somebody calls for are asked at once; where a bus takes one request at a time this
+// Units that somebody calls for are asked at once, and so is, once, a unit whose answer is missing
+// where the one before was there: a frame may be lost. Where a bus takes one request at a time this
 // costs the others 1/32 of its time at the most, and beyond that they are asked as failing units
 // are.
 //
@@ -154,7 +155,10 @@ class Poller {
     BusCounters counters{};
   };
 
+  void repeat(std::uint32_t unit, port::Instant now);
+  void call_for(std::uint32_t unit, port::Instant due, port::Instant now);
   void bring_forward(std::uint32_t unit, port::Instant due);
+  static port::Duration probe_cost(const Line& line, const Unit& unit);
   void add_unit(Line& line, std::uint8_t address, bool is_listed);
   bool ask_next(std::uint32_t bus, port::Instant now);
   void ask(Line& line, const Turn& turn, Asking asking, port::Instant now);

@@ -19,13 +19,31 @@ void Poller::ask_at_once(std::uint8_t address, port::Instant now) {
   for (Line& line : lines_) {
     const std::uint32_t unit = line.unit_at[address];
     if (unit == no_unit) continue;
-    if (line.takes_one && now < line.call_allowed) {
-      bring_forward(unit, now);
-    } else {
-      line.call_allowed = now + line.probe_cost_max * probe_share;
-      ask_unit_at_once(unit, now);
-    }
+    line.takes_one ? call_for(unit, now, now) : ask_unit_at_once(unit, now);
   }
+}
+
+// One that answered the time before is most likely still there: a frame was lost.
+void Poller::repeat(std::uint32_t index, port::Instant now) {
+  const Unit& unit = units_[index];
+  const Line& line = lines_[unit.bus];
+  if (line.takes_one) return call_for(index, unit.due, now);
+  // Networks lose none; what is behind them does, but not all of it at once.
+  if (line.sound > 0) bring_forward(index, unit.due);
+}
+
+// At once, whoever else is due, where the share of such calls allows; else as if it was due then.
+void Poller::call_for(std::uint32_t index, port::Instant due, port::Instant now) {
+  const Unit& unit = units_[index];
+  Line& line = lines_[unit.bus];
+  if (now < line.call_allowed) return bring_forward(index, due);
+  line.call_allowed = now + probe_cost(line, unit) * probe_share;
+  ask_unit_at_once(index, now);
+}
+
+// The most that a question to it costs the others, where the bus takes one at a time.
+port::Duration Poller::probe_cost(const Line& line, const Unit& unit) {
+  return std::max(line.probe_cost_max, unit.timeout + unit.silence + line.exchange_floor);
 }
 
 // REQUIRES: one is resting.

@@ -64,6 +64,66 @@ TEST_F(Cadence, ATornReadKeepsItsTime) {
   EXPECT_GE(asked(7) - before, 99u);
 }
 
+class Polling : public Cadence {};
+
+TEST_F(Polling, ALostAnswerIsAskedForAgainOnce) {
+  const std::uint32_t before = asked(7);
+  rig_.bus.silence(7);
+  run(30ms, 10ms);
+  rig_.put(7, 700, 0);
+  run(70ms, 10ms);
+  EXPECT_EQ(asked(7) - before, 2u) << "within the interval";
+  EXPECT_EQ(rig_.gateway->poller().failures(6), 0u);
+  run(1s, 10ms);
+  EXPECT_EQ(asked(7) - before, 12u) << "and then at the old times";
+  // Once, where the answer to that is missing too.
+  rig_.bus.silence(7);
+  run(400ms, 10ms);
+  EXPECT_EQ(asked(7) - before, 12u + 4u);
+}
+
+TEST_F(Polling, WhoNeverAnsweredIsNotAskedAgainAtOnce) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.run(300ms);
+  EXPECT_EQ(rig.bus.reads[2], 3u);
+}
+
+// Dead units wait for minutes there until they are asked; one that lost a frame is not one of them.
+TEST_F(Polling, ALostAnswerIsAskedForAgainOnABusyLineToo) {
+  Rig rig;
+  rig.bus.outstanding_max = 1;
+  BusSettings& bus = rig.settings.buses[0];
+  bus.outstanding_max = 1;
+  bus.timeout = 100ms;
+  bus.units = {{.first = 1, .last = 50}};
+  rig.settings.poll.interval = 10ms;
+  rig.settings.poll.absent_interval = 1s;
+  rig.settings.poll.leave_after = 10s;
+  for (std::uint8_t unit = 1; unit <= 20; ++unit) rig.put(unit, unit * unit, 7 * unit % 11);
+  rig.run(60s);
+  const std::uint32_t before = rig.bus.reads[7];
+  rig.bus.silence(7);
+  while (rig.bus.reads[7] == before) rig.run(10ms);
+  rig.put(7, 49, 5);
+  rig.run(200ms);
+  EXPECT_GE(rig.bus.reads[7], before + 2);
+  // Units that lose every other answer cost the others no more than that share of the line.
+  const auto polls = [&](bool is_lossy) {
+    const std::uint32_t begin = rig.bus.reads[1];
+    for (int step = 0; step < 6000; ++step) {
+      for (std::uint8_t unit = 11; unit <= 12; ++unit) {
+        const bool is_lost = is_lossy && rig.bus.reads[unit] % 2 == 1;
+        is_lost ? rig.bus.silence(unit) : rig.put(unit, unit * unit, 7 * unit % 11);
+      }
+      rig.run(10ms);
+    }
+    return rig.bus.reads[1] - begin;
+  };
+  const std::uint32_t without = polls(false);
+  EXPECT_GE(polls(true) * 100, without * 80);
+}
+
 // Each question takes a step, and twenty units do not fit into an interval: all have as many.
 TEST_F(Cadence, ALineThatIsTooSlowIsFair) {
   rig_.bus.outstanding_max = 1;
