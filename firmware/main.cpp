@@ -53,7 +53,7 @@ constexpr port::Identity identity{{"ETCM", "etcm-gateway", ETCM_VERSION}};
 // The lines of the board that the settings name.
 class Board {
  public:
-  Board(const firmware::Settings& settings, port::EventLoop& loop) {
+  Board(const firmware::Settings& settings, port::EventLoop& loop, port::Log& log) {
 #ifdef ETCM_WITH_GPIO
     std::vector<port::LineRequest> requests;
     const auto want = [&](const std::optional<firmware::LineSettings>& line, port::LineUse use) {
@@ -68,9 +68,10 @@ class Board {
     for (const firmware::BusSettings& bus : settings.buses) {
       want(bus.send_enable, port::LineUse::output);
     }
-    if (!requests.empty()) io_.emplace(loop, requests, settings.gpio.debounce);
+    if (!requests.empty()) io_.emplace(loop, log, requests, settings.gpio.debounce);
 #else
     static_cast<void>(loop);
+    static_cast<void>(log);
     const firmware::GpioSettings& gpio = settings.gpio;
     bool is_wanted = gpio.alert || gpio.join_button || gpio.status_led || gpio.watchdog;
     for (const firmware::BusSettings& bus : settings.buses) {
@@ -206,7 +207,7 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
     throw std::runtime_error(std::string("the mesh refuses its settings: ") + explain(status));
   }
 
-  Board board(settings, loop);
+  Board board(settings, loop, log);
   std::vector<Bus> buses;
   std::vector<firmware::PolledBus> polled;
   for (const firmware::BusSettings& bus : settings.buses) {

@@ -32,8 +32,10 @@ class GpioLine {
 
   // Of an input: readable when the level has changed.
   int descriptor() const;
-  // Takes what is to be read there; what it says is not asked, the level is.
-  void discard_events();
+  // Takes what is to be read there; what it says is not asked, the level is. False where the line
+  // has gone with its chip, and errno tells: from then on the descriptor is ready all the time, and
+  // the line inactive.
+  bool discard_events();
 
  private:
   struct State;

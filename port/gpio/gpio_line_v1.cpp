@@ -54,12 +54,15 @@ void GpioLine::set_active(bool active) { gpiod_line_set_value(state_->line, acti
 
 int GpioLine::descriptor() const { return gpiod_line_event_get_fd(state_->line); }
 
-void GpioLine::discard_events() {
+bool GpioLine::discard_events() {
   std::array<gpiod_line_event, 16> events;
   const timespec no_wait{};
   while (gpiod_line_event_wait(state_->line, &no_wait) == 1) {
-    if (gpiod_line_event_read_multiple(state_->line, events.data(), events.size()) <= 0) return;
+    if (gpiod_line_event_read_multiple(state_->line, events.data(), events.size()) < 0) {
+      return errno == EINTR || errno == EAGAIN;
+    }
   }
+  return true;
 }
 
 }  // namespace etcm::port

@@ -117,13 +117,14 @@ void GpioLine::set_active(bool active) {
 
 int GpioLine::descriptor() const { return gpiod_line_request_get_fd(state_->request.get()); }
 
-void GpioLine::discard_events() {
+bool GpioLine::discard_events() {
   while (gpiod_line_request_wait_edge_events(state_->request.get(), 0) == 1) {
     if (gpiod_line_request_read_edge_events(state_->request.get(), state_->events.get(),
-                                            events_at_a_time) <= 0) {
-      return;
+                                            events_at_a_time) < 0) {
+      return errno == EINTR || errno == EAGAIN;
     }
   }
+  return true;
 }
 
 }  // namespace etcm::port

@@ -1,17 +1,26 @@
 #include "gpio/gpio_lines.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <string>
 #include <utility>
 
 namespace etcm::port {
 
 class GpioLines::Input final : private EventHandler {
  public:
-  Input(EventLoop& loop, GpioLine& line, Duration period)
-      : loop_(loop), line_(line), debounce_(line.is_active(), period) {
+  Input(EventLoop& loop, Log& log, GpioLine& line, std::string place, Duration period)
+      : loop_(loop),
+        log_(log),
+        line_(line),
+        place_(std::move(place)),
+        debounce_(line.is_active(), period) {
     loop_.add(line_.descriptor(), *this, true, false);
   }
-  ~Input() { loop_.remove(line_.descriptor()); }
+  ~Input() {
+    if (!is_gone_) loop_.remove(line_.descriptor());
+  }
   Input(const Input&) = delete;
   Input& operator=(const Input&) = delete;
 
@@ -23,23 +32,33 @@ class GpioLines::Input final : private EventHandler {
 
  private:
   void on_ready(bool, bool) override {
-    line_.discard_events();
     has_moved_ = true;
+    if (line_.discard_events()) return;
+    const int error = errno;
+    // Nobody could wait for it: it is ready all the time.
+    is_gone_ = true;
+    loop_.remove(line_.descriptor());
+    log_.write(Level::warning, "gpio line " + place_ + " is gone (" + std::strerror(error) +
+                                   "); goes on without it; plug its chip in again, and restart");
   }
 
   EventLoop& loop_;
+  Log& log_;
   GpioLine& line_;
+  const std::string place_;
+  bool is_gone_ = false;
   Debounce debounce_;
   bool has_moved_ = false;
 };
 
-GpioLines::GpioLines(EventLoop& loop, std::span<const LineRequest> requests, Duration debounce)
-    : loop_(loop) {
+GpioLines::GpioLines(EventLoop& loop, Log& log, std::span<const LineRequest> requests,
+                     Duration debounce) {
   for (const LineRequest& request : requests) {
     lines_.push_back(std::make_unique<GpioLine>(request));
-    inputs_.push_back(request.use == LineUse::input
-                          ? std::make_unique<Input>(loop_, *lines_.back(), debounce)
-                          : nullptr);
+    inputs_.push_back(
+        request.use == LineUse::input
+            ? std::make_unique<Input>(loop, log, *lines_.back(), request.place, debounce)
+            : nullptr);
     has_input_ = has_input_ || request.use == LineUse::input;
   }
 }
