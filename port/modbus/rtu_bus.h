@@ -2,9 +2,8 @@
 //
 // RTU frames carry no number that tells to which request an answer belongs. So that a late answer
 // never becomes another request's data:
-// - what has arrived is thrown away before a request is sent, and so are bytes of an earlier
-// request
-//   that an adapter has not taken;
+// - what has arrived is thrown away before a request is sent, and so is what an adapter has not
+//   taken of an earlier request;
 // - an answer counts only with the unit, function and length that were asked for (of a write: the
 //   unit and the range) and the right checksum; other bytes (noise, an echo, another unit's late
 //   answer) do not end the wait;
