@@ -12,7 +12,6 @@ namespace etcm::bus {
 namespace {
 
 constexpr std::uint8_t exception_bit = 0x80;
-constexpr std::uint8_t everybody = 0;
 // Units carry out what nobody answers; they are not ready for the next question at once.
 constexpr port::Duration turnaround = std::chrono::milliseconds(200);
 

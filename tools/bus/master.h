@@ -1,6 +1,7 @@
 // What one asks the units of a bus, in words: registers, and who is there.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +9,11 @@
 #include "link.h"
 
 namespace etcm::bus {
+
+// The unit of a broadcast, which nobody answers.
+inline constexpr std::uint8_t everybody = 0;
+// Behind the last register of a unit.
+inline constexpr std::uint32_t register_end = 0x10000;
 
 // Why there is no result.
 struct Trouble {

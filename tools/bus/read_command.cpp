@@ -16,8 +16,6 @@ struct ReadOptions {
   std::uint32_t count = 1;
 };
 
-constexpr std::uint32_t register_end = 0x10000;
-
 // Reads them in as few questions as there can be; a value never comes from two of them.
 std::optional<Trouble> read_all(Master& master, std::uint8_t unit, std::uint8_t function,
                                 std::uint16_t first, Registers& registers, std::size_t per_value) {

@@ -9,9 +9,6 @@ namespace etcm::bus {
 
 namespace {
 
-constexpr std::uint8_t everybody = 0;
-constexpr std::uint32_t register_end = 0x10000;
-
 struct WriteOptions {
   BusOptions bus{"1", "0.5"};
   TypeOptions type;
