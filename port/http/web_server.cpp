@@ -68,8 +68,9 @@ class WebServer::Callbacks {
  public:
   static MHD_Result accepts(void* self, const sockaddr* address, socklen_t) {
     auto& server = *static_cast<WebServer*>(self);
-    if (any_contains(server.allowed_, host_of(address))) return MHD_YES;
-    server.turn_away(host_of(address));
+    const std::uint32_t host = host_of(address);
+    if (any_contains(server.allowed_, host)) return MHD_YES;
+    server.turn_away(host);
     return MHD_NO;
   }
 
@@ -226,9 +227,7 @@ void WebServer::allow(std::vector<Network> networks, Log& log) {
 
 void WebServer::turn_away(std::uint32_t host) {
   ++counters_.refused;
-  std::string peer = to_string(SocketAddress{.host = host});
-  peer.erase(peer.rfind(':'));
-  log_->write(Level::warning, "a browser at " + peer +
+  log_->write(Level::warning, "a browser at " + host_text(host) +
                                   " is turned away: its network is not in allow of [http]; add it "
                                   "there if it may see everything");
 }

@@ -4,16 +4,6 @@
 
 namespace etcm::port {
 
-namespace {
-
-std::string host_of(const SocketAddress& peer) {
-  std::string host = to_string(peer);
-  host.erase(host.rfind(':'));
-  return host;
-}
-
-}  // namespace
-
 RegisterServer::RegisterServer(EventLoop& loop, const SocketAddress& address,
                                std::size_t clients_max, const Identity& identity,
                                std::shared_ptr<const RegisterImage> first)
@@ -30,7 +20,7 @@ void RegisterServer::allow(std::vector<Network> networks, Log& log) {
 void RegisterServer::refused(const SocketAddress& peer, bool is_full) {
   if (log_ == nullptr) return;
   log_->write(Level::warning,
-              "a client at " + host_of(peer) + " is turned away: " +
+              "a client at " + host_text(peer.host) + " is turned away: " +
                   (is_full ? "all places are taken; raise clients_max in [server]"
                            : "its network is not in allow of [server]; add it there if it may read "
                              "the mesh"));
@@ -39,7 +29,7 @@ void RegisterServer::refused(const SocketAddress& peer, bool is_full) {
 void RegisterServer::displaced(const SocketAddress& peer) {
   if (log_ == nullptr) return;
   log_->write(Level::info,
-              "a client at " + host_of(peer) +
+              "a client at " + host_text(peer.host) +
                   " is hung up on: it has asked nothing for over a minute, and another "
                   "one wants its place; raise clients_max in [server] to keep both");
 }

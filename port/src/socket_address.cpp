@@ -16,13 +16,6 @@ std::optional<std::uint32_t> parse_host(std::string_view text) {
   return ntohl(native.s_addr);
 }
 
-std::string host_text(std::uint32_t host) {
-  const in_addr native{htonl(host)};
-  char text[INET_ADDRSTRLEN];
-  ::inet_ntop(AF_INET, &native, text, sizeof text);
-  return text;
-}
-
 template <class Number>
 bool parse_whole(std::string_view text, Number& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -39,6 +32,13 @@ std::optional<SocketAddress> parse_socket_address(std::string_view text) {
   if (!host || !parse_whole(text.substr(colon + 1), address.port)) return std::nullopt;
   address.host = *host;
   return address;
+}
+
+std::string host_text(std::uint32_t host) {
+  const in_addr native{htonl(host)};
+  char text[INET_ADDRSTRLEN];
+  ::inet_ntop(AF_INET, &native, text, sizeof text);
+  return text;
 }
 
 std::string to_string(const SocketAddress& address) {

@@ -18,6 +18,8 @@ struct SocketAddress {
 // Reads "127.0.0.1:502"; nothing where that is no numeric address with a port.
 std::optional<SocketAddress> parse_socket_address(std::string_view text);
 std::string to_string(const SocketAddress& address);
+// The host alone, as in "127.0.0.1".
+std::string host_text(std::uint32_t host);
 
 // The IPv4 addresses that agree with `host` in their first `prefix` bits.
 struct Network {
