@@ -208,6 +208,28 @@ StateFile::Failure StateFile::write_new(std::span<const std::byte> bytes) {
   return {};
 }
 
+// `state` becomes `state.previous`, and `state.new` becomes `state`.
+StateFile::Failure StateFile::put_in_place() {
+  const int folder = descriptor_.get();
+  const char* const last = name_of(Copy::last);
+  const char* const previous = name_of(Copy::previous);
+  // Where there is no `state`, nothing takes the place of the one before.
+  const auto link = [&] {
+    return ::linkat(folder, last, folder, previous, 0) == 0 || errno == ENOENT;
+  };
+  bool is_kept = link();
+  if (!is_kept && errno == EEXIST) is_kept = ::unlinkat(folder, previous, 0) == 0 && link();
+  // Whatever keeps it from being linked (no links on this disk, or not to a file of another user)
+  // need not keep it from being renamed.
+  if (!is_kept && ::renameat(folder, last, folder, previous) != 0) {
+    return {"cannot rename the file", errno};
+  }
+  if (::renameat(folder, new_name, folder, last) != 0) return {"cannot rename the file", errno};
+  // EINVAL: a file system that cannot sync a folder.
+  if (::fsync(folder) != 0 && errno != EINVAL) return {"cannot sync the folder", errno};
+  return {};
+}
+
 StateFile::Failure StateFile::save(std::span<const std::byte> bytes) {
   Failure failure = open_folder(true);
   for (const Copy copy : {Copy::last, Copy::previous}) {
@@ -220,26 +242,13 @@ StateFile::Failure StateFile::save(std::span<const std::byte> bytes) {
     }
   }
   if (failure.action == nullptr) failure = write_new(bytes);
+  if (failure.action == nullptr) failure = put_in_place();
   if (failure.action != nullptr) {
     // What is left of it would take room, where that is what is missing.
     if (descriptor_.is_open()) ::unlinkat(descriptor_.get(), new_name, 0);
     // The folder may have been replaced, or another disk put there.
     descriptor_.close();
-    return failure;
   }
-  const int folder = descriptor_.get();
-  const auto rename = [&](const char* from, const char* to) {
-    return ::renameat(folder, from, folder, to) == 0;
-  };
-  if (!rename(name_of(Copy::last), name_of(Copy::previous)) && errno != ENOENT) {
-    failure = {"cannot rename the file", errno};
-  } else if (!rename(new_name, name_of(Copy::last))) {
-    failure = {"cannot rename the file", errno};
-  } else if (::fsync(folder) != 0 && errno != EINVAL) {
-    // EINVAL: a file system that cannot sync a folder.
-    failure = {"cannot sync the folder", errno};
-  }
-  if (failure.action != nullptr) descriptor_.close();
   return failure;
 }
 

@@ -1,8 +1,10 @@
 // One piece of state as a file that survives a power failure at any moment.
 //
 // In its folder: `state`, and `state.previous`, what it was one save earlier. A save writes
-// `state.new`, syncs it, renames `state` to `state.previous` and `state.new` to `state`, and syncs
-// the folder. So at any moment one of the two names has the old bytes or the new ones, whole.
+// `state.new`, syncs it, links `state` as `state.previous`, renames `state.new` to `state`, and
+// syncs the folder. So from the first save on `state` is there at any moment, with the old bytes or
+// the new ones, whole. A file system without hard links (vfat) has a moment between two renames in
+// which only `state.previous` is there, with the old ones.
 //
 // A file is 24 bytes of head and the bytes that were saved. All numbers are little-endian:
 //   0  "ETCMKEPT"
@@ -57,6 +59,7 @@ class StateFile {
  private:
   Failure open_folder(bool may_make);
   Failure write_new(std::span<const std::byte> bytes);
+  Failure put_in_place();
   bool move_aside(Copy copy, std::string& name);
 
   std::string folder_;

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "etcm/files/error.h"
+#include "support/killed_process.h"
 #include "support/scratch_folder.h"
 
 namespace etcm::files {
@@ -79,6 +80,30 @@ TEST(FileSet, LeavesNothingWhereOneTargetCannotBe) {
     EXPECT_THROW(files.commit(), OutputError) << bad;
     EXPECT_EQ(folder.file_count(), 1u);
   }
+}
+
+// Who reads while they are written, or after a crash, finds each of them, old or new.
+TEST(FileSet, EachIsThereAndWholeWhereverItsWriterIsKilled) {
+  if (!test::run_killed_at(test::to_the_end, [] {}).can_trace) {
+    GTEST_SKIP() << "processes cannot be traced here (an emulator?)";
+  }
+  const ScratchFolder folder;
+  const std::vector<std::string> names{"a", "b", "c"};
+  bool is_new = false;
+  for (unsigned long stop = 0; !is_new; ++stop) {
+    SCOPED_TRACE(testing::Message() << "killed at stop " << stop);
+    for (const std::string& name : names) folder.write(name, name + " old");
+    FileSet files;
+    for (const std::string& name : names) files.add(folder.path(name), name + " new");
+    const test::Traced traced =
+        test::run_killed_at(stop, [&] { static_cast<void>(files.try_commit()); });
+    for (const std::string& name : names) {
+      const std::string found = folder.read(name);
+      ASSERT_TRUE(found == name + " old" || found == name + " new") << '"' << found << '"';
+    }
+    is_new = !traced.was_killed;
+  }
+  for (const std::string& name : names) EXPECT_EQ(folder.read(name), name + " new");
 }
 
 TEST(FileSet, WritesDevicesInPlace) {
