@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
 #include <string>
 
 #include "fakes.h"
@@ -104,16 +108,6 @@ TEST_F(LimitedLogTest, TheSameWordsAtAnotherLevelAreAnotherKind) {
   EXPECT_EQ(written_.lines.size(), LimitedLog::lines_free + 1);
 }
 
-TEST_F(LimitedLogTest, MoreKindsThanItCanKeepAreAllWrittenAndNoneIsLost) {
-  for (std::size_t i = 0; i < 5 * LimitedLog::kinds_max; ++i) {
-    const std::string line = "node " + std::to_string(i) + ": trouble";
-    for (int k = 0; k < 6; ++k) log_.write(Level::warning, line);
-    clock_.pass(1ms);
-  }
-  log_.flush();
-  EXPECT_EQ(written_.lines.size(), 5 * LimitedLog::kinds_max * 6) << "five lines and a count each";
-}
-
 TEST_F(LimitedLogTest, LinesMayBeEmptyLongOrOdd) {
   const std::string longest(100'000, '7');
   for (int i = 0; i < 8; ++i) {
@@ -128,11 +122,127 @@ TEST_F(LimitedLogTest, LinesMayBeEmptyLongOrOdd) {
   EXPECT_EQ(written_.count("7... [left out: 3 like this"), 1u);
 }
 
+// Counts without taking memory.
 class CountingLog final : public port::Log {
  public:
-  void write(Level, std::string_view) override { ++lines; }
-  std::size_t lines = 0;
+  void write(Level, std::string_view line) override {
+    ++lines;
+    constexpr std::string_view mark = "[left out: ";
+    const std::size_t at = line.find(mark);
+    if (at == std::string_view::npos) {
+      ++written;
+    } else {
+      left_out += static_cast<std::uint64_t>(std::atoll(line.data() + at + mark.size()));
+    }
+    is_last_alarm = line.starts_with("unit 7 of yard: no answer in time");
+  }
+  std::uint64_t lines = 0;
+  std::uint64_t written = 0;   // as they came
+  std::uint64_t left_out = 0;  // as other lines tell
+  bool is_last_alarm = false;
 };
+
+// So many nodes move all the time, far more than kinds can be told apart.
+class ManySubjects : public testing::TestWithParam<int> {
+ protected:
+  // All of them, once.
+  void move_all() {
+    std::array<char, 120> text;
+    for (int node = 1; node <= GetParam(); ++node) {
+      const int size = std::snprintf(
+          text.data(), text.size(), "node %d moved from (%d, -4) to (5, %d): generation %llu", node,
+          node % 37, node % 11, static_cast<unsigned long long>(sent_));
+      log_.write(Level::info, {text.data(), static_cast<std::size_t>(size)});
+      ++sent_;
+    }
+  }
+  bool alarm() {
+    ++sent_;
+    log_.write(Level::warning, "unit 7 of yard: no answer in time");
+    return counted_.is_last_alarm;
+  }
+
+  SimulatedClock clock_;
+  CountingLog counted_;
+  LimitedLog log_{counted_, clock_};
+  std::uint64_t sent_ = 0;
+};
+
+TEST_P(ManySubjects, WriteNoMoreThanTheBoundOfTheirPatternAndNoneIsLost) {
+  const auto hour = [&] {
+    for (int i = 0; i < 120; ++i) {
+      move_all();
+      clock_.pass(30s);
+    }
+  };
+  const test::AllocationWatch watch;
+  hour();
+  EXPECT_GE(counted_.lines, std::min<std::uint64_t>(LimitedLog::pattern_lines_free,
+                                                    static_cast<std::uint64_t>(GetParam())));
+  EXPECT_LE(counted_.lines,
+            LimitedLog::pattern_lines_free + 2 * LimitedLog::pattern_lines_noisy + 3);
+  const std::uint64_t first = counted_.lines;
+  hour();
+  hour();
+  EXPECT_LE(counted_.lines - first, 3 * (LimitedLog::pattern_lines_noisy + 1));
+  log_.flush();
+  EXPECT_EQ(counted_.written + counted_.left_out, sent_);
+  EXPECT_EQ(watch.allocations(), 0u);
+}
+
+TEST_P(ManySubjects, HideNoOtherTrouble) {
+  for (int i = 0; i < 10; ++i) {
+    move_all();
+    clock_.pass(30s);
+  }
+  EXPECT_TRUE(alarm()) << "at once";
+  // It comes and goes: that is noise as well, whatever the others do.
+  const std::uint64_t before = counted_.written;
+  for (int i = 0; i < 200; ++i) {
+    move_all();
+    alarm();
+    clock_.pass(1s);
+  }
+  EXPECT_LE(counted_.written - before,
+            std::uint64_t{LimitedLog::pattern_lines_noisy} + LimitedLog::pattern_lines_free / 2);
+  clock_.pass(3h);
+  EXPECT_TRUE(alarm());
+  log_.flush();
+  EXPECT_EQ(counted_.written + counted_.left_out, sent_);
+}
+
+TEST_P(ManySubjects, AreEachSaidWhereTheyAreQuietOtherwise) {
+  // A node a minute: nothing here is noise.
+  std::uint64_t written = 0;
+  for (int node = 1; node <= std::min(GetParam(), 3000); ++node) {
+    log_.write(Level::warning, "node " + std::to_string(node) + " left (silent)");
+    EXPECT_EQ(counted_.written, ++written);
+    clock_.pass(1min);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(LimitedLog, ManySubjects, testing::Values(700, 1600, 10'000));
+
+TEST(LimitedLogPatterns, MoreThanItCanKeepAreBoundedTogetherAndNoneIsLost) {
+  SimulatedClock clock;
+  CountingLog counted;
+  LimitedLog log(counted, clock);
+  constexpr std::uint64_t patterns = 20 * LimitedLog::patterns_max;
+  constexpr std::uint64_t rounds = 40;
+  // Words of letters alone, each a pattern of its own.
+  const auto word = [](std::uint64_t number) {
+    std::string text;
+    for (; number > 0; number /= 26) text += static_cast<char>('a' + number % 26);
+    return text;
+  };
+  for (std::uint64_t round = 0; round < rounds; ++round) {
+    for (std::uint64_t i = 1; i <= patterns; ++i) log.write(Level::warning, word(i) + ": trouble");
+    clock.pass(1s);
+  }
+  EXPECT_LE(counted.lines, LimitedLog::patterns_max * rounds + LimitedLog::pattern_lines_free);
+  log.flush();
+  EXPECT_EQ(counted.written + counted.left_out, rounds * patterns);
+}
 
 TEST(LimitedLogMemory, IsTakenAtTheStart) {
   const SimulatedClock clock;
