@@ -194,8 +194,9 @@ std::string list_of(const std::vector<port::Network>& networks) {
   return list.empty() ? "nobody" : list;
 }
 
+// `log` leaves out what repeats; `events` writes each line.
 void run(const std::string& config, firmware::Settings& settings, const port::Clock& clock,
-         port::Log& log, const firmware::RecentEvents& events) {
+         port::Log& log, firmware::RecentEvents& events) {
   port::EventLoop loop;
   port::StopSignal stop(loop);
   port::SignalWatch reread(loop, {SIGHUP});
@@ -269,6 +270,7 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
   firmware::ServiceWatch watch(manager, gateway, log);
   gateway.restore(clock.now());
   watch.ready(clock.now());
+  port::Instant reload_due{};
   while (!stop.received()) {
     if (panel) panel->step(clock.now());
     gateway.step(clock.now());
@@ -276,18 +278,21 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
     server.advance(clock.now());
     if (web) web->step(clock.now());
     // A large site takes its time. What arrives meanwhile is taken in before anybody is given up.
-    if (reread.take_received()) {
+    if (reread.received() && reload_due <= clock.now()) {
+      static_cast<void>(reread.take_received());
       watch.reloading();
-      if (firmware::reload(config, settings, log)) {
+      if (firmware::reload(config, settings, events)) {
         server.allow(settings.server.allow, log);
         if (web) web->allow(settings.http->allow, log);
         gateway.update_settings(clock.now());
       }
       watch.ready(clock.now());
+      reload_due = clock.now() + firmware::reload_pause;
     }
     const port::Instant deadline = std::min(
         {gateway.next_deadline(), watch.next_deadline(), server.next_deadline(),
-         panel ? panel->next_deadline() : port::never, web ? web->next_deadline() : port::never});
+         reread.received() ? reload_due : port::never, panel ? panel->next_deadline() : port::never,
+         web ? web->next_deadline() : port::never});
     loop.wait(deadline - clock.now());
   }
   watch.stopping();

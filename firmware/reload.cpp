@@ -117,6 +117,14 @@ constexpr FixedKey fixed_keys[] = {
      }},
 };
 
+void tell(const std::vector<std::string>& mistakes, const std::string& path, port::Log& log) {
+  const std::size_t told = std::min(mistakes.size(), reload_mistakes_max);
+  for (std::size_t i = 0; i < told; ++i) log.write(port::Level::error, mistakes[i]);
+  if (told == mistakes.size()) return;
+  log.write(port::Level::error, path + ": " + std::to_string(mistakes.size() - told) +
+                                    " more mistakes; --check-config tells them all");
+}
+
 }  // namespace
 
 std::vector<std::string> take_over(Settings& current, const Settings& next) {
@@ -157,7 +165,7 @@ bool reload(const std::string& path, Settings& current, port::Log& log) {
     mistakes.push_back(path + ": " + error.what());
   }
   if (!mistakes.empty()) {
-    for (const std::string& mistake : mistakes) log.write(port::Level::error, mistake);
+    tell(mistakes, path, log);
     log.write(port::Level::error,
               "the configuration is not taken over, the old one stays; correct "
               "it and send SIGHUP again");

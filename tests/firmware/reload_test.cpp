@@ -94,6 +94,15 @@ TEST_F(Reload, AWrongOneChangesNothingAndIsNamed) {
   EXPECT_EQ(settings_.features.size(), 1u);
 }
 
+TEST_F(Reload, OfManyMistakesItTellsTheFirstAndHowManyMore) {
+  std::string many = good;
+  for (int i = 0; i < 33; ++i) many += "[[feature]]\nfrom = 1\nto = 1\n";
+  EXPECT_FALSE(reload_with(many));
+  EXPECT_EQ(log_.lines.size(), reload_mistakes_max + 2);
+  EXPECT_EQ(log_.count("13 more mistakes; --check-config tells them all"), 1u);
+  EXPECT_EQ(log_.count("is not taken over, the old one stays"), 1u);
+}
+
 TEST_F(Reload, ASiteThatDoesNotFitTheMeshThereIsIsRefused) {
   std::string more = with("features_max = 9", "features_max = 20");
   for (int i = 10; i < 20; ++i) {

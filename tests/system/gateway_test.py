@@ -179,6 +179,18 @@ class AgainstNodes(GatewayCase):
         self.assertEqual(gateway.stop(), 0, gateway.log())
         self.assertIn("audit passed", gateway.log())
 
+    def test_each_reload_is_answered_in_the_log_however_many_there_were(self):
+        gateway = self.start_gateway(self.start_nodes(["0,1,join,0,0"]))
+        config = self.folder / "site.toml"
+        good = config.read_text()
+        for expected, text in (("is read again", good), ("the old one stays", good + "wrong = 1\n")):
+            config.write_text(text)
+            for count in range(1, 8):
+                gateway.process.send_signal(signal.SIGHUP)
+                wait_for(f"answer {count}: {expected}",
+                         lambda: gateway.log().count(expected) == count)
+        self.assertEqual(gateway.log().count("'wrong' is unknown"), 7)
+
     def test_unreadable_blocks_are_exceptions_and_harm_nobody(self):
         self.start_gateway(self.start_nodes(["0,1,join,0,0"]))
         self.wait_for_header(nodes=1)
