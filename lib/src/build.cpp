@@ -176,12 +176,13 @@ Status settle_section(MeshState& m, SectionId s) noexcept {
 
 }  // namespace
 
-Status Mesh::build(std::span<const Position> nodes,
-                   std::span<const FeatureEnds> features) noexcept {
+Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds> features,
+                   void (*nodes_stand)(void* context) noexcept, void* context) noexcept {
   MeshState& m = *state_;
   SectionId list{};
   Status status = enter(*this, nodes, features, list);
   if (status != Status::ok) return status;
+  if (nodes_stand != nullptr) nodes_stand(context);
   SectionId pending{};
   m.is_batch = true;
   status = conform_features(m, list, pending);

@@ -1,8 +1,5 @@
 #include "mesher.h"
 
-#include <span>
-#include <utility>
-
 #include "etcm/files/decimal.h"
 #include "etcm/files/error.h"
 
@@ -27,40 +24,27 @@ std::unique_ptr<inputs::OwnedMesh> open_mesh(const MeshConfig& config) {
   return mesh;
 }
 
-// Builds, and again where that is quick, for the first run pays for cold caches; what counts is the
-// fastest. The mesh of the last run stays.
-std::pair<Status, double> timed_build(Mesh& mesh, const files::GridGraph& grid,
-                                      std::span<const FeatureEnds> features) {
-  constexpr int runs_max = 5;
-  constexpr double total_us_max = 20000;
-  double fastest_us = 0;
-  double total_us = 0;
-  for (int run = 0;; ++run) {
-    const auto start = std::chrono::steady_clock::now();
-    const Status status = mesh.build(grid.nodes, features);
-    const double us = microseconds_since(start);
-    fastest_us = run == 0 ? us : std::min(fastest_us, us);
-    total_us += us;
-    if (status != Status::ok || run + 1 == runs_max || total_us > total_us_max) {
-      return {status, fastest_us};
-    }
-    mesh.clear();
-  }
+using Clock = std::chrono::steady_clock;
+
+double microseconds_between(Clock::time_point start, Clock::time_point end) {
+  return std::chrono::duration<double, std::micro>(end - start).count();
 }
 
-double time_delaunay(const files::GridGraph& grid) {
-  const MeshConfig config{.vertices_max = std::max(1u, at_most(grid.nodes.size(), vertices_limit))};
-  const auto mesh = open_mesh(config);
-  const auto [status, us] = timed_build(**mesh, grid, {});
-  // What is wrong with the nodes, building the whole graph tells as well.
-  return status == Status::ok ? us : 0;
+void note_time(void* moment) noexcept { *static_cast<Clock::time_point*>(moment) = Clock::now(); }
+
+// Builds, and looks at the clock when the nodes stand and at the end.
+void build_timed(Meshed& meshed, const files::GridGraph& grid) {
+  const Clock::time_point start = Clock::now();
+  Clock::time_point nodes_stand = start;
+  meshed.status = (*meshed.mesh)->build(grid.nodes, grid.features, note_time, &nodes_stand);
+  meshed.delaunay_us = microseconds_between(start, nodes_stand);
+  meshed.conform_us = microseconds_between(nodes_stand, Clock::now());
 }
 
 }  // namespace
 
-double microseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start)
-      .count();
+double microseconds_since(Clock::time_point start) {
+  return microseconds_between(start, Clock::now());
 }
 
 Meshed build_mesh(const files::ConstraintGraph& graph, const files::GridGraph& grid,
@@ -75,12 +59,9 @@ Meshed build_mesh(const files::ConstraintGraph& graph, const files::GridGraph& g
   config.features_max = at_most(features + nodes, features_limit);
 
   Meshed meshed;
-  meshed.delaunay_us = time_delaunay(grid);
   while (true) {
     meshed.mesh = open_mesh(config);
-    const auto [status, us] = timed_build(**meshed.mesh, grid, grid.features);
-    meshed.status = status;
-    meshed.conform_us = std::max(0.0, us - meshed.delaunay_us);
+    build_timed(meshed, grid);
     if (meshed.status != Status::out_of_vertices || config.vertices_max == vertices_max) break;
     config.vertices_max = at_most(std::size_t{config.vertices_max} * 2, vertices_max);
   }

@@ -1,4 +1,4 @@
-// A graph to a mesh, with room that grows until it fits, and the time it took.
+// A graph to a mesh, with room that grows until it fits, and the time that took.
 #pragma once
 
 #include <algorithm>
@@ -26,11 +26,13 @@ struct MeshingPlan {
 struct Meshed {
   std::unique_ptr<inputs::OwnedMesh> mesh;
   Status status = Status::ok;  // ok, or the reason why some feature is not conforming
-  double delaunay_us = 0;      // the nodes alone, in a mesh of their own
-  double conform_us = 0;       // nodes and features, less the above; not below 0
+  // Of the build that made the mesh: its nodes, then its features.
+  double delaunay_us = 0;
+  double conform_us = 0;
 };
 
-// Throws InputError where the library refuses the graph.
+// Builds once, and once more each time the room was too small. Throws InputError where the library
+// refuses the graph.
 Meshed build_mesh(const files::ConstraintGraph& graph, const files::GridGraph& grid,
                   const MeshingPlan& plan);
 

@@ -90,7 +90,11 @@ class Mesh {
   // Errors in the input leave the mesh empty, with trouble() naming the culprit. steiner_budget,
   // step_limit, grid_exhausted and out_of_vertices during conforming leave the valid Delaunay mesh
   // of what is done; unresolved() counts the rest, and changes are refused until clear().
-  Status build(std::span<const Position> nodes, std::span<const FeatureEnds> features) noexcept;
+  // `nodes_stand`, where given, is called with `context` between the nodes, which are a Delaunay
+  // mesh by then, and the first feature: for who measures both. It must not use the mesh.
+  Status build(std::span<const Position> nodes, std::span<const FeatureEnds> features,
+               void (*nodes_stand)(void* context) noexcept = nullptr,
+               void* context = nullptr) noexcept;
 
   // Makes an empty mesh what another one was, hash included: its nodes and features, given as for
   // build(), and its Steiner vertices. Splits nothing. Whatever is wrong leaves the mesh empty.

@@ -95,8 +95,9 @@ TEST(Program, MeshesAndVerifiesRealData) {
       const std::string base = folder.path(name);
       const Outcome mesh = run("mesh " + input + " -o " + base + " --json --policy " + policy);
       EXPECT_EQ(mesh.code, 0) << mesh.errors;
-      EXPECT_THAT(mesh.output, AllOf(HasSubstr("\"unresolved\":0,"),
-                                     HasSubstr(std::string("\"policy\":\"") + policy + "\"}\n")));
+      EXPECT_THAT(mesh.output,
+                  AllOf(HasSubstr("\"unresolved\":0,\"dt_us\":"), HasSubstr(",\"conform_us\":"),
+                        HasSubstr(std::string("\"policy\":\"") + policy + "\"}\n")));
       const Outcome verify = run("verify " + input + " " + base);
       EXPECT_EQ(verify.code, 0) << verify.errors;
     }
