@@ -7,7 +7,7 @@
 #include <cstring>
 #include <utility>
 
-#include "posix/serial_port.h"
+#include "modbus/serial_port.h"
 
 namespace etcm::port {
 
