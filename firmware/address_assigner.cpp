@@ -25,6 +25,15 @@ void AddressAssigner::on_newcomer(std::uint32_t bus, std::uint32_t serial, port:
   choose(bus, true, now);
 }
 
+port::Instant AddressAssigner::due(std::uint32_t bus) const {
+  const Job& job = jobs_[bus];
+  if (job.step == Step::none) return port::never;
+  const port::Instant free_at = job.step == Step::write
+                                    ? poller_.write_free_at(poller_.unit_at(bus, default_unit))
+                                    : poller_.read_free_at(job.unit);
+  return std::max(job.due, free_at);
+}
+
 void AddressAssigner::next(std::uint32_t bus, Errand& errand) {
   Job& job = jobs_[bus];
   job.due = port::never;
@@ -37,6 +46,7 @@ void AddressAssigner::next(std::uint32_t bus, Errand& errand) {
   errand = {.address = poller_.address_of(job.unit),
             .first = node_register_first,
             .read_count = node_register_count,
+            .spare = stranger_register_spare,
             .values = {}};
 }
 
@@ -71,8 +81,8 @@ std::uint32_t AddressAssigner::done(std::uint32_t bus, const port::BusAnswer& an
     case Step::verify: {
       NodeReading reading;
       const bool is_it = answer.result == port::BusResult::ok &&
-                         decode_node(answer.registers, poller_.bus(bus).word_order, reading) ==
-                             ReadingFault::none &&
+                         decode_node(answer.registers, poller_.bus(bus).word_order, reading,
+                                     answer.left_out) == ReadingFault::none &&
                          reading.serial == job.serial;
       if (is_it) {
         log_.write(port::Level::info, TextLine() << "node " << job.serial << " has "

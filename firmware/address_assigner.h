@@ -30,7 +30,7 @@ class AddressAssigner {
   void on_newcomer(std::uint32_t bus, std::uint32_t serial, port::Instant now);
 
   // As Errands have them.
-  port::Instant due(std::uint32_t bus) const { return jobs_[bus].due; }
+  port::Instant due(std::uint32_t bus) const;
   void next(std::uint32_t bus, Errand& errand);
   // Returns the unit where the node answers now, or no_unit while there is no such.
   std::uint32_t done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now);

@@ -14,6 +14,7 @@ struct Errand {
   std::uint8_t address = 0;
   std::uint16_t first = 0;                // register
   std::uint16_t read_count = 0;           // of registers to read; 0: it is a write
+  std::uint16_t spare = 0;                // as RegisterRead has it
   std::span<const std::uint16_t> values;  // to write; needed during the call only
 };
 

@@ -89,11 +89,13 @@ std::size_t encode_configuration(std::uint32_t generation,
 }
 
 ReadingFault decode_node(std::span<const std::uint16_t> received, WordOrder order,
-                         NodeReading& reading) {
-  if (received.size() != node_register_count) return ReadingFault::wrong_length;
-  NodeRegisters registers;
-  std::copy(received.begin(), received.end(), registers.begin());
+                         NodeReading& reading, std::uint16_t left_out) {
+  if (received.size() + left_out != node_register_count) return ReadingFault::wrong_length;
+  NodeRegisters registers{};
+  std::copy(received.begin(), received.end(), registers.begin() + left_out);
   registers = reorder(registers, order);
+  if (left_out > at_magic) registers[at_magic] = node_magic;
+  if (left_out > at_version) registers[at_version] = version_and_length;
   if (registers[at_magic] == swap_bytes(node_magic)) return ReadingFault::swapped_bytes;
   if (registers[at_magic] != node_magic) return ReadingFault::wrong_magic;
   if (registers[at_version] != version_and_length) return ReadingFault::wrong_version;

@@ -19,6 +19,11 @@ inline constexpr std::uint16_t node_register_count = 12;
 inline constexpr std::uint16_t node_magic = 0x4554;
 inline constexpr std::uint8_t node_map_version = 1;
 
+// A read may leave out so many registers from the first on: every node has the same there. The
+// second of them still tells a node from other devices; who is known to be one can do without.
+inline constexpr std::uint16_t node_register_spare = 2;
+inline constexpr std::uint16_t stranger_register_spare = 1;
+
 // Where a new node answers until it is given a unit of its own.
 inline constexpr std::uint8_t default_unit = 247;
 
@@ -73,9 +78,10 @@ constexpr std::uint32_t swap_words(std::uint32_t value) { return value << 16 | v
 using NodeRegisters = std::array<std::uint16_t, node_register_count>;
 
 // Sets `reading` only when there is no fault. A wrong byte order shows as swapped_bytes; a wrong
-// word order only against the serial one expects.
+// word order only against the serial one expects. `left_out`: of the first registers, at most
+// node_register_spare.
 ReadingFault decode_node(std::span<const std::uint16_t> registers, WordOrder order,
-                         NodeReading& reading);
+                         NodeReading& reading, std::uint16_t left_out = 0);
 NodeRegisters encode_node(const NodeReading& reading, std::uint16_t sequence);
 
 using AssignmentRegisters = std::array<std::uint16_t, assignment_register_count>;

@@ -135,16 +135,50 @@ bool Poller::ask_next(std::uint32_t number, port::Instant now) {
   Line& line = lines_[number];
   if (errand_start(number, now) <= now && start_errand(number, now)) return true;
   if (scan_start(line, now) <= now) {
-    ask(line, {.due = now, .unit = next_sought(line)}, Asking::scan, now);
+    const std::uint32_t sought = next_sought(line, now);
+    if (sought != no_unit) {
+      ask(line, {.due = now, .unit = sought}, Asking::scan, now);
+      return true;
+    }
+    line.scan_due = now + settings_.interval;
+  }
+  while (std::vector<Turn>* const turns = next_turns(line, now)) {
+    std::pop_heap(turns->begin(), turns->end(), later);
+    Turn& turn = turns->back();
+    const port::Instant free_at = line.polled.bus->read_free_at(read_of(turn.unit), now);
+    if (free_at > now) {
+      turn.due = free_at;
+      std::push_heap(turns->begin(), turns->end(), later);
+      continue;
+    }
+    const Turn next = turn;
+    turns->pop_back();
+    ask(line, next, turns == &line.probes ? Asking::probe : Asking::turn, now);
     return true;
   }
-  std::vector<Turn>* const turns = next_turns(line, now);
-  if (turns == nullptr) return false;
-  std::pop_heap(turns->begin(), turns->end(), later);
-  const Turn turn = turns->back();
-  turns->pop_back();
-  ask(line, turn, turns == &line.probes ? Asking::probe : Asking::turn, now);
-  return true;
+  return false;
+}
+
+port::RegisterRead Poller::read_of(std::uint32_t index) const {
+  const Unit& unit = units_[index];
+  return {.unit = unit.address,
+          .first = node_register_first,
+          .count = node_register_count,
+          .timeout = unit.timeout,
+          .ticket = index,
+          .spare = unit.has_answered ? node_register_spare : stranger_register_spare};
+}
+
+port::Instant Poller::read_free_at(std::uint32_t unit) const {
+  return lines_[units_[unit].bus].polled.bus->read_free_at({.unit = units_[unit].address,
+                                                            .first = node_register_first,
+                                                            .count = node_register_count,
+                                                            .spare = stranger_register_spare},
+                                                           stepped_at_);
+}
+
+port::Instant Poller::write_free_at(std::uint32_t unit) const {
+  return lines_[units_[unit].bus].polled.bus->write_free_at(units_[unit].address);
 }
 
 void Poller::ask(Line& line, const Turn& turn, Asking asking, port::Instant now) {
@@ -157,12 +191,7 @@ void Poller::ask(Line& line, const Turn& turn, Asking asking, port::Instant now)
   ++unit.counters.requests;
   ++line.under_way;
   line.progressed_at = now;
-  line.polled.bus->start_read({.unit = unit.address,
-                               .first = node_register_first,
-                               .count = node_register_count,
-                               .timeout = unit.timeout,
-                               .ticket = turn.unit},
-                              now);
+  line.polled.bus->start_read(read_of(turn.unit), now);
 }
 
 // Where the next question comes from: whoever has waited longest and may be asked. Null for nobody.
@@ -264,8 +293,8 @@ void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Inst
       return fail(index, TextLine() << "exception " << answer.exception, false, now);
   }
   NodeReading reading;
-  const ReadingFault fault =
-      decode_node(answer.registers, lines_[unit.bus].polled.settings->word_order, reading);
+  const ReadingFault fault = decode_node(
+      answer.registers, lines_[unit.bus].polled.settings->word_order, reading, answer.left_out);
   if (fault == ReadingFault::torn && unit.torn_repeats < torn_repeats_max) {
     ++unit.torn_repeats;
     ++unit.counters.torn;

@@ -97,6 +97,9 @@ class Poller {
   std::uint32_t unit_at(std::uint32_t bus, std::uint8_t address) const {
     return lines_[bus].unit_at[address];
   }
+  // From when on an errand may read or write there (node_bus.h).
+  port::Instant read_free_at(std::uint32_t unit) const;
+  port::Instant write_free_at(std::uint32_t unit) const;
   std::uint8_t address_of(std::uint32_t unit) const { return units_[unit].address; }
   const UnitCounters& counters(std::uint32_t unit) const { return units_[unit].counters; }
   // Else it is only looked for.
@@ -159,6 +162,7 @@ class Poller {
   void call_for(std::uint32_t unit, port::Instant due, port::Instant now);
   void bring_forward(std::uint32_t unit, port::Instant due);
   static port::Duration probe_cost(const Line& line, const Unit& unit);
+  port::RegisterRead read_of(std::uint32_t unit) const;
   void add_unit(Line& line, std::uint8_t address, bool is_listed);
   bool ask_next(std::uint32_t bus, port::Instant now);
   void ask(Line& line, const Turn& turn, Asking asking, port::Instant now);
@@ -170,7 +174,7 @@ class Poller {
                                     port::Instant now);
   static port::Duration cost_of(port::Instant asked_at, const port::BusAnswer& answer,
                                 port::Instant now);
-  std::uint32_t next_sought(Line& line);
+  std::uint32_t next_sought(Line& line, port::Instant now);
   void note_cost(Unit& unit, const port::BusAnswer& answer, port::Instant now);
   void rest(std::uint32_t unit);
   std::vector<Turn>* next_turns(Line& line, port::Instant now) const;

@@ -46,16 +46,18 @@ port::Duration Poller::probe_cost(const Line& line, const Unit& unit) {
   return std::max(line.probe_cost_max, unit.timeout + unit.silence + line.exchange_floor);
 }
 
-// REQUIRES: one is resting.
-std::uint32_t Poller::next_sought(Line& line) {
-  while (true) {
+// no_unit where none may be asked now.
+std::uint32_t Poller::next_sought(Line& line, port::Instant now) {
+  for (std::size_t looks = 0; looks < line.sought.size(); ++looks) {
     const std::uint32_t unit = line.sought[line.sought_next];
     line.sought_next = (line.sought_next + 1) % line.sought.size();
     if (!units_[unit].is_resting) continue;
+    if (line.polled.bus->read_free_at(read_of(unit), now) > now) continue;
     units_[unit].is_resting = false;
     --line.resting;
     return unit;
   }
+  return no_unit;
 }
 
 // From when on something may be asked that is less urgent than those whose turn it is: at once
@@ -92,7 +94,8 @@ bool Poller::start_errand(std::uint32_t number, port::Instant now) {
                                  .first = errand.first,
                                  .count = errand.read_count,
                                  .timeout = timeout,
-                                 .ticket = errand_ticket},
+                                 .ticket = errand_ticket,
+                                 .spare = errand.spare},
                                 now);
   } else {
     line.polled.bus->start_write({.unit = errand.address,
@@ -127,7 +130,10 @@ void Poller::note_cost(Unit& unit, const port::BusAnswer& answer, port::Instant 
   const port::Duration cost = cost_of(unit.asked_at, answer, now);
   if (unit.asking == Asking::probe) {
     --line.probes_under_way;
-    line.probe_allowed = now + cost * (probe_share - 1);
+    // Who answers takes no more than those that are there.
+    if (answer.result != port::BusResult::ok) {
+      line.probe_allowed = now + cost * (probe_share - 1);
+    }
     return;
   }
   line.scan_under_way = false;

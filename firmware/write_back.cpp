@@ -110,6 +110,11 @@ bool WriteBack::wants(const NodeRecord& node, Told& told, Job& job, port::Instan
     job.retry_at = std::min(job.retry_at, now + settings_.poll.interval);
     return false;
   }
+  // What it says of an earlier write must not be taken for what it says of this one.
+  if (const port::Instant free_at = poller_.write_free_at(node.unit); free_at > now) {
+    job.retry_at = std::min(job.retry_at, free_at);
+    return false;
+  }
   told.tried = job.fingerprint = fingerprint;
   return true;
 }

@@ -10,31 +10,96 @@ RtuBus::RtuBus(EventLoop& loop, Log& log, const RtuBusOptions& options)
       options_(options),
       character_(character_time(options.line)),
       silence_(frame_silence(options.line)),
-      line_(loop, options.line) {}
+      serial_line_(std::in_place, loop, options.line),
+      line_(*serial_line_) {}
+
+RtuBus::RtuBus(RtuLine& line, Log& log, const RtuBusOptions& options)
+    : log_(log),
+      options_(options),
+      character_(character_time(options.line)),
+      silence_(frame_silence(options.line)),
+      line_(line) {}
 
 RtuBus::~RtuBus() { set_send_enable(false); }
 
+RtuBus::Ways RtuBus::ways_of(const RegisterRead& read) const {
+  const bool has_both = !units_[read.unit].has_no_holding;
+  Ways found;
+  for (std::uint16_t left_out = 0; left_out <= read.spare && left_out < read.count; ++left_out) {
+    const RegisterRange range{.first = static_cast<std::uint16_t>(read.first + left_out),
+                              .count = static_cast<std::uint16_t>(read.count - left_out)};
+    for (const std::uint8_t function : {read_input_registers, read_holding_registers}) {
+      if (function == read_holding_registers && !has_both) continue;
+      if (found.count == Ways::count_max) return found;
+      found.ways[found.count++] = {.function = function, .range = range};
+    }
+  }
+  return found;
+}
+
+// Whole ones first; of these one that no answer could come to, however late, or the one asked
+// longest ago.
+std::optional<RtuQuestion> RtuBus::best_way(const RegisterRead& read, Instant now) const {
+  const OwedAnswers& owed = units_[read.unit].owed;
+  const Ways all = ways_of(read);
+  std::optional<RtuQuestion> best;
+  const auto rank = [&](const RtuQuestion& way) {
+    return std::pair(way.range.count != read.count, owed.asked_at(way).value_or(Instant{}));
+  };
+  for (const RtuQuestion& way : std::span(all.ways).first(all.count)) {
+    if (owed.free_at(way) > now) continue;
+    if (!best || rank(way) < rank(*best)) best = way;
+  }
+  return best;
+}
+
+Instant RtuBus::read_free_at(const RegisterRead& read, Instant now) const {
+  const OwedAnswers& owed = units_[read.unit].owed;
+  const Ways all = ways_of(read);
+  const Duration apart = latest_of(units_[read.unit]) / static_cast<std::int64_t>(all.count);
+  std::size_t owed_count = 0;
+  Instant asked_last{}, free_first = never;
+  for (const RtuQuestion& way : std::span(all.ways).first(all.count)) {
+    const Instant free_at = owed.free_at(way);
+    free_first = std::min(free_first, free_at);
+    if (free_at <= now) continue;
+    ++owed_count;
+    asked_last = std::max(asked_last, owed.asked_at(way).value_or(Instant{}));
+  }
+  if (2 * owed_count < all.count) return {};
+  // The others in turn until those are free again.
+  return std::max(free_first, asked_last + apart);
+}
+
 void RtuBus::start_read(const RegisterRead& read, Instant now) {
+  Request request{.unit = read.unit, .question = {}, .ticket = read.ticket};
+  const std::optional<RtuQuestion> way = best_way(read, now);
+  if (!way) return refuse(request);
+  request.question = *way;
+  request.left_out = static_cast<std::uint16_t>(read.count - way->range.count);
   std::array<std::uint8_t, rtu_frame_bytes_max> frame;
-  const Request request{.unit = read.unit,
-                        .function = units_[read.unit].function,
-                        .range = {.first = read.first, .count = read.count},
-                        .ticket = read.ticket};
   const std::size_t pdu =
-      write_read_request(std::span(frame).subspan(rtu_unit_bytes), request.function, request.range);
-  send(request, frame, pdu, rtu_read_answer_bytes(read.count), read.timeout, now);
+      write_read_request(std::span(frame).subspan(rtu_unit_bytes), way->function, way->range);
+  send(request, frame, pdu, rtu_read_answer_bytes(way->range.count), read.timeout, now);
 }
 
 void RtuBus::start_write(const RegisterWrite& write, Instant now) {
-  std::array<std::uint8_t, rtu_frame_bytes_max> frame;
   const auto count = static_cast<std::uint16_t>(write.values.size());
+  const Request request{.unit = write.unit,
+                        .question = {.function = write_holding_registers,
+                                     .range = {.first = write.first, .count = count}},
+                        .ticket = write.ticket};
+  if (units_[write.unit].owed.free_at(request.question) > now) return refuse(request);
+  std::array<std::uint8_t, rtu_frame_bytes_max> frame;
   const std::size_t pdu =
       write_write_request(std::span(frame).subspan(rtu_unit_bytes), write.first, write.values);
-  send({.unit = write.unit,
-        .function = write_holding_registers,
-        .range = {.first = write.first, .count = count},
-        .ticket = write.ticket},
-       frame, pdu, rtu_write_answer_bytes, write.timeout, now);
+  send(request, frame, pdu, rtu_write_answer_bytes, write.timeout, now);
+}
+
+// What would be answered like something that is still owed is not sent.
+void RtuBus::refuse(const Request& request) {
+  request_ = request;
+  complete(BusResult::timeout);
 }
 
 // The PDU stands in the frame, behind the place of the unit.
@@ -43,17 +108,18 @@ void RtuBus::send(const Request& request, std::span<std::uint8_t> frame, std::si
   line_.discard();
   heard_wrong_ = false;
   request_ = request;
+  units_[request.unit].owed.forget(request.question);
   const std::size_t size = rtu_unit_bytes + pdu_bytes + rtu_checksum_bytes;
   phase_ = Phase::waiting;
   sent_at_ = now + static_cast<std::int64_t>(size) * character_;
   deadline_ = sent_at_ + timeout + silence_ + static_cast<std::int64_t>(answer_bytes) * character_;
   set_send_enable(true);
   std::string why;
-  if (!line_.send(frame, request.unit, pdu_bytes, why)) close(why);
+  if (!line_.send(frame, request.unit, pdu_bytes, why)) close(why, now);
 }
 
 void RtuBus::advance(Instant now) {
-  if (line_.is_gone()) close("the port is gone");
+  if (line_.is_gone()) close("the port is gone", now);
   if (phase_ == Phase::closed) {
     if (next_attempt_ <= now) open(now);
     return;
@@ -93,8 +159,8 @@ Instant RtuBus::next_deadline() const {
 void RtuBus::listen(Instant now) {
   while (const auto found = line_.next_answer()) {
     if (phase_ == Phase::waiting && found->unit == request_.unit &&
-        (found->pdu[0] & 0x7f) == request_.function) {
-      settle(*found);
+        (found->pdu[0] & 0x7f) == request_.question.function) {
+      settle(*found, now);
       if (phase_ != Phase::waiting) return be_silent(now + silence_, now + silence_);
     }
     const bool is_late = note_late(*found, now);
@@ -115,71 +181,81 @@ void RtuBus::listen(Instant now) {
 }
 
 // Takes the answer of the unit that was asked, if it is one to what was asked.
-void RtuBus::settle(const RtuAnswer& found) {
-  request_.function == write_holding_registers ? settle_write(found) : settle_read(found);
+void RtuBus::settle(const RtuAnswer& found, Instant now) {
+  const bool is_write = request_.question.function == write_holding_registers;
+  const std::size_t count = is_write ? 0 : request_.question.range.count;
+  std::uint8_t exception = 0;
+  if (is_write) {
+    const WriteAnswer said = parse_write_answer(found.pdu, request_.question.range, exception);
+    if (said == WriteAnswer::malformed) return;
+    if (said == WriteAnswer::exception) return settle_exception(exception, now);
+  } else {
+    const ReadAnswer said = parse_read_answer(found.pdu, request_.question.function,
+                                              std::span(registers_).first(count), exception);
+    if (said == ReadAnswer::malformed) return;
+    if (said == ReadAnswer::exception) return settle_exception(exception, now);
+  }
+  complete(BusResult::ok);
+  answer_.left_out = request_.left_out;
+  answer_.registers = std::span(registers_).first(count);
 }
 
-void RtuBus::settle_read(const RtuAnswer& found) {
-  std::uint8_t exception = 0;
-  switch (parse_read_answer(found.pdu, request_.function,
-                            std::span(registers_).first(request_.range.count), exception)) {
-    case ReadAnswer::registers:
-      complete(BusResult::ok);
-      answer_.registers = std::span(registers_).first(request_.range.count);
-      return;
-    case ReadAnswer::exception:
-      complete(BusResult::exception);
-      answer_.exception = exception;
-      // A unit that does not know the other function is asked with this one again.
-      units_[request_.unit].function = read_input_registers;
-      return;
-    case ReadAnswer::malformed:
-      return;
+// It may be for an earlier question with this function: then the answer to this one is to come.
+void RtuBus::settle_exception(std::uint8_t exception, Instant now) {
+  Unit& unit = units_[request_.unit];
+  if (unit.owed.owed_until(request_.question.function) > now) {
+    owe(now);
+  } else if (request_.question.function == read_holding_registers) {
+    unit.has_no_holding = true;
   }
-}
-
-void RtuBus::settle_write(const RtuAnswer& found) {
-  std::uint8_t exception = 0;
-  switch (parse_write_answer(found.pdu, request_.range, exception)) {
-    case WriteAnswer::written:
-      return complete(BusResult::ok);
-    case WriteAnswer::exception:
-      complete(BusResult::exception);
-      answer_.exception = exception;
-      return;
-    case WriteAnswer::malformed:
-      return;
-  }
+  complete(BusResult::exception);
+  answer_.exception = exception;
 }
 
 // Whether this is what a unit still owed. It tells how slow that unit can be.
 bool RtuBus::note_late(const RtuAnswer& found, Instant now) {
   Unit& unit = units_[found.unit];
-  if (!unit.owes_answer) return false;
-  unit.owes_answer = false;
-  unit.lateness = std::max(unit.lateness, now - unit.asked_at);
-  if (!std::exchange(unit.is_reported_late, true)) {
-    const auto late = std::chrono::ceil<std::chrono::milliseconds>(now - unit.asked_at).count();
-    log_.write(Level::warning, "bus " + options_.name + ": unit " + std::to_string(found.unit) +
-                                   " answered too late, after " + std::to_string(late) +
-                                   " ms, and was not believed; give a longer `timeout`");
-  }
+  const std::optional<Instant> asked_at = unit.owed.take(found.pdu, now);
+  if (!asked_at) return false;
+  const Duration lateness = now - *asked_at;
+  unit.latest = std::max(unit.latest, lateness);
+  unit.lateness = std::max(unit.lateness, lateness);
+  report_late(found.unit, lateness);
   return true;
 }
 
-void RtuBus::give_up(Instant now) {
+// Again where it is slower than the timeout that was named.
+void RtuBus::report_late(std::uint8_t number, Duration lateness) {
+  constexpr Duration step = std::chrono::milliseconds(100);
+  Unit& unit = units_[number];
+  if (lateness <= unit.advised) return;
+  // A quarter more, as it will not always be the same.
+  unit.advised = (lateness + lateness / 4 + step - Duration(1)) / step * step;
+  const auto late = std::chrono::ceil<std::chrono::milliseconds>(lateness).count();
+  const auto advised = std::chrono::ceil<std::chrono::milliseconds>(unit.advised).count();
+  const std::string address = std::to_string(number);
+  log_.write(Level::warning,
+             "bus " + options_.name + ": unit " + address + " answered too late, after " +
+                 std::to_string(late) +
+                 " ms, and was not believed; give it a longer timeout: [[bus.slow]] with units = "
+                 "\"" +
+                 address + "\" and timeout = \"" + std::to_string(advised) + "ms\"");
+}
+
+// The answer to the request may come after the wait for it.
+void RtuBus::owe(Instant now) {
   Unit& unit = units_[request_.unit];
-  unit.owes_answer = true;
-  unit.asked_at = sent_at_;
-  if (request_.function != write_holding_registers) {
-    unit.function =
-        request_.function == read_input_registers ? read_holding_registers : read_input_registers;
-  }
+  unit.owed.add(request_.question, sent_at_, now + latest_of(unit));
+}
+
+void RtuBus::give_up(Instant now) {
+  owe(now);
   complete(heard_wrong_ || line_.has_heard() ? BusResult::bad_answer : BusResult::timeout);
-  const Instant until = std::max(now + options_.quiet,
-                                 std::min(now + late_silence_max, unit.asked_at + unit.lateness));
+  Unit& unit = units_[request_.unit];
+  const Instant until =
+      std::max(now + options_.quiet, std::min(now + late_silence_max, sent_at_ + unit.lateness));
   // Half of it the next time, unless a late answer comes again.
-  unit.lateness = (until - unit.asked_at) / 2;
+  unit.lateness = (until - sent_at_) / 2;
   answer_.silence = until - now;
   be_silent(until, until + babble_max());
 }
@@ -187,7 +263,6 @@ void RtuBus::give_up(Instant now) {
 void RtuBus::complete(BusResult result) {
   has_answer_ = true;
   answer_ = {.unit = request_.unit, .ticket = request_.ticket, .result = result, .registers = {}};
-  if (result == BusResult::ok) units_[request_.unit].owes_answer = false;
   phase_ = Phase::idle;
 }
 
@@ -215,16 +290,19 @@ void RtuBus::set_send_enable(bool active) {
 void RtuBus::open(Instant now) {
   next_attempt_ = now + options_.reopen_interval;
   std::string why;
-  if (!line_.open(why)) return close(why);
+  if (!line_.open(why)) return close(why, now);
   reported_closed_ = false;
   log_.write(Level::info, "bus " + options_.name + ": opened " + options_.line.path);
   be_silent(now + silence_, now + silence_);
 }
 
-void RtuBus::close(const std::string& why) {
+void RtuBus::close(const std::string& why, Instant now) {
   line_.close();
   set_send_enable(false);
-  if (phase_ == Phase::waiting) complete(BusResult::link_lost);
+  if (phase_ == Phase::waiting) {
+    owe(now);
+    complete(BusResult::link_lost);
+  }
   phase_ = Phase::closed;
   if (std::exchange(reported_closed_, true)) return;
   log_.write(Level::warning,

@@ -7,15 +7,21 @@
 // - an answer counts only with the unit, function and length that were asked for (of a write: the
 //   unit and the range) and the right checksum; other bytes (noise, an echo, another unit's late
 //   answer) do not end the wait;
-// - after a wait in vain the line stays silent for as long as that unit may still begin to answer:
-//   `quiet`, or longer where it once was slower; less once its late answer has passed. Never longer
-//   than late_silence_max, and each miss without a late answer halves what is remembered: who falls
-//   into another's answer spoils that one, and no more, so waiting longer would cost more;
-// - the unit that was waited for in vain is next asked with the other function that reads the same
-//   registers (FC 3 after FC 4, FC 4 after FC 3), so that even a later answer does not match. There
-//   is no other function that writes: node_bus.h says what follows from that.
+// - what was waited for in vain may come for late_answer_max, or for half as long again as that
+//   unit has ever taken. Until then, or until it has come, nothing is asked that is answered alike
+//   (owed_answers.h). So a read goes out with the other function (FC 3 for FC 4), or leaves out
+//   registers that are known (RegisterRead::spare); a unit that owes half of what it can be asked
+//   is asked at even distances; a write waits. Others are asked meanwhile;
+// - so it is known of a late answer when it was asked for, and the log says how slow the unit is.
+//
+// So that it falls into no other unit's answer either, the line stays silent after a wait in vain
+// for as long as that unit may still begin to answer: `quiet`, or longer where it once was slower;
+// less once its late answer has passed. Never longer than late_silence_max, and each miss without a
+// late answer halves what is remembered: who falls into another's answer spoils that one, and no
+// more, so waiting longer would cost more.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -24,8 +30,9 @@
 #include "etcm/port/log.h"
 #include "etcm/port/node_bus.h"
 #include "etcm/port/serial_line.h"
+#include "modbus/owed_answers.h"
 #include "modbus/rtu_line.h"
-#include "posix/event_loop.h"
+#include "modbus/rtu_serial_line.h"
 
 namespace etcm::port {
 
@@ -45,11 +52,17 @@ class RtuBus final : public NodeBus {
  public:
   // `loop`, `log` and options.lines must outlive the bus. The port is opened by advance().
   RtuBus(EventLoop& loop, Log& log, const RtuBusOptions& options);
+  // The same on another line than the serial port options.line.path.
+  RtuBus(RtuLine& line, Log& log, const RtuBusOptions& options);
   ~RtuBus();
   RtuBus(const RtuBus&) = delete;
   RtuBus& operator=(const RtuBus&) = delete;
 
   bool ready() const override { return phase_ == Phase::idle && !has_answer_; }
+  Instant read_free_at(const RegisterRead& read, Instant now) const override;
+  Instant write_free_at(std::uint8_t unit) const override {
+    return units_[unit].owed.owed_until(write_holding_registers);
+  }
   void start_read(const RegisterRead& read, Instant now) override;
   void start_write(const RegisterWrite& write, Instant now) override;
   void advance(Instant now) override;
@@ -66,27 +79,42 @@ class RtuBus final : public NodeBus {
 
   struct Request {
     std::uint8_t unit = 0;
-    std::uint8_t function = read_input_registers;
-    RegisterRange range;
+    RtuQuestion question;
+    std::uint16_t left_out = 0;
     std::uint32_t ticket = 0;
   };
 
   // What is remembered of a unit, by its address.
   struct Unit {
-    std::uint8_t function = read_input_registers;  // for the next read
-    bool owes_answer = false;                      // to the request that was sent at asked_at
-    bool is_reported_late = false;
-    Instant asked_at{};
-    Duration lateness{};  // from the end of a request to the end of a late answer, as remembered
+    OwedAnswers owed;
+    bool has_no_holding = false;  // it refuses FC 3
+    Duration advised{};           // the timeout that the log has named
+    // From the end of a request to the end of a late answer:
+    Duration latest{};    // the longest ever
+    Duration lateness{};  // as remembered for the silence of the line
   };
+  // The ways to ask for the registers of a read, best first.
+  struct Ways {
+    static constexpr std::size_t count_max = OwedAnswers::count_max;
+    std::array<RtuQuestion, count_max> ways;
+    std::size_t count = 0;
+  };
+  // So long after a wait in vain the answer may still come.
+  static Duration latest_of(const Unit& unit) {
+    return std::clamp(unit.latest + unit.latest / 2, late_answer_max, late_answer_longest);
+  }
+  Ways ways_of(const RegisterRead& read) const;
+  std::optional<RtuQuestion> best_way(const RegisterRead& read, Instant now) const;
 
   void send(const Request& request, std::span<std::uint8_t> frame, std::size_t pdu_bytes,
             std::size_t answer_bytes, Duration timeout, Instant now);
   void listen(Instant now);
-  void settle(const RtuAnswer& found);
-  void settle_read(const RtuAnswer& found);
-  void settle_write(const RtuAnswer& found);
+  void settle(const RtuAnswer& found, Instant now);
+  void settle_exception(std::uint8_t exception, Instant now);
   bool note_late(const RtuAnswer& found, Instant now);
+  void report_late(std::uint8_t unit, Duration lateness);
+  void owe(Instant now);
+  void refuse(const Request& request);
   void give_up(Instant now);
   void complete(BusResult result);
   void be_silent(Instant until, Instant at_latest);
@@ -97,13 +125,14 @@ class RtuBus final : public NodeBus {
     return static_cast<std::int64_t>(RtuLine::heard_bytes_max) * character_;
   }
   void open(Instant now);
-  void close(const std::string& why);
+  void close(const std::string& why, Instant now);
 
   Log& log_;
   RtuBusOptions options_;
   Duration character_;
   Duration silence_;  // between two frames
-  RtuLine line_;
+  std::optional<RtuSerialLine> serial_line_;
+  RtuLine& line_;
   Phase phase_ = Phase::closed;
   bool reported_closed_ = false;
   bool is_sending_ = false;

@@ -1,5 +1,5 @@
-// A serial port that carries RTU frames: one is sent, and what comes is heard. Nothing here waits;
-// when to send and what an answer means is for its user.
+// A line that carries RTU frames: one is sent, and what comes is heard. Nothing here waits; when to
+// send and what an answer means is for its user.
 #pragma once
 
 #include <array>
@@ -8,39 +8,31 @@
 #include <span>
 #include <string>
 
-#include "etcm/port/serial_line.h"
 #include "modbus/rtu_frame.h"
-#include "posix/event_loop.h"
 
 namespace etcm::port {
 
-class RtuLine final : private EventHandler {
+class RtuLine {
  public:
   // So many bytes are kept of what was heard: of more, the last ones.
   static constexpr std::size_t heard_bytes_max = 2 * rtu_frame_bytes_max;
 
-  // `loop` must outlive the line.
-  RtuLine(EventLoop& loop, const SerialLine& line) : loop_(loop), line_(line) {}
-  ~RtuLine() { close(); }
-  RtuLine(const RtuLine&) = delete;
-  RtuLine& operator=(const RtuLine&) = delete;
-
   // False where that failed, with the reason, and the cure where there is one.
-  bool open(std::string& why);
-  void close();
-  bool is_open() const { return port_.is_open(); }
-  // The port went away, which was found while hearing: there is nothing left but to close it.
-  bool is_gone() const { return is_gone_; }
+  virtual bool open(std::string& why) = 0;
+  virtual void close() = 0;
+  // It went away, which was found while hearing: there is nothing left but to close it.
+  virtual bool is_gone() const = 0;
 
   // Throws away what has arrived, what was heard, and what was sent and is not on the line yet.
-  void discard();
+  virtual void discard() = 0;
 
-  // Sends a PDU that stands at frame[rtu_unit_bytes]. False where the port does not take it, with
+  // Whether the last bit of what was sent is on the line. True where the driver cannot tell.
+  virtual bool is_sent() const = 0;
+
+  // Sends a PDU that stands at frame[rtu_unit_bytes]. False where the line does not take it, with
   // the reason.
   bool send(std::span<std::uint8_t> frame, std::uint8_t unit, std::size_t pdu_bytes,
             std::string& why);
-  // Whether the last bit of it is on the line. True where the driver cannot tell.
-  bool is_sent() const;
 
   // Whether bytes came since the last call.
   bool take_news();
@@ -51,14 +43,17 @@ class RtuLine final : private EventHandler {
   bool has_heard() const { return heard_count_ > 0; }
   void forget() { heard_count_ = 0; }
 
- private:
-  void on_ready(bool can_read, bool can_write) override;
-  bool receive();
+ protected:
+  ~RtuLine() = default;
 
-  EventLoop& loop_;
-  SerialLine line_;
-  FileDescriptor port_;
-  bool is_gone_ = false;
+  // Puts a whole frame on the line; as send().
+  virtual bool write(std::span<const std::uint8_t> frame, std::string& why) = 0;
+
+  void hear(std::span<const std::uint8_t> bytes);
+  // Nothing was heard.
+  void forget_all();
+
+ private:
   bool has_news_ = false;
   std::array<std::uint8_t, heard_bytes_max> heard_;
   std::size_t heard_count_ = 0;

@@ -225,6 +225,89 @@ TEST_F(SerialBus, ALateAnswerIsNotTakenForAnotherUnits) {
   EXPECT_EQ(value_, 2);
 }
 
+// It takes 1.35 s for each.
+TEST_F(SerialBus, TheAnswerToTheFirstQuestionIsNotTakenForTheThirds) {
+  become_ready();
+  const Instant begin = now_;
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  request(7, read_holding_registers);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  pass(begin + 1300ms - now_);
+  // Both ways to ask for these registers may still be answered: this is not sent.
+  const RegisterRead third{.unit = 7, .first = 0, .count = 2, .timeout = timeout, .spare = 0};
+  EXPECT_GT(bus().read_free_at(third, now_), now_);
+  bus().start_read(third, now_);
+  EXPECT_EQ(result(), BusResult::timeout);
+  EXPECT_TRUE(bus().ready()) << "for others";
+  pass(begin + 1350ms - now_);
+  say(two_registers(7, 1));
+  EXPECT_EQ(result(), std::nullopt);
+  EXPECT_NE(log_.lines.back().find("after 13"), std::string::npos) << log_.lines.back();
+  request(7);  // that answer is not owed any more
+  say(two_registers(7, 2));
+  EXPECT_EQ(result(), BusResult::ok);
+  EXPECT_EQ(value_, 2);
+}
+
+TEST_F(SerialBus, WhatMayBeLeftOutIsAnotherWayToAsk) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  request(7, read_holding_registers);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  become_ready();
+  bus().start_read({.unit = 7, .first = 0, .count = 2, .timeout = timeout, .spare = 1}, now_);
+  EXPECT_EQ(take(rtu_read_request_bytes), rtu_of(7, {4, 0, 1, 0, 1}));
+  say(two_registers(7, 1));
+  EXPECT_EQ(result(), std::nullopt);
+  say(rtu_of(7, {4, 2, 0, 5}));
+  BusAnswer answer;
+  ASSERT_TRUE(bus().take_answer(answer));
+  EXPECT_EQ(answer.result, BusResult::ok);
+  EXPECT_EQ(answer.left_out, 1);
+  ASSERT_EQ(answer.registers.size(), 1u);
+  EXPECT_EQ(answer.registers[0], 5);
+}
+
+// An exception does not tell which question it is for: the answer to the other may come still.
+TEST_F(SerialBus, AnExceptionThatMayBeForAnEarlierQuestionSettlesNothing) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  request(7, read_holding_registers);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  become_ready();
+  const RegisterRead read{.unit = 7, .first = 0, .count = 2, .timeout = timeout, .spare = 1};
+  bus().start_read(read, now_);
+  take(rtu_read_request_bytes);
+  say(rtu_of(7, {0x84, 2}));
+  EXPECT_EQ(result(), BusResult::exception);
+  become_ready();
+  bus().start_read(read, now_);
+  EXPECT_EQ(take(rtu_read_request_bytes), rtu_of(7, {3, 0, 1, 0, 1}));
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  // So neither does a late one.
+  say(rtu_of(7, {0x84, 2}));
+  become_ready();
+  EXPECT_GT(bus().read_free_at(read, now_), now_);
+}
+
+TEST_F(SerialBus, AUnitThatTakesLongerThanFiveSecondsOwesItsAnswersForLonger) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  pass(8s);
+  say(two_registers(7, 1));
+  const RegisterRead read{.unit = 7, .first = 0, .count = 2, .timeout = timeout, .spare = 0};
+  request(7, read_holding_registers);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  pass(late_silence_max);
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  pass(8s);
+  EXPECT_GT(bus().read_free_at(read, now_), now_);
+  pass(5s);
+  EXPECT_LE(bus().read_free_at(read, now_), now_);
+}
+
 TEST_F(SerialBus, HalfAnAnswerThatCameTooLateDoesNotSpoilTheNext) {
   request(7);
   Bytes half = two_registers(7, 1);
@@ -286,7 +369,9 @@ TEST_F(SerialBus, AUnitThatWasOnceVeryLateCostsTheOthersLittle) {
   Duration silences{};
   become_ready();
   for (int miss = 0; miss < 20; ++miss) {
-    bus().start_read({.unit = 7, .first = 0, .count = 2, .timeout = timeout}, now_);
+    const RegisterRead read{.unit = 7, .first = 0, .count = 2, .timeout = timeout};
+    pass(std::max(bus().read_free_at(read, now_) - now_, Duration{}));
+    bus().start_read(read, now_);
     take(rtu_read_request_bytes);
     now_ = bus().next_deadline();
     bus().advance(now_);
@@ -385,9 +470,12 @@ TEST_F(SerialBus, AUnitWithoutTheOtherFunctionIsAskedWithTheFirstAgain) {
   request(7, read_holding_registers);
   say(rtu_of(7, {0x83, 1}));
   EXPECT_EQ(result(), BusResult::exception);
-  request(7, read_input_registers);
-  say(two_registers(7, 5));
-  EXPECT_EQ(result(), BusResult::ok);
+  pass(late_answer_max);
+  for (int question = 0; question < 2; ++question) {
+    request(7, read_input_registers);
+    EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+    pass(late_answer_max);
+  }
 }
 
 TEST_F(SerialBus, NoiseBeforeAnAnswerAndAnEchoOfTheRequestAreSkipped) {
@@ -504,6 +592,22 @@ TEST_F(SerialBus, ALateAnswerToAWriteIsNoAnswerToAReadOrToAnotherWrite) {
   say(written(7, 200));
   EXPECT_EQ(result(), std::nullopt);
   say(written(7, 210));
+  EXPECT_EQ(result(), BusResult::ok);
+}
+
+TEST_F(SerialBus, TheSameWriteWaitsUntilTheLastOneCannotBeAnsweredAnyMore) {
+  write(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  EXPECT_GT(bus().write_free_at(7), now_);
+  EXPECT_LE(bus().write_free_at(8), now_);
+  become_ready();
+  const std::array<std::uint16_t, 2> values{7, 9};
+  bus().start_write({.unit = 7, .first = 200, .values = values, .timeout = timeout}, now_);
+  EXPECT_EQ(result(), BusResult::timeout) << "at once: it is not sent";
+  pass(late_answer_max);
+  EXPECT_LE(bus().write_free_at(7), now_);
+  write(7);
+  say(written(7));
   EXPECT_EQ(result(), BusResult::ok);
 }
 

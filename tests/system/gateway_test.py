@@ -305,6 +305,34 @@ class OnASerialLine(GatewayCase):
         self.assertEqual(gateway.stop(), 0)
         self.assertRegex(gateway.log(), r"13 nodes.*audit passed")
 
+    def test_a_unit_that_answers_late_is_not_believed_and_joins_with_the_timeout_that_the_log_names(self):
+        path, _ = self.start_line(["0,1,join,10,20", "0,1,late,1350,"])
+
+        def start(name, more):
+            (self.folder / f"{name}.toml").write_text(
+                f'[mesh]\nvertices_max = 10\n[server]\nlisten = "127.0.0.1:0"\n'
+                f'[http]\nlisten = "127.0.0.1:0"\n'
+                f'[[bus]]\nrtu = "{path}"\nbaud = 115200\nunits = "1"\n{more}')
+            return self.start(name, [PROGRAMS / "etcm-gateway", "--config", f"{name}.toml"])
+
+        gateway = start("defaults", "")
+        page = gateway.wait_for_line(r"status page on (http://\S+)").group(1)
+
+        def asked():
+            with urllib.request.urlopen(page + "/metrics", timeout=PATIENCE_S) as answer:
+                text = answer.read().decode()
+            return int(re.search(r"^etcm_unit_requests_total.* (\d+)$", text, re.M).group(1))
+
+        wait_for("ten questions", lambda: asked() >= 10)
+        said = gateway.wait_for_line(
+            r'unit 1 answered too late, after (\d+) ms.* units = "1" and timeout = "(\d+)ms"')
+        self.assertEqual(gateway.stop(), 0)
+        self.assertNotIn("joined", gateway.log())
+        self.assertGreaterEqual(int(said.group(1)), 1350)
+        patient = start("patient", f'[[bus.slow]]\nunits = "1"\ntimeout = "{said.group(2)}ms"\n')
+        patient.wait_for_line(r"node 1 joined at \(10, 20\)")
+        self.assertEqual(patient.stop(), 0)
+
     def test_new_nodes_are_given_units_and_looked_for(self):
         path, _ = self.start_line(["0,1,join,0,0", "0,2,join,90,0", "0,2,unit,247,",
                                    "0,3,join,0,90", "0,3,unit,247,", "0,4,join,80,80",

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "link.h"
-#include "modbus/rtu_line.h"
+#include "modbus/rtu_serial_line.h"
 
 namespace etcm::bus {
 
@@ -118,7 +118,7 @@ class SerialLink final : public Link {
   port::Duration character_;
   port::Duration silence_;
   Waiter waiter_;
-  port::RtuLine line_;
+  port::RtuSerialLine line_;
   port::Instant silent_until_{};
   port::Instant last_heard_{};
 };

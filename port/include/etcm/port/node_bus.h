@@ -35,6 +35,9 @@ struct RegisterRead {
   Duration
       timeout{};  // how long the unit may take; the time of bytes on a serial line is not counted
   std::uint32_t ticket = 0;  // comes back with the answer
+  // So many of them, from the first on, may be left out: they are known. A bus whose answers carry
+  // no number tells them apart by their length where it has to.
+  std::uint16_t spare = 0;
 };
 
 struct RegisterWrite {
@@ -52,6 +55,7 @@ struct BusAnswer {
   std::uint8_t exception = 0;  // the code, with BusResult::exception
   // After a wait in vain: for so long at the most the bus takes no request because of it.
   Duration silence{};
+  std::uint16_t left_out = 0;  // of the registers of a read, from the first on
   // Of a read, with BusResult::ok; valid until the next call.
   std::span<const std::uint16_t> registers;
 };
@@ -61,14 +65,18 @@ class NodeBus {
   // Whether a request would be taken now: the link is up and has room for one more.
   virtual bool ready() const = 0;
 
+  // From when on this may be asked, whoever else is: while a late answer may be under way that
+  // would look like the answer to it, it is not. What is started earlier is not sent, and times out
+  // at once.
+  virtual Instant read_free_at(const RegisterRead&, Instant) const { return {}; }
+  // Of any write to this unit.
+  virtual Instant write_free_at(std::uint8_t) const { return {}; }
+
   // Sends a request for input registers (FC 4; a bus may take FC 3, where nodes serve the same).
   // REQUIRES: ready().
   virtual void start_read(const RegisterRead& read, Instant now) = 0;
 
   // Sends a request to write holding registers (FC 16). BusResult::ok: the unit says it has them.
-  // On a serial line, which does not number its requests, that may be what it says of an earlier
-  // write of as many registers at the same place that was waited for in vain: to be sure, write
-  // another range, or read back.
   // REQUIRES: ready().
   virtual void start_write(const RegisterWrite& write, Instant now) = 0;
 

@@ -1,0 +1,97 @@
+#include "modbus/owed_answers.h"
+
+#include <algorithm>
+
+namespace etcm::port {
+
+namespace {
+
+constexpr std::uint8_t exception_bit = 0x80;
+
+bool is_write(const RtuQuestion& question) { return question.function == write_holding_registers; }
+
+// REQUIRES: the PDU is of the question's function.
+bool answers(std::span<const std::uint8_t> pdu, const RtuQuestion& question) {
+  if (!is_write(question)) return pdu.size() == 2u + 2u * question.range.count;
+  std::uint8_t exception = 0;
+  return parse_write_answer(pdu, question.range, exception) == WriteAnswer::written;
+}
+
+}  // namespace
+
+bool are_answered_alike(const RtuQuestion& a, const RtuQuestion& b) {
+  return a.function == b.function && a.range.count == b.range.count &&
+         (!is_write(a) || a.range.first == b.range.first);
+}
+
+const OwedAnswers::Owed* OwedAnswers::find(const RtuQuestion& question) const {
+  const auto found = std::find_if(owed_.begin(), owed_.end(), [&](const Owed& owed) {
+    return owed.is_remembered && are_answered_alike(owed.question, question);
+  });
+  return found == owed_.end() ? nullptr : &*found;
+}
+
+Instant OwedAnswers::free_at(const RtuQuestion& question) const {
+  if (const Owed* const owed = find(question)) return owed->until;
+  // To be remembered it needs room.
+  Instant room_at = never;
+  for (const Owed& owed : owed_) {
+    room_at = std::min(room_at, owed.is_remembered ? owed.until : Instant{});
+  }
+  return room_at;
+}
+
+std::optional<Instant> OwedAnswers::asked_at(const RtuQuestion& question) const {
+  const Owed* const owed = find(question);
+  return owed == nullptr ? std::nullopt : std::optional(owed->asked_at);
+}
+
+Instant OwedAnswers::owed_until(std::uint8_t function) const {
+  Instant until{};
+  for (const Owed& owed : owed_) {
+    if (owed.is_remembered && owed.question.function == function) {
+      until = std::max(until, owed.until);
+    }
+  }
+  return until;
+}
+
+void OwedAnswers::forget(const RtuQuestion& question) {
+  for (Owed& owed : owed_) {
+    if (are_answered_alike(owed.question, question)) owed.is_remembered = false;
+  }
+}
+
+void OwedAnswers::add(const RtuQuestion& question, Instant asked_at, Instant until) {
+  Owed* place = nullptr;
+  for (Owed& owed : owed_) {
+    if (owed.is_remembered && are_answered_alike(owed.question, question)) {
+      place = &owed;
+      break;
+    }
+    const auto end_of = [](const Owed& other) {
+      return other.is_remembered ? other.until : Instant{};
+    };
+    if (place == nullptr || end_of(owed) < end_of(*place)) place = &owed;
+  }
+  *place = {.question = question, .asked_at = asked_at, .until = until, .is_remembered = true};
+}
+
+std::optional<Instant> OwedAnswers::take(std::span<const std::uint8_t> pdu, Instant now) {
+  const bool is_exception = (pdu[0] & exception_bit) != 0;
+  const std::uint8_t function = pdu[0] & static_cast<std::uint8_t>(~exception_bit);
+  Owed* found = nullptr;
+  for (Owed& owed : owed_) {
+    if (!owed.is_remembered || owed.has_come || owed.question.function != function) continue;
+    if (owed.until + late_answer_longest < now) continue;
+    if (!is_exception && !answers(pdu, owed.question)) continue;
+    if (found != nullptr) return std::nullopt;
+    found = &owed;
+  }
+  if (found == nullptr) return std::nullopt;
+  found->has_come = true;
+  found->until = Instant{};
+  return found->asked_at;
+}
+
+}  // namespace etcm::port

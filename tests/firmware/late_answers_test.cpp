@@ -1,0 +1,401 @@
+// Units on a serial line that answer later than they are waited for: what the gateway believes must
+// be what the unit knew when it was asked. Poller and bus are real; line and time are the test's.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "fakes.h"
+#include "modbus/rtu_bus.h"
+#include "node_map.h"
+#include "poller.h"
+#include "support/emulated.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+// As the settings have it where they say nothing else.
+constexpr port::Duration timeout = 200ms;
+// 29 bytes and two silences at 19200 baud.
+constexpr port::Duration on_the_line = 21ms;
+
+// How long a unit takes for the nth question it hears; nothing where it does not answer.
+using Latency = std::function<std::optional<port::Duration>(std::uint8_t unit, std::uint32_t nth)>;
+
+// Each answer comes when it comes, whatever else is on the line. What a unit reports as its place
+// is the millisecond in which it was asked.
+class LateLine final : public port::RtuLine {
+ public:
+  LateLine(const port::SerialLine& line, Latency latency)
+      : character_(character_time(line)),
+        silence_(frame_silence(line)),
+        latency_(std::move(latency)) {}
+
+  bool open(std::string&) override { return true; }
+  void close() override { forget_all(); }
+  bool is_gone() const override { return false; }
+  void discard() override { forget_all(); }
+  bool is_sent() const override { return true; }
+
+  // Lets what is due by now be heard.
+  void pass_to(port::Instant now) {
+    now_ = now;
+    while (!coming_.empty() && coming_.front().at <= now) {
+      hear(coming_.front().frame);
+      answers_asked_at[coming_.front().frame[0]] = coming_.front().asked;
+      coming_.erase(coming_.begin());
+    }
+  }
+  port::Instant next() const { return coming_.empty() ? port::never : coming_.front().at; }
+
+  std::array<std::uint32_t, 256> heard{};             // questions, by unit
+  std::array<port::Instant, 256> answers_asked_at{};  // of the last answer that came
+
+ private:
+  struct Answer {
+    port::Instant at;
+    port::Instant asked;
+    std::vector<std::uint8_t> frame;
+  };
+
+  bool write(std::span<const std::uint8_t> frame, std::string&) override {
+    const std::uint8_t unit = frame[0];
+    const auto latency = latency_(unit, heard[unit]++);
+    if (!latency) return true;
+    const auto pdu = frame.subspan(port::rtu_unit_bytes,
+                                   frame.size() - port::rtu_unit_bytes - port::rtu_checksum_bytes);
+    const port::Instant asked = now_ + static_cast<std::int64_t>(frame.size()) * character_;
+    Answer answer{
+        .at = {}, .asked = asked, .frame = std::vector<std::uint8_t>(port::rtu_frame_bytes_max)};
+    answer.frame.resize(port::wrap_rtu(
+        answer.frame, unit,
+        answer_to(pdu, unit, asked, std::span(answer.frame).subspan(port::rtu_unit_bytes))));
+    answer.at =
+        asked + silence_ + *latency + static_cast<std::int64_t>(answer.frame.size()) * character_;
+    coming_.insert(std::upper_bound(coming_.begin(), coming_.end(), answer.at,
+                                    [](port::Instant at, const Answer& b) { return at < b.at; }),
+                   std::move(answer));
+    return true;
+  }
+
+  static std::size_t answer_to(std::span<const std::uint8_t> pdu, std::uint8_t unit,
+                               port::Instant asked, std::span<std::uint8_t> answer) {
+    std::uint8_t exception = 0;
+    std::array<std::uint16_t, port::write_registers_max> values;
+    if (pdu[0] == port::write_holding_registers) {
+      return port::write_write_answer(answer, *port::parse_write_request(pdu, values, exception));
+    }
+    const port::RegisterRange range = *port::parse_read_request(pdu, exception);
+    const std::int64_t ms = asked.time_since_epoch() / 1ms;
+    const NodeRegisters registers =
+        encode_node({.serial = unit,
+                     .position = {.x = static_cast<std::int32_t>(ms % position_max),
+                                  .y = static_cast<std::int32_t>(ms / position_max)},
+                     .status = node_status::fix_valid},
+                    static_cast<std::uint16_t>(ms));
+    return port::write_read_answer(answer, pdu[0],
+                                   std::span(registers).subspan(range.first, range.count));
+  }
+
+  port::Duration character_;
+  port::Duration silence_;
+  Latency latency_;
+  port::Instant now_{};
+  std::vector<Answer> coming_;  // by time
+};
+
+// Reads and writes between the polls, at any unit that is free for them.
+class Interruptions final : public Errands {
+ public:
+  Interruptions(std::uint8_t units, const LateLine& line) : units_(units), line_(line) {}
+  const Poller* poller = nullptr;  // null: there are none
+  port::Instant errand_due(std::uint32_t) const override {
+    return poller == nullptr ? port::never : due_;
+  }
+  bool next_errand(std::uint32_t, port::Instant now, Errand& errand) override {
+    const auto unit = static_cast<std::uint32_t>(random_() % units_);
+    due_ = now + random_() % 700 * 1ms;
+    errand = {.address = static_cast<std::uint8_t>(unit + 1), .values = {}};
+    if (random_() % 2 == 0) {
+      if (poller->read_free_at(unit) > now) return false;
+      errand.read_count = node_register_count;
+      errand.spare = stranger_register_spare;
+    } else {
+      if (poller->write_free_at(unit) > now) return false;
+      errand.first = configuration_register_first;
+      errand.values = std::span(written_).first(1 + random_() % 2);
+    }
+    return true;
+  }
+  void on_errand_done(std::uint32_t, const port::BusAnswer& answer, port::Instant now) override {
+    if (answer.result != port::BusResult::ok) return;
+    EXPECT_LE(now - line_.answers_asked_at[answer.unit], timeout + on_the_line)
+        << "unit " << int{answer.unit};
+    ++answered;
+  }
+  std::uint32_t answered = 0;
+
+ private:
+  std::uint32_t units_;
+  const LateLine& line_;
+  port::Instant due_{};
+  std::minstd_rand random_{5};
+  std::array<std::uint16_t, 2> written_{};
+};
+
+struct Site {
+  std::uint8_t first = 1;
+  std::uint8_t units = 1;  // the last one
+  port::Duration interval = 1s;
+  bool is_interrupted = false;
+  std::vector<UnitTimeout> unit_timeouts{};
+};
+
+class LateSite final : public ReadingListener {
+ public:
+  LateSite(const Site& site, Latency latency)
+      : line(serial_, std::move(latency)),
+        readings(site.units + 1u),
+        errands(site.units, line),
+        // Who does not answer is asked as often as the others.
+        poll_{.interval = site.interval, .absent_interval = site.interval},
+        settings_{.name = "yard",
+                  .link = serial_,
+                  .units = {{.first = site.first, .last = site.units}},
+                  .timeout = timeout,
+                  .unit_timeouts = site.unit_timeouts,
+                  .quiet = 50ms,
+                  .outstanding_max = 1,
+                  .send_enable = {}} {
+    if (site.is_interrupted) errands.poller = &poller_;
+  }
+
+  // Until so many questions were heard.
+  void run(std::uint32_t questions) {
+    for (std::uint32_t asked = 0; asked < questions && !testing::Test::HasFailure();) {
+      poller_.step(now_);
+      asked = 0;
+      for (const std::uint32_t count : line.heard) asked += count;
+      now_ = std::max(now_ + 1us, std::min(poller_.next_deadline(), line.next()));
+      line.pass_to(now_);
+    }
+  }
+  void run_for(port::Duration time) {
+    for (const port::Instant end = now_ + time; now_ < end;) {
+      poller_.step(now_);
+      now_ = std::max(now_ + 1us, std::min({poller_.next_deadline(), line.next(), end}));
+      line.pass_to(now_);
+    }
+  }
+
+  bool on_reading(std::uint32_t index, const NodeReading& reading, port::Instant now) override {
+    const std::uint8_t unit = poller_.address_of(index);
+    const port::Duration limit = timeout_of(settings_, unit);
+    const port::Instant asked{
+        (std::int64_t{reading.position.y} * position_max + reading.position.x) * 1ms};
+    EXPECT_LE(now - asked, limit + on_the_line + 1ms) << "unit " << int{unit};
+    EXPECT_EQ(reading.serial, unit);
+    ++readings[unit];
+    return true;
+  }
+
+  std::string logged() const { return testing::PrintToString(log.lines); }
+
+ private:
+  port::SerialLine serial_{.path = "line"};
+
+ public:
+  LateLine line;
+  std::vector<std::uint32_t> readings;  // by unit
+  RecordingLog log;
+  Interruptions errands;
+
+ private:
+  port::Instant now_{1h};
+  PollSettings poll_;
+  BusSettings settings_;
+  port::RtuBus bus_{
+      line,
+      log,
+      {.name = "yard", .line = serial_, .quiet = 50ms, .reopen_interval = 1s, .send_enable = {}}};
+  std::vector<PolledBus> polled_{{.bus = &bus_, .settings = &settings_}};
+  Poller poller_{poll_, polled_, *this, log, &errands};
+};
+
+TEST(LateAnswers, TheAnswerToTheFirstQuestionIsNotTakenForTheThirds) {
+  LateSite site({}, [](auto...) { return 1350ms; });
+  site.run_for(60s);
+  EXPECT_EQ(site.readings[1], 0u);
+  EXPECT_GE(site.line.heard[1], 20u);
+}
+
+TEST(LateAnswers, TheLogSaysHowLateTheyAreAndItsAdviceHelps) {
+  LateSite late({}, [](auto...) { return 1350ms; });
+  late.run_for(60s);
+  ASSERT_EQ(late.log.count("unit 1 answered too late"), 1u) << late.logged();
+  const std::string& line = late.log.lines.back();
+  const auto number_behind = [&](const std::string& words) {
+    const std::size_t at = line.find(words);
+    EXPECT_NE(at, std::string::npos) << line;
+    return std::stoi(line.substr(at + words.size()));
+  };
+  const int lateness_ms = number_behind("after ");
+  EXPECT_GE(lateness_ms, 1350);
+  EXPECT_LE(lateness_ms, 1350 + 25);
+  EXPECT_NE(line.find("[[bus.slow]] with units = \"1\""), std::string::npos) << line;
+  const int advised_ms = number_behind("timeout = \"");
+  EXPECT_GE(advised_ms, 1350);
+  EXPECT_LE(advised_ms, 2 * 1350);
+  LateSite mended({.unit_timeouts = {{.units = {.first = 1, .last = 1},
+                                      .timeout = std::chrono::milliseconds(advised_ms)}}},
+                  [](auto...) { return 1350ms; });
+  mended.run_for(60s);
+  EXPECT_GE(mended.readings[1], 30u);
+}
+
+// Its units owe answers then, and are asked all the same.
+TEST(LateAnswers, ALineThatWasOutIsBackWithinTwoPolls) {
+  for (const std::uint8_t units : {std::uint8_t{1}, std::uint8_t{10}}) {
+    for (const port::Duration outage : {1500ms, 4000ms, 20'000ms, 61'000ms}) {
+      bool is_out = false;
+      LateSite site({.units = units}, [&](auto...) -> std::optional<port::Duration> {
+        if (is_out) return std::nullopt;
+        return 3ms;
+      });
+      site.run_for(10s);
+      is_out = true;
+      site.run_for(outage);
+      is_out = false;
+      const std::vector<std::uint32_t> before = site.readings;
+      site.run_for(2s);
+      for (std::uint8_t unit = 1; unit <= units; ++unit) {
+        EXPECT_GT(site.readings[unit], before[unit])
+            << "unit " << int{unit} << " after " << outage / 1ms << " ms";
+      }
+    }
+  }
+}
+
+TEST(LateAnswers, AFrameThatIsLostNowAndThenCostsItsOwnPollOnly) {
+  std::minstd_rand random(3);
+  LateSite site({.units = 5}, [&](auto...) -> std::optional<port::Duration> {
+    if (random() % 10 == 0) return std::nullopt;
+    return 3ms;
+  });
+  site.run_for(1000s);
+  for (std::uint8_t unit = 1; unit <= 5; ++unit) EXPECT_GE(site.readings[unit], 950u);
+}
+
+struct Pattern {
+  const char* name;
+  Latency (*latency)();
+};
+
+constexpr port::Duration latest = timeout + port::late_answer_max;
+
+port::Duration up_to(port::Duration most, std::minstd_rand& random) {
+  return std::chrono::milliseconds(random() % static_cast<std::uint32_t>(most / 1ms + 1));
+}
+
+// Units 1 to 3 are late, the others are not; 9 is dead.
+class LateUnits : public testing::TestWithParam<std::tuple<Pattern, int>> {
+ protected:
+  static constexpr std::uint8_t units = 9;
+  static Site site(bool is_interrupted) {
+    return {.units = units,
+            .interval = std::get<1>(GetParam()) * 1ms,
+            .is_interrupted = is_interrupted};
+  }
+  static Latency latency() {
+    return [late = std::get<0>(GetParam()).latency()](
+               std::uint8_t unit, std::uint32_t nth) -> std::optional<port::Duration> {
+      if (unit == units) return std::nullopt;
+      return unit <= 3 ? late(unit, nth) : 3ms;
+    };
+  }
+};
+
+TEST_P(LateUnits, NeverHaveAnAnswerBelievedThatIsNotToTheQuestion) {
+  LateSite site(LateUnits::site(false), latency());
+  site.run(60'000 / test::thinning_if_slow);
+  EXPECT_EQ(site.readings[units], 0u);
+}
+
+// Then all the time is theirs.
+TEST_P(LateUnits, NorWhereNobodyElseIsOnTheLine) {
+  Site alone = LateUnits::site(true);
+  alone.units = 3;
+  LateSite site(alone, latency());
+  site.run(60'000 / test::thinning_if_slow);
+}
+
+TEST_P(LateUnits, NorBetweenErrandsAndWrites) {
+  LateSite site(LateUnits::site(true), latency());
+  site.run(60'000 / test::thinning_if_slow);
+  EXPECT_GT(site.errands.answered, 100u);
+}
+
+// Against a line on which they are not asked at all.
+TEST_P(LateUnits, CostTheOthersNoMoreThanDeadOnesDo) {
+  LateSite with(LateUnits::site(false), latency());
+  Site only_others = LateUnits::site(false);
+  only_others.first = 4;
+  only_others.units = units - 1;
+  LateSite without(only_others, latency());
+  std::array<std::uint32_t, 2> polls{};
+  for (LateSite* const site : {&with, &without}) {
+    site->run_for(30s);  // it learns
+    std::uint32_t& count = polls[site == &without];
+    for (std::uint8_t unit = 4; unit < units; ++unit) count -= site->readings[unit];
+    site->run_for(300s);
+    for (std::uint8_t unit = 4; unit < units; ++unit) count += site->readings[unit];
+  }
+  EXPECT_GE(polls[0] * 100, polls[1] * 90);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Patterns, LateUnits,
+    testing::Combine(
+        testing::Values(Pattern{"constant",
+                                []() -> Latency {
+                                  // Each length of time for a while.
+                                  return [](std::uint8_t unit, std::uint32_t nth) {
+                                    return std::min<port::Duration>((unit + nth / 50 % 26) * 200ms,
+                                                                    latest);
+                                  };
+                                }},
+                        Pattern{"growing",
+                                []() -> Latency {
+                                  return [](std::uint8_t unit, std::uint32_t nth) {
+                                    return std::chrono::milliseconds(nth * unit * 7) % latest;
+                                  };
+                                }},
+                        Pattern{"random",
+                                []() -> Latency {
+                                  return [random = std::minstd_rand(1)](auto...) mutable {
+                                    return up_to(latest, random);
+                                  };
+                                }},
+                        Pattern{"now_and_then",
+                                []() -> Latency {
+                                  return [random = std::minstd_rand(2)](
+                                             auto...) mutable -> std::optional<port::Duration> {
+                                    const auto kind = random() % 10;
+                                    if (kind == 0) return std::nullopt;
+                                    return kind < 4 ? up_to(latest, random) : 3ms;
+                                  };
+                                }}),
+        testing::Values(100, 300, 1000)),
+    [](const auto& row) {
+      return std::string(std::get<0>(row.param).name) + "_" +
+             std::to_string(std::get<1>(row.param)) + "_ms";
+    });
+
+}  // namespace
+}  // namespace etcm::firmware
