@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "posix/serial_port.h"
+#include "modbus/serial_port.h"
 
 namespace etcm::port {
 

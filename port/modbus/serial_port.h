@@ -1,4 +1,4 @@
-// A serial port of the system, opened by path and never waited for.
+// A serial port of the system, set by libmodbus and never waited for.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@
 
 namespace etcm::port {
 
-// Not open where that failed, with the reason (and the cure where there is one) in `why`.
+// Not open where that failed, with the reason (and the cure where there is one) in `why`. A port
+// that another program has is left as it is set.
 FileDescriptor open_serial(const SerialLine& line, std::string& why);
 
 // Throws away what has arrived and was not read, and what was written and is not on the line yet.

@@ -1,0 +1,114 @@
+// libmodbus knows how a port is set for RTU: speed, parity, raw bytes, RS-485. It does so on a
+// descriptor of its own, for it takes a port from whoever has it, puts back the old settings when
+// it closes one, and tells by reading nothing that nothing has come.
+#include "modbus/serial_port.h"
+
+#include <fcntl.h>
+#include <linux/serial.h>
+#include <modbus/modbus.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+
+#include <cerrno>
+#include <cstring>
+#include <memory>
+
+namespace etcm::port {
+
+namespace {
+
+constexpr int data_bits = 8;
+
+struct FreeContext {
+  void operator()(modbus_t* context) const { modbus_free(context); }
+};
+using Context = std::unique_ptr<modbus_t, FreeContext>;
+
+char letter_of(Parity parity) {
+  switch (parity) {
+    case Parity::none:
+      return 'N';
+    case Parity::even:
+      return 'E';
+    case Parity::odd:
+      return 'O';
+  }
+  return 'N';
+}
+
+// Opens the port once more, and sets it. Null where that fails, with errno.
+Context set(const SerialLine& line, Parity parity) {
+  Context context(modbus_new_rtu(line.path.c_str(), static_cast<int>(line.baud), letter_of(parity),
+                                 data_bits, line.stop_bits));
+  if (context == nullptr || modbus_connect(context.get()) == 0) return context;
+  // A pseudo terminal has no parity. The C library calls that an error when all the rest stands as
+  // it should from the last time.
+  const bool may_lack_parity = errno == EINVAL && parity != Parity::none;
+  return may_lack_parity ? set(line, Parity::none) : nullptr;
+}
+
+// What libmodbus sets otherwise than a loop needs it: a read that finds nothing says EAGAIN, so
+// that an end is a port that is gone; and the modem lines fall when the port is closed.
+bool correct(int descriptor) {
+  termios settings{};
+  if (::tcgetattr(descriptor, &settings) != 0) return false;
+  settings.c_cc[VMIN] = 1;
+  settings.c_cflag |= HUPCL;
+  return ::tcsetattr(descriptor, TCSANOW, &settings) == 0;
+}
+
+bool set_up(const SerialLine& line, std::string& why) {
+  const Context context = set(line, line.parity);
+  if (context == nullptr) {
+    why = std::string("is no serial port that can be set (") + std::strerror(errno) + ")";
+    return false;
+  }
+  // Closed as it is set.
+  const FileDescriptor second(modbus_get_socket(context.get()));
+  if (line.direction == Direction::kernel &&
+      modbus_rtu_set_serial_mode(context.get(), MODBUS_RTU_RS485) != 0) {
+    why = std::string("its driver refuses to switch RS-485 (TIOCSRS485: ") + std::strerror(errno) +
+          "); take `rs485` out where the adapter switches by itself, or give `rs485_line`";
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+FileDescriptor open_serial(const SerialLine& line, std::string& why) {
+  FileDescriptor port(::open(line.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (!port.is_open()) {
+    const int error = errno;
+    why = std::strerror(error);
+    if (error == EACCES) why += "; whoever runs this must be in the group dialout";
+    if (error == EPERM) why += "; a service needs DeviceAllow for its driver (systemctl edit)";
+    if (error == ENOENT) why += "; ls /dev/serial/by-path lists the ports there are";
+    return {};
+  }
+  // Two programs on one line would take each other's answers.
+  if (::flock(port.get(), LOCK_EX | LOCK_NB) != 0) {
+    why = "another program has it; end that one (fuser -v names it)";
+    return {};
+  }
+  if (!set_up(line, why)) return {};
+  if (!correct(port.get())) {
+    why = std::strerror(errno);
+    return {};
+  }
+  discard_waiting(port.get());
+  return port;
+}
+
+void discard_waiting(int descriptor) { ::tcflush(descriptor, TCIOFLUSH); }
+
+bool is_sent(int descriptor) {
+  int waiting = 0;
+  if (::ioctl(descriptor, TIOCOUTQ, &waiting) == 0 && waiting > 0) return false;
+  unsigned int line_status = 0;
+  if (::ioctl(descriptor, TIOCSERGETLSR, &line_status) != 0) return true;
+  return (line_status & TIOCSER_TEMT) != 0;
+}
+
+}  // namespace etcm::port

@@ -1,0 +1,88 @@
+// A port is set as its line says, and other programs' ports are left alone; on pseudo terminals,
+// which take every setting but parity.
+#include "modbus/serial_port.h"
+
+#include <gtest/gtest.h>
+#include <modbus/modbus.h>
+#include <termios.h>
+
+#include <cerrno>
+
+#include "peer.h"
+#include "pseudo_terminal.h"
+
+namespace etcm::port {
+namespace {
+
+termios settings_of(const FileDescriptor& port) {
+  termios settings{};
+  EXPECT_EQ(::tcgetattr(port.get(), &settings), 0);
+  return settings;
+}
+
+TEST(SerialPort, IsSetAsTheLineSays) {
+  const nodes::PseudoTerminal cable;
+  const std::pair<std::uint32_t, speed_t> speeds[] = {
+      {1200, B1200},     {2400, B2400},     {4800, B4800},    {9600, B9600},
+      {19200, B19200},   {38400, B38400},   {57600, B57600},  {115200, B115200},
+      {230400, B230400}, {460800, B460800}, {921600, B921600}};
+  for (const auto& [baud, speed] : speeds) {
+    for (const Parity parity : {Parity::none, Parity::even, Parity::odd}) {
+      for (const std::uint8_t stop_bits : {std::uint8_t{1}, std::uint8_t{2}}) {
+        ASSERT_TRUE(is_baud(baud));
+        std::string why;
+        const FileDescriptor port = open_serial(
+            {.path = cable.path(), .baud = baud, .parity = parity, .stop_bits = stop_bits}, why);
+        ASSERT_TRUE(port.is_open()) << baud << ": " << why;
+        const termios settings = settings_of(port);
+        EXPECT_EQ(::cfgetispeed(&settings), speed);
+        EXPECT_EQ(::cfgetospeed(&settings), speed);
+        EXPECT_EQ((settings.c_cflag & CSTOPB) != 0, stop_bits == 2);
+        EXPECT_EQ(settings.c_cflag & (CSIZE | CREAD | CLOCAL | CRTSCTS), CS8 | CREAD | CLOCAL);
+        EXPECT_EQ(settings.c_lflag & (ICANON | ECHO | ISIG), 0u);
+        EXPECT_EQ(settings.c_oflag & OPOST, 0u);
+        EXPECT_EQ(settings.c_iflag & ~tcflag_t{INPCK}, 0u);
+      }
+    }
+  }
+}
+
+// A pseudo terminal has no parity, and the C library complains of that where nothing else changes.
+TEST(SerialPort, OpensAgainAsItWas) {
+  const nodes::PseudoTerminal cable;
+  for (int time = 0; time < 3; ++time) {
+    std::string why;
+    EXPECT_TRUE(open_serial({.path = cable.path()}, why).is_open()) << why;
+  }
+  modbus_t* const other = modbus_new_rtu(cable.path().c_str(), 19200, 'E', 8, 1);
+  EXPECT_EQ(modbus_connect(other), 0);
+  // As from a program that was killed: nothing is put back.
+  const FileDescriptor left(modbus_get_socket(other));
+  modbus_free(other);
+  std::string why;
+  EXPECT_TRUE(open_serial({.path = cable.path()}, why).is_open()) << why;
+}
+
+TEST(SerialPort, ThatAnotherProgramHasIsLeftAsItIsSet) {
+  const nodes::PseudoTerminal cable;
+  std::string why;
+  const FileDescriptor port = open_serial({.path = cable.path(), .baud = 9600}, why);
+  ASSERT_TRUE(port.is_open()) << why;
+  EXPECT_FALSE(open_serial({.path = cable.path(), .baud = 1200}, why).is_open());
+  EXPECT_NE(why.find("another program has it"), std::string::npos) << why;
+  const termios settings = settings_of(port);
+  EXPECT_EQ(::cfgetispeed(&settings), speed_t{B9600});
+}
+
+TEST(SerialPort, NothingThatCameIsNoEnd) {
+  const nodes::PseudoTerminal cable;
+  std::string why;
+  const FileDescriptor port = open_serial({.path = cable.path()}, why);
+  ASSERT_TRUE(port.is_open()) << why;
+  std::uint8_t byte = 0;
+  EXPECT_EQ(::read(port.get(), &byte, 1), -1);
+  EXPECT_EQ(errno, EAGAIN);
+}
+
+}  // namespace
+}  // namespace etcm::port
