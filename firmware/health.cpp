@@ -16,6 +16,10 @@ std::int64_t whole_seconds(port::Duration duration) {
 }  // namespace
 
 bool is_healthy(const StatusSources& sources, port::Instant now, TextWriter& reason) {
+  if (!sources.masters.is_listening) {
+    reason << "server: nobody can read the mesh; the log says what is wrong with its port";
+    return false;
+  }
   const Poller& poller = sources.gateway.poller();
   for (std::uint32_t bus = 0; bus < poller.bus_count(); ++bus) {
     const port::Instant answered_at = poller.bus_counters(bus).answered_at;

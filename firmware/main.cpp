@@ -155,7 +155,7 @@ class Web {
   port::Instant next_deadline() const {
     return std::min(page_.next_deadline(), server_.next_deadline());
   }
-  port::SocketAddress address() const { return server_.address(); }
+  const port::Acceptor& acceptor() const { return server_.acceptor(); }
 
  private:
   firmware::StatusPage page_;
@@ -194,6 +194,34 @@ std::string list_of(const std::vector<port::Network>& networks) {
   return list.empty() ? "nobody" : list;
 }
 
+// Says where something is served, once it is; and once why it is not, while its port cannot be had.
+class PortReport {
+ public:
+  // `section` of the settings has the port. All must outlive this.
+  PortReport(const port::Acceptor& acceptor, const char* section,
+             const std::vector<port::Network>& allowed, port::Log& log)
+      : acceptor_(acceptor), section_(section), allowed_(allowed), log_(log) {}
+
+  void step(const char* served, const char* missing) {
+    if (is_told_ == acceptor_.is_listening()) return;
+    is_told_ = acceptor_.is_listening();
+    if (*is_told_) {
+      log_.write(port::Level::info,
+                 served + to_string(acceptor_.address()) + " to " + list_of(allowed_));
+    } else {
+      log_.write(port::Level::error, std::string(missing) + ": " + acceptor_.failure() + "; " +
+                                         acceptor_.cure(section_) + "; goes on, and tries again");
+    }
+  }
+
+ private:
+  const port::Acceptor& acceptor_;
+  const char* section_;
+  const std::vector<port::Network>& allowed_;
+  port::Log& log_;
+  std::optional<bool> is_told_;
+};
+
 // `log` leaves out what repeats; `events` writes each line.
 void run(const std::string& config, firmware::Settings& settings, const port::Clock& clock,
          port::Log& log, firmware::RecentEvents& events) {
@@ -218,8 +246,7 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
   port::RegisterServer server(loop, settings.server.listen, settings.server.clients_max, identity,
                               firmware::empty_image(settings));
   server.allow(settings.server.allow, log);
-  log.write(port::Level::info, "serves the mesh on " + to_string(server.address()) + " to " +
-                                   list_of(settings.server.allow));
+  PortReport server_report(server.acceptor(), "server", settings.server.allow, log);
   std::unique_ptr<port::MeshFolder> folder;
   if (settings.files) {
     folder = std::make_unique<port::MeshFolder>(settings.files->folder, settings.files->name,
@@ -252,6 +279,7 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
   }
   port::ServiceCounters readers;
   std::optional<Web> web;
+  std::optional<PortReport> web_report;
   if (settings.http) {
     web.emplace(*settings.http,
                 firmware::StatusSources{.gateway = gateway,
@@ -263,11 +291,16 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
                                         .started_at = clock.now(),
                                         .resident_bytes = port::resident_bytes},
                 readers, loop, log);
-    log.write(port::Level::info, "shows the status page on http://" + to_string(web->address()) +
-                                     " to " + list_of(settings.http->allow));
+    web_report.emplace(web->acceptor(), "http", settings.http->allow, log);
   }
+  const auto report_ports = [&] {
+    server_report.step("serves the mesh on ", "the mesh is not served");
+    if (web_report) web_report->step("shows the status page on http://", "there is no status page");
+  };
+  report_ports();
   port::SystemdNotify manager;
-  firmware::ServiceWatch watch(manager, gateway, log);
+  firmware::ServiceWatch watch(manager, gateway, {.masters = server.counters(), .readers = readers},
+                               log);
   gateway.restore(clock.now());
   watch.ready(clock.now());
   port::Instant reload_due{};
@@ -277,6 +310,7 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
     watch.step(clock.now());
     server.advance(clock.now());
     if (web) web->step(clock.now());
+    report_ports();
     // A large site takes its time. What arrives meanwhile is taken in before anybody is given up.
     if (reread.received() && reload_due <= clock.now()) {
       static_cast<void>(reread.take_received());

@@ -94,6 +94,12 @@ void write_features(const Context& context, std::uint32_t, TextWriter& piece) {
         << "\n";
 }
 
+void write_listening(const Context& context, std::uint32_t, TextWriter& piece) {
+  piece << context.name << "{server=\"modbus\"} " << (context.sources.masters.is_listening ? 1 : 0)
+        << "\n"
+        << context.name << "{server=\"http\"} " << (context.sources.readers.is_listening ? 1 : 0)
+        << "\n";
+}
 void write_clients(const Context& context, std::uint32_t, TextWriter& piece) {
   piece << context.name << "{server=\"modbus\"} " << context.sources.masters.clients << "\n"
         << context.name << "{server=\"http\"} " << context.sources.readers.clients << "\n";
@@ -236,6 +242,9 @@ constexpr std::array families{
            [](const Context& context, std::uint32_t, TextWriter& piece) {
              plain_seconds(context, context.sources.gateway.mesh_times().longest, piece);
            }},
+    Family{"etcm_listening", "gauge",
+           "1 where clients can connect, 0 where the port cannot be had.", Scope::gateway,
+           write_listening},
     Family{"etcm_clients", "gauge", "Clients connected now.", Scope::gateway, write_clients},
     Family{"etcm_requests_total", "counter", "Requests of clients.", Scope::gateway, write_served},
     Family{"etcm_refused_total", "counter",

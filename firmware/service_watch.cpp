@@ -8,9 +8,11 @@
 
 namespace etcm::firmware {
 
-ServiceWatch::ServiceWatch(port::ServiceManager& manager, const Gateway& gateway, port::Log& log)
+ServiceWatch::ServiceWatch(port::ServiceManager& manager, const Gateway& gateway,
+                           const WatchedServers& servers, port::Log& log)
     : manager_(manager),
       gateway_(gateway),
+      servers_(servers),
       log_(log),
       // Twice in the time it has, as sd_watchdog_enabled(3) advises.
       feed_interval_(manager.watchdog_timeout() / 2) {}
@@ -23,12 +25,21 @@ void ServiceWatch::ready(port::Instant now) {
 
 void ServiceWatch::step(port::Instant now) {
   if (feed_due_ <= now) feed(now);
-  if (status_due_ <= now && gateway_.generation() != told_generation_) tell_status(now);
+  if (status_due_ <= now && has_news()) tell_status(now);
 }
 
 port::Instant ServiceWatch::next_deadline() const {
-  const bool has_news = gateway_.generation() != told_generation_;
-  return std::min(feed_due_, has_news ? status_due_ : port::never);
+  return std::min(feed_due_, has_news() ? status_due_ : port::never);
+}
+
+bool ServiceWatch::has_news() const {
+  return gateway_.generation() != told_generation_ || what_is_missing() != told_missing_;
+}
+
+// As it ends the status; with an end of its own, for printf().
+std::string_view ServiceWatch::what_is_missing() const {
+  if (!servers_.masters.is_listening) return "; nobody can read the mesh: see the log";
+  return servers_.readers.is_listening ? "" : "; no status page: see the log";
 }
 
 void ServiceWatch::feed(port::Instant now) {
@@ -58,14 +69,16 @@ std::string ServiceWatch::what_stalls(port::Instant now) const {
 void ServiceWatch::tell_status(port::Instant now) {
   status_due_ = now + status_interval;
   told_generation_ = gateway_.generation();
+  told_missing_ = what_is_missing();
   const Snapshot& snapshot = gateway_.snapshot();
   std::array<char, 200> text{};
-  const int size = std::snprintf(
-      text.data(), text.size(),
-      "generation %" PRIu32 ": %" PRIu32 " nodes, %" PRIu32 " stale, %" PRIu32 " refused, %" PRIu32
-      " of %" PRIu32 " features, %" PRIu32 " Steiner vertices",
-      snapshot.generation, snapshot.node_count, snapshot.stale_count, snapshot.quarantined_count,
-      snapshot.features_active, snapshot.features_configured, snapshot.steiner_count);
+  const int size =
+      std::snprintf(text.data(), text.size(),
+                    "generation %" PRIu32 ": %" PRIu32 " nodes, %" PRIu32 " stale, %" PRIu32
+                    " refused, %" PRIu32 " of %" PRIu32 " features, %" PRIu32 " Steiner vertices%s",
+                    snapshot.generation, snapshot.node_count, snapshot.stale_count,
+                    snapshot.quarantined_count, snapshot.features_active,
+                    snapshot.features_configured, snapshot.steiner_count, told_missing_.data());
   manager_.tell_status({text.data(), static_cast<std::size_t>(size)});
 }
 

@@ -7,8 +7,10 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "etcm/port/log.h"
+#include "etcm/port/service_counters.h"
 #include "etcm/port/service_manager.h"
 #include "gateway.h"
 
@@ -17,10 +19,17 @@ namespace etcm::firmware {
 // The status is told at the most so often.
 inline constexpr port::Duration status_interval = std::chrono::seconds(2);
 
+// The servers whose ports may not be had.
+struct WatchedServers {
+  const port::ServiceCounters& masters;
+  const port::ServiceCounters& readers;
+};
+
 class ServiceWatch {
  public:
-  // All arguments must outlive the watch.
-  ServiceWatch(port::ServiceManager& manager, const Gateway& gateway, port::Log& log);
+  // All arguments must outlive the watch, and so must what `servers` names.
+  ServiceWatch(port::ServiceManager& manager, const Gateway& gateway, const WatchedServers& servers,
+               port::Log& log);
 
   void ready(port::Instant now);
   // After a turn of the gateway.
@@ -35,14 +44,18 @@ class ServiceWatch {
   void tell_status(port::Instant now);
   void feed(port::Instant now);
   std::string what_stalls(port::Instant now) const;
+  std::string_view what_is_missing() const;
+  bool has_news() const;
 
   port::ServiceManager& manager_;
   const Gateway& gateway_;
+  const WatchedServers servers_;
   port::Log& log_;
   const port::Duration feed_interval_;
   port::Instant feed_due_ = port::never;
   port::Instant status_due_ = port::never;
   std::uint32_t told_generation_ = 0;
+  std::string_view told_missing_;
   bool is_starving_ = false;
 };
 

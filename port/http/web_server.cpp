@@ -66,14 +66,6 @@ bool add_common_headers(MHD_Response* response) {
 // Where something cannot be had, MHD_NO closes the connection and nothing else.
 class WebServer::Callbacks {
  public:
-  static MHD_Result accepts(void* self, const sockaddr* address, socklen_t) {
-    auto& server = *static_cast<WebServer*>(self);
-    const std::uint32_t host = host_of(address);
-    if (any_contains(server.allowed_, host)) return MHD_YES;
-    server.turn_away(host);
-    return MHD_NO;
-  }
-
   static MHD_Result request(void* self, MHD_Connection* connection, const char* path,
                             const char* method, const char*, const char*, std::size_t* upload_size,
                             void** has_begun) {
@@ -116,13 +108,12 @@ class WebServer::Callbacks {
           MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS)->client_addr);
       place->overdue = server.now_ + server.options_.request_time_max;
       *context = &*place;
-      ++server.counters_.clients;
+      if (++server.counters_.clients == server.clients_.size()) server.acceptor_.hold();
     } else if (auto* const client = static_cast<Client*>(*context)) {
       client->is_free = true;
       client->descriptor = -1;
       --server.counters_.clients;
-      // A daemon that was full listens again in its next turn, and no event announces that.
-      server.is_ready_ = true;
+      server.acceptor_.resume();
     }
   }
 
@@ -199,23 +190,28 @@ WebServer::WebServer(EventLoop& loop, WebSite& site, const WebServerOptions& opt
       site_(site),
       options_(options),
       counters_(counters),
-      clients_(options.clients_max) {
+      clients_(options.clients_max),
+      acceptor_(loop, *this, options.listen) {
   for (Client& client : clients_) client.server = this;
-  FileDescriptor listener = listen_tcp(options.listen);
-  address_ = bound_address(listener.get());
+  // It is handed its connections: left to accept them itself, it would try all the time where there
+  // are no descriptors.
   daemon_.reset(MHD_start_daemon(
-      MHD_USE_EPOLL, 0, &Callbacks::accepts, this, &Callbacks::request, this,
-      MHD_OPTION_LISTEN_SOCKET, listener.get(), MHD_OPTION_CONNECTION_LIMIT,
-      static_cast<unsigned>(options.clients_max), MHD_OPTION_CONNECTION_MEMORY_LIMIT,
-      connection_memory, MHD_OPTION_NOTIFY_CONNECTION, &Callbacks::connection_changed, this,
-      MHD_OPTION_NOTIFY_COMPLETED, &Callbacks::completed, this, MHD_OPTION_END));
-  if (!daemon_) throw std::runtime_error("cannot start the web server on " + to_string(address_));
-  listener.release();
+      MHD_USE_EPOLL | MHD_USE_NO_LISTEN_SOCKET, 0, nullptr, nullptr, &Callbacks::request, this,
+      MHD_OPTION_CONNECTION_LIMIT, static_cast<unsigned>(options.clients_max),
+      MHD_OPTION_CONNECTION_MEMORY_LIMIT, connection_memory, MHD_OPTION_NOTIFY_CONNECTION,
+      &Callbacks::connection_changed, this, MHD_OPTION_NOTIFY_COMPLETED, &Callbacks::completed,
+      this, MHD_OPTION_END));
+  if (!daemon_) throw std::runtime_error("cannot start the web server");
   descriptor_ = MHD_get_daemon_info(daemon_.get(), MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
   loop_.add(descriptor_, *this, true, false);
+  counters_.is_listening = acceptor_.is_listening();
 }
 
-WebServer::~WebServer() { loop_.remove(descriptor_); }
+WebServer::~WebServer() {
+  loop_.remove(descriptor_);
+  // While all that its callbacks use is there.
+  daemon_.reset();
+}
 
 void WebServer::allow(std::vector<Network> networks, Log& log) {
   log_ = &log;
@@ -223,6 +219,21 @@ void WebServer::allow(std::vector<Network> networks, Log& log) {
   for (Client& client : clients_) {
     if (!client.is_free && !any_contains(allowed_, client.host)) hang_up(client);
   }
+}
+
+void WebServer::accepted(FileDescriptor socket, const SocketAddress& peer) {
+  if (!any_contains(allowed_, peer.host)) return turn_away(peer.host);
+  const sockaddr_in address = to_native(peer);
+  // It has the socket from here on, and closes it where it has no room for it.
+  MHD_add_connection(daemon_.get(), socket.release(), reinterpret_cast<const sockaddr*>(&address),
+                     sizeof address);
+}
+
+void WebServer::exhausted(const char* why) {
+  if (log_ == nullptr) return;
+  log_->write(Level::error, std::string("no further browser can connect: ") + why +
+                                "; raise LimitNOFILE of the service, or lower clients_max in "
+                                "[server] and [http]");
 }
 
 void WebServer::turn_away(std::uint32_t host) {
@@ -236,6 +247,8 @@ void WebServer::on_ready(bool, bool) { is_ready_ = true; }
 
 void WebServer::advance(Instant now) {
   now_ = now;
+  acceptor_.advance(now);
+  counters_.is_listening = acceptor_.is_listening();
   if (overdue_check_ <= now) {
     close_overdue();
     overdue_check_ = now + overdue_check_interval;
@@ -251,7 +264,7 @@ Instant WebServer::next_deadline() const {
   MHD_UNSIGNED_LONG_LONG timeout_ms = 0;
   const bool is_due = MHD_get_timeout(daemon_.get(), &timeout_ms) == MHD_YES && timeout_ms == 0;
   if (is_ready_ || is_due) return now_;
-  return counters_.clients > 0 ? overdue_check_ : never;
+  return std::min(acceptor_.next_deadline(), counters_.clients > 0 ? overdue_check_ : never);
 }
 
 // Went away before it had said what it wants, of which the daemon may hear nothing.

@@ -16,8 +16,8 @@
 #include "etcm/port/log.h"
 #include "etcm/port/service_counters.h"
 #include "etcm/port/web_site.h"
+#include "posix/acceptor.h"
 #include "posix/event_loop.h"
-#include "posix/tcp_socket.h"
 
 struct MHD_Connection;
 struct MHD_Daemon;
@@ -31,13 +31,13 @@ struct WebServerOptions {
   Duration answer_time_max = std::chrono::seconds(60);
 };
 
-class WebServer final : private EventHandler {
+class WebServer final : private EventHandler, private AcceptHandler {
  public:
   // A request line with all its headers has to fit, and what an answer's next bytes go through.
   static constexpr std::size_t connection_memory = 16384;
 
-  // Listens at once; throws std::system_error where it cannot. `loop` and `site` must outlive this.
-  // Counts in `counters`, which must outlive this too.
+  // Listens at once; where it cannot, it tries again (posix/acceptor.h). `loop` and `site` must
+  // outlive this. Counts in `counters`, which must outlive this too.
   WebServer(EventLoop& loop, WebSite& site, const WebServerOptions& options,
             ServiceCounters& counters);
   ~WebServer();
@@ -52,7 +52,8 @@ class WebServer final : private EventHandler {
   void advance(Instant now);
   Instant next_deadline() const;
 
-  SocketAddress address() const { return address_; }
+  const Acceptor& acceptor() const { return acceptor_; }
+  SocketAddress address() const { return acceptor_.address(); }
 
  private:
   class Callbacks;  // what libmicrohttpd calls
@@ -71,6 +72,8 @@ class WebServer final : private EventHandler {
   };
 
   void on_ready(bool can_read, bool can_write) override;
+  void accepted(FileDescriptor socket, const SocketAddress& peer) override;
+  void exhausted(const char* why) override;
   void close_overdue();
   void turn_away(std::uint32_t host);
   void hang_up(Client& client);
@@ -81,7 +84,6 @@ class WebServer final : private EventHandler {
   const WebServerOptions options_;
   Log* log_ = nullptr;
   ServiceCounters& counters_;
-  SocketAddress address_;
   std::vector<Network> allowed_{everybody};
   std::vector<Client> clients_;
   std::unique_ptr<MHD_Daemon, StopDaemon> daemon_;
@@ -89,6 +91,7 @@ class WebServer final : private EventHandler {
   bool is_ready_ = false;
   Instant now_{};
   Instant overdue_check_{};
+  Acceptor acceptor_;
 };
 
 }  // namespace etcm::port

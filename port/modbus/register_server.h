@@ -23,6 +23,7 @@ class RegisterServer final : public MeshServer, private RequestHandler {
   void allow(std::vector<Network> networks, Log& log);
   void advance(Instant now) { listener_.advance(now); }
   Instant next_deadline() const { return listener_.next_deadline(); }
+  const Acceptor& acceptor() const { return listener_.acceptor(); }
   SocketAddress address() const { return listener_.address(); }
   const ServiceCounters& counters() const { return listener_.counters(); }
 

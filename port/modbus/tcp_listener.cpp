@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
 namespace etcm::port {
@@ -34,7 +33,7 @@ class TcpListener::Client final : private EventHandler {
     socket_.close();
     --listener_.counters_.clients;
     listener_.handler_.disconnected(index_);
-    listener_.resume();
+    listener_.acceptor_.resume();
   }
 
   void advance(Instant now) {
@@ -105,35 +104,24 @@ class TcpListener::Client final : private EventHandler {
 
 TcpListener::TcpListener(EventLoop& loop, RequestHandler& handler, const SocketAddress& address,
                          std::size_t clients_max)
-    : loop_(loop), handler_(handler), socket_(listen_tcp(address)) {
+    : loop_(loop), handler_(handler), acceptor_(loop, *this, address) {
   for (std::size_t i = 0; i < clients_max; ++i) {
     clients_.push_back(std::make_unique<Client>(*this, i));
   }
-  loop_.add(socket_.get(), *this, true, false);
+  counters_.is_listening = acceptor_.is_listening();
 }
 
 TcpListener::~TcpListener() {
   for (const auto& client : clients_) client->close();
-  loop_.remove(socket_.get());
 }
 
-void TcpListener::on_ready(bool, bool) {
-  while (true) {
-    SocketAddress peer;
-    FileDescriptor socket = accept_tcp(socket_.get(), &peer);
-    if (!socket.is_open()) {
-      const bool is_exhausted =
-          errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM;
-      return is_exhausted ? pause(std::strerror(errno)) : void();
-    }
-    is_exhaustion_told_ = false;
-    const bool allowed = is_allowed(peer);
-    if (Client* const place = allowed ? find_place() : nullptr) {
-      place->open(std::move(socket), peer);
-    } else {
-      ++counters_.refused;
-      handler_.refused(peer, allowed);
-    }
+void TcpListener::accepted(FileDescriptor socket, const SocketAddress& peer) {
+  const bool allowed = is_allowed(peer);
+  if (Client* const place = allowed ? find_place() : nullptr) {
+    place->open(std::move(socket), peer);
+  } else {
+    ++counters_.refused;
+    handler_.refused(peer, allowed);
   }
 }
 
@@ -150,22 +138,11 @@ TcpListener::Client* TcpListener::find_place() {
   return &idlest;
 }
 
-// Whoever waits to be accepted makes the listener ready all the time.
-void TcpListener::pause(const char* why) {
-  is_paused_ = true;
-  retry_at_ = now_ + retry_interval;
-  loop_.change(socket_.get(), false, false);
-  if (!std::exchange(is_exhaustion_told_, true)) handler_.exhausted(why);
-}
-
-void TcpListener::resume() {
-  if (std::exchange(is_paused_, false)) loop_.change(socket_.get(), true, false);
-}
-
 void TcpListener::advance(Instant now) {
   now_ = now;
   for (const auto& client : clients_) client->advance(now);
-  if (retry_at_ <= now) resume();
+  acceptor_.advance(now);
+  counters_.is_listening = acceptor_.is_listening();
 }
 
 void TcpListener::allow(std::vector<Network> networks) {

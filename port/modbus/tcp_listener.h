@@ -11,8 +11,8 @@
 
 #include "etcm/port/service_counters.h"
 #include "modbus/frame.h"
+#include "posix/acceptor.h"
 #include "posix/event_loop.h"
-#include "posix/tcp_socket.h"
 
 namespace etcm::port {
 
@@ -29,8 +29,7 @@ class RequestHandler {
 
   // `peer` was hung up on: it had been idle longest, and another one wants its place.
   virtual void displaced(const SocketAddress& peer) { static_cast<void>(peer); }
-  // Nobody more can connect for now: the system has no descriptor left, with its words for it. Said
-  // once until somebody has connected.
+  // As AcceptHandler has it.
   virtual void exhausted(const char* why) { static_cast<void>(why); }
 
   // Writes the answer to a request of at least one byte into `answer` (pdu_bytes_max bytes) and
@@ -43,16 +42,14 @@ class RequestHandler {
   ~RequestHandler() = default;
 };
 
-class TcpListener final : private EventHandler {
+class TcpListener final : private AcceptHandler {
  public:
   // A client that has asked nothing for so long makes room for another, where all places are taken.
   static constexpr Duration idle_max = std::chrono::minutes(1);
-  // Without descriptors it looks so often whether there are some, and when a client has gone.
-  static constexpr Duration retry_interval = std::chrono::seconds(1);
 
-  // Listens at once; throws std::system_error where it cannot. `loop` and `handler` must outlive
-  // this. A client beyond clients_max takes the place of the one that has been idle longest, if
-  // that is over idle_max; else it is turned away.
+  // Listens at once; where it cannot, it tries again (posix/acceptor.h). `loop` and `handler` must
+  // outlive this. A client beyond clients_max takes the place of the one that has been idle
+  // longest, if that is over idle_max; else it is turned away.
   TcpListener(EventLoop& loop, RequestHandler& handler, const SocketAddress& address,
               std::size_t clients_max);
   ~TcpListener();
@@ -65,30 +62,27 @@ class TcpListener final : private EventHandler {
 
   // Lets time pass; without it no client is idle.
   void advance(Instant now);
-  Instant next_deadline() const { return is_paused_ ? retry_at_ : never; }
+  Instant next_deadline() const { return acceptor_.next_deadline(); }
 
-  SocketAddress address() const { return bound_address(socket_.get()); }
+  const Acceptor& acceptor() const { return acceptor_; }
+  SocketAddress address() const { return acceptor_.address(); }
   const ServiceCounters& counters() const { return counters_; }
 
  private:
   class Client;
 
-  void on_ready(bool can_read, bool can_write) override;
+  void accepted(FileDescriptor socket, const SocketAddress& peer) override;
+  void exhausted(const char* why) override { handler_.exhausted(why); }
   bool is_allowed(const SocketAddress& peer) const;
   Client* find_place();
-  void pause(const char* why);
-  void resume();
 
   EventLoop& loop_;
   RequestHandler& handler_;
-  FileDescriptor socket_;
   std::vector<std::unique_ptr<Client>> clients_;
   std::vector<Network> allowed_{everybody};
   ServiceCounters counters_;
   Instant now_{};
-  bool is_paused_ = false;  // listens, but takes nobody
-  bool is_exhaustion_told_ = false;
-  Instant retry_at_{};
+  Acceptor acceptor_;
 };
 
 }  // namespace etcm::port

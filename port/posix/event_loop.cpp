@@ -42,7 +42,7 @@ void EventLoop::control(int operation, int descriptor, bool want_read, bool want
   }
 }
 
-void EventLoop::wait(Duration at_most) {
+bool EventLoop::wait(Duration at_most) {
   // ppoll and not the timeout of epoll_wait: that has whole milliseconds, and half a frame of a
   // fast serial line passes in one.
   const auto pause = std::clamp<Duration>(at_most, Duration{0}, std::chrono::hours(24));
@@ -50,7 +50,7 @@ void EventLoop::wait(Duration at_most) {
   const timespec timeout{.tv_sec = static_cast<time_t>(seconds.count()),
                          .tv_nsec = static_cast<long>((pause - seconds).count())};
   pollfd waiting{.fd = epoll_.get(), .events = POLLIN, .revents = 0};
-  if (::ppoll(&waiting, 1, &timeout, nullptr) <= 0) return;
+  if (::ppoll(&waiting, 1, &timeout, nullptr) <= 0) return false;
   std::array<epoll_event, 256> events;
   const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), 0);
   for (int i = 0; i < count; ++i) {
@@ -61,6 +61,7 @@ void EventLoop::wait(Duration at_most) {
     entry.handler->on_ready((event.events & ~std::uint32_t{EPOLLOUT}) != 0,
                             (event.events & EPOLLOUT) != 0);
   }
+  return count > 0;
 }
 
 }  // namespace etcm::port

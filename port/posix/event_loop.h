@@ -30,8 +30,8 @@ class EventLoop {
   void remove(int descriptor);
 
   // Waits until something is ready, or for `at_most` (to the microsecond, as far as the system
-  // can), and calls the handlers of all that is ready.
-  void wait(Duration at_most);
+  // can), and calls the handlers of all that is ready. False where nothing was.
+  bool wait(Duration at_most);
 
  private:
   struct Entry {

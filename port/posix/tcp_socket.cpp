@@ -11,14 +11,6 @@ namespace etcm::port {
 
 namespace {
 
-sockaddr_in to_native(const SocketAddress& address) {
-  sockaddr_in native{};
-  native.sin_family = AF_INET;
-  native.sin_addr.s_addr = htonl(address.host);
-  native.sin_port = htons(address.port);
-  return native;
-}
-
 SocketAddress from_native(const sockaddr_in& native) {
   return {.host = ntohl(native.sin_addr.s_addr), .port = ntohs(native.sin_port)};
 }
@@ -35,13 +27,32 @@ FileDescriptor open_socket() {
 
 }  // namespace
 
-FileDescriptor listen_tcp(const SocketAddress& address) {
+sockaddr_in to_native(const SocketAddress& address) {
+  sockaddr_in native{};
+  native.sin_family = AF_INET;
+  native.sin_addr.s_addr = htonl(address.host);
+  native.sin_port = htons(address.port);
+  return native;
+}
+
+FileDescriptor try_listen_tcp(const SocketAddress& address) {
   FileDescriptor listener = open_socket();
+  if (!listener.is_open()) return listener;
   const int on = 1;
   ::setsockopt(listener.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   const sockaddr_in native = to_native(address);
   if (::bind(listener.get(), reinterpret_cast<const sockaddr*>(&native), sizeof native) != 0 ||
       ::listen(listener.get(), SOMAXCONN) != 0) {
+    const int error = errno;
+    listener.close();
+    errno = error;
+  }
+  return listener;
+}
+
+FileDescriptor listen_tcp(const SocketAddress& address) {
+  FileDescriptor listener = try_listen_tcp(address);
+  if (!listener.is_open()) {
     throw std::system_error(errno, std::generic_category(),
                             "cannot listen on " + to_string(address));
   }

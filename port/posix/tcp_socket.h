@@ -4,10 +4,17 @@
 #include "etcm/port/socket_address.h"
 #include "posix/file_descriptor.h"
 
+struct sockaddr_in;
+
 namespace etcm::port {
 
-// A listening socket; throws std::system_error that names the address. Port 0 lets the system
-// choose; bound_address() tells.
+// As the system has it.
+sockaddr_in to_native(const SocketAddress& address);
+
+// A listening socket; not open where it cannot be had: errno tells. Port 0 lets the system choose;
+// bound_address() tells.
+FileDescriptor try_listen_tcp(const SocketAddress& address);
+// The same; throws std::system_error that names the address.
 FileDescriptor listen_tcp(const SocketAddress& address);
 SocketAddress bound_address(int descriptor);
 

@@ -39,7 +39,8 @@ class ServiceWatchTest : public testing::Test {
   void start(port::Duration timeout = 4s) {
     manager_ = std::make_unique<RecordingManager>(timeout);
     rig_.start();
-    watch_ = std::make_unique<ServiceWatch>(*manager_, *rig_.gateway, rig_.log);
+    watch_ = std::make_unique<ServiceWatch>(*manager_, *rig_.gateway,
+                                            WatchedServers{masters_, readers_}, rig_.log);
     watch_->ready(rig_.clock.now());
   }
   // Returns how often the watchdog was fed. The gateway may stand still meanwhile.
@@ -53,6 +54,8 @@ class ServiceWatchTest : public testing::Test {
     return manager_->fed - before;
   }
   Rig rig_;
+  port::ServiceCounters masters_;
+  port::ServiceCounters readers_;
   std::unique_ptr<RecordingManager> manager_;
   std::unique_ptr<ServiceWatch> watch_;
 };
@@ -138,6 +141,22 @@ TEST_F(ServiceWatchTest, TellsHowThingsAreAndNotTooOften) {
   const std::size_t quiet = manager_->statuses.size();
   run(20s);
   EXPECT_LE(manager_->statuses.size(), quiet + 1) << "no news";
+}
+
+TEST_F(ServiceWatchTest, TellsWhatIsNotServed) {
+  const auto ends = [&](const char* text) { return manager_->statuses.back().ends_with(text); };
+  start();
+  run(5s);
+  EXPECT_TRUE(ends("Steiner vertices"));
+  readers_.is_listening = false;
+  run(5s);
+  EXPECT_TRUE(ends("; no status page: see the log")) << manager_->statuses.back();
+  masters_.is_listening = false;
+  run(5s);
+  EXPECT_TRUE(ends("; nobody can read the mesh: see the log")) << manager_->statuses.back();
+  masters_.is_listening = readers_.is_listening = true;
+  run(5s);
+  EXPECT_TRUE(ends("Steiner vertices")) << manager_->statuses.back();
 }
 
 TEST_F(ServiceWatchTest, TellsOfReloadingAndStopping) {

@@ -307,6 +307,19 @@ TEST_F(StatusPageTest, HealthNamesTheBusThatIsSilent) {
   EXPECT_EQ(answer_.status, port::web_status::ok);
 }
 
+TEST_F(StatusPageTest, AServerWithoutItsPortIsNotHealthy) {
+  open_page();
+  put_square();
+  run(1s);
+  EXPECT_NE(get("/metrics").find("\netcm_listening{server=\"modbus\"} 1\n"), std::string::npos);
+  masters_.is_listening = false;
+  EXPECT_EQ(get("/healthz"),
+            "server: nobody can read the mesh; the log says what is wrong with its port\n");
+  EXPECT_EQ(answer_.status, port::web_status::unavailable);
+  EXPECT_NE(get("/metrics").find("\netcm_listening{server=\"modbus\"} 0\n"), std::string::npos);
+  EXPECT_NE(get("/status.json").find("\"trouble\":\"server: nobody"), std::string::npos);
+}
+
 TEST_F(StatusPageTest, FilesAreThereAndNothingElse) {
   open_page();
   for (const PageFile& file : page_files()) {

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <map>
 
+#include "no_descriptors.h"
 #include "peer.h"
 
 namespace etcm::port {
@@ -256,6 +257,47 @@ TEST_F(WebServerTest, MoreClientsThanThereIsRoomForComeLater) {
     return bytes.size() > 10;
   }));
   EXPECT_LE(counters_.clients, 8u);
+}
+
+TEST_F(WebServerTest, WithoutDescriptorsItNeitherSpinsNorStays) {
+  KeptLog log;
+  // A sanitizer that meets a type for the first time needs a pipe, for which nothing will be left.
+  static_cast<Log&>(log).write(Level::info, "");
+  log.lines.clear();
+  server_.allow({everybody}, log);
+  for (const bool has_client : {false, true}) {
+    SCOPED_TRACE(has_client);
+    FileDescriptor early;
+    if (has_client) {
+      early = client("GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
+      receive(early.get());
+    }
+    log.lines.clear();
+    const FileDescriptor late = connect_tcp(server_.address());
+    const FileDescriptor later = connect_tcp(server_.address());
+    {
+      const NoDescriptors none;
+      ASSERT_TRUE(turn_until([&] { return !log.lines.empty(); }));
+      EXPECT_LE(turns_in(10s, loop_, server_, now_), 50)
+          << "once a second it looks whether there are descriptors again";
+      ASSERT_EQ(log.lines.size(), 1u) << "said once";
+      EXPECT_EQ(log.lines[0],
+                "no further browser can connect: Too many open files; raise LimitNOFILE of the "
+                "service, or lower clients_max in [server] and [http]");
+      if (has_client) {
+        send(early.get(), "GET /20 HTTP/1.1\r\nHost: a\r\n\r\n");
+        EXPECT_NE(receive(early.get()).find(std::string(20, 'x')), std::string::npos)
+            << "who is connected is served";
+      }
+    }
+    now_ += 1s;
+    for (const FileDescriptor* socket : {&late, &later}) {
+      send(socket->get(), "GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
+      EXPECT_NE(receive(socket->get()).find("xxxxxxxxxx"), std::string::npos);
+    }
+    // Nobody is connected when the next round begins.
+    early.close();
+  }
 }
 
 TEST_F(WebServerTest, ClientsThatVanishLeaveNothingBehind) {

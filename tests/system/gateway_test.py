@@ -12,6 +12,7 @@ import socket
 import subprocess
 import sys
 import unittest
+import urllib.error
 import urllib.request
 
 HERE = pathlib.Path(__file__).parent
@@ -32,7 +33,8 @@ class GatewayCase(ProgramCase):
         nodes.wait_for_line(r"ready:")
         return re.findall(r"listens on (\S+) for units (\S+)", nodes.log())
 
-    def start_gateway(self, buses, more="", head="", leave_after="2s", wait=True):
+    def start_gateway(self, buses, more="", head="", leave_after="2s",
+                      listen="127.0.0.1:0", wait=True):
         config = head + f"""
 [mesh]
 vertices_max = {self.vertices_max}
@@ -44,7 +46,7 @@ absent_interval = "200ms"
 stale_after = "1s"
 leave_after = "{leave_after}"
 [server]
-listen = "127.0.0.1:0"
+listen = "{listen}"
 [files]
 folder = "out"
 interval = "100ms"
@@ -395,24 +397,56 @@ class CommandLine(GatewayCase):
         self.assertEqual(done.returncode, 0)
         self.assertRegex(done.stdout, r"^\d+\.\d+\.\d+\n$")
 
-    def test_a_taken_port_is_said_and_is_status_1(self):
-        with socket.socket() as taken:
-            taken.bind(("127.0.0.1", 0))
-            taken.listen()
-            port = taken.getsockname()[1]
-            (self.folder / "site.toml").write_text(
-                '[mesh]\nvertices_max = 9\n[[bus]]\ntcp = "127.0.0.1:1"\nunits = "1"\n'
-                f'[server]\nlisten = "127.0.0.1:{port}"\n')
-            done = self.run_gateway("--config", "site.toml")
-        self.assertEqual(done.returncode, 1)
-        self.assertIn(f"cannot listen on 127.0.0.1:{port}", done.stderr)
-
     def test_a_site_file_brings_its_features(self):
         (self.folder / "site.poly").write_text(
             "3 2 0 0\n1 0 0\n2 9 0\n3 0 9\n2 0\n1 1 2\n2 2 3\n0\n")
         buses = self.start_nodes(["0,1,join,0,0", "0,2,join,90,0", "0,3,join,0,90"])
         self.start_gateway(buses, head='[site]\nfile = "site.poly"\n')
         self.wait_for_header(nodes=3, features=2, state=0)
+
+
+class WithoutItsPorts(GatewayCase):
+    """What cannot be had at the start costs nothing else, and is had as soon as it can be."""
+
+    def setUp(self):
+        super().setUp()
+        self.taken = socket.socket()
+        self.addCleanup(self.taken.close)
+        self.taken.bind(("127.0.0.1", 0))
+        self.taken.listen()
+        self.address = "127.0.0.1:%d" % self.taken.getsockname()[1]
+
+    def health(self, url):
+        try:
+            with urllib.request.urlopen(url + "/healthz", timeout=PATIENCE_S) as answer:
+                return answer.read().decode()
+        except urllib.error.HTTPError as error:
+            return error.read().decode()
+
+    def test_a_page_comes_when_its_port_is_free_and_all_else_is_there_before(self):
+        gateway = self.start_gateway(self.start_nodes(["0,1,join,0,0", "0,2,join,9,0"]),
+                                     f'[http]\nlisten = "{self.address}"\n')
+        gateway.wait_for_line(rf"error: there is no status page: cannot listen on {self.address} "
+                              r"\(Address already in use\); end the program that has it .*`listen` of "
+                              r"\[http\]; goes on, and tries again")
+        self.wait_for_header(nodes=2, state=0)
+        self.taken.close()
+        gateway.wait_for_line(f"shows the status page on http://{self.address}")
+        self.assertEqual(self.health(f"http://{self.address}"), "ok\n")
+        self.assertEqual(gateway.stop(), 0, gateway.log())
+        self.assertEqual(gateway.log().count("there is no status page"), 1)
+
+    def test_the_mesh_is_served_when_its_port_is_free_and_the_page_says_so_before(self):
+        gateway = self.start_gateway([("127.0.0.1:9", "1")], '[http]\nlisten = "127.0.0.1:0"\n',
+                                     listen=self.address, wait=False)
+        gateway.wait_for_line(rf"error: the mesh is not served: cannot listen on {self.address}")
+        url = gateway.wait_for_line(r"status page on (http://\S+)").group(1)
+        self.assertIn("nobody can read the mesh", self.health(url))
+        self.taken.close()
+        gateway.wait_for_line(f"serves the mesh on {self.address}")
+        self.port = int(self.address.split(":")[1])
+        self.wait_for_header(nodes=0)
+        self.assertNotIn("nobody can read the mesh", self.health(url))
 
 
 class ListsOfTheMap(GatewayCase):

@@ -53,6 +53,8 @@ void run_tcp(port::SocketAddress address, const nodes::Script& script) {
     ports.push_back(std::make_unique<nodes::FleetPort>(fleet, i));
     listeners.push_back(
         std::make_unique<port::TcpListener>(loop, *ports.back(), address, clients_max));
+    const port::Acceptor& acceptor = listeners.back()->acceptor();
+    if (!acceptor.is_listening()) throw std::runtime_error(acceptor.failure());
     std::printf("listens on %s for units 1-%u\n", to_string(listeners.back()->address()).c_str(),
                 fleet.unit_count(i));
     if (address.port != 0) ++address.port;

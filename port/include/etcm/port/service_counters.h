@@ -1,4 +1,4 @@
-// How a server is used; only ever grow, but for the clients.
+// How a server is used.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,9 @@
 namespace etcm::port {
 
 struct ServiceCounters {
+  bool is_listening = true;   // else nobody can connect: its port cannot be had
   std::uint32_t clients = 0;  // connected now
+  // These only ever grow.
   std::uint64_t requests = 0;
   std::uint64_t refused = 0;  // requests that were wrong, and clients that were turned away
 };
