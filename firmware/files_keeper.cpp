@@ -1,6 +1,7 @@
 #include "files_keeper.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "disk_patience.h"
 #include "text_line.h"
@@ -25,7 +26,7 @@ void FilesKeeper::step(port::Instant now) {
   if (result.ok) {
     if (is_failing_ || is_hanging_) log_.write(port::Level::info, "files are written again");
   } else {
-    is_outdated_ = true;
+    (is_check_ ? is_unchecked_ : is_outdated_) = true;
     if (!is_failing_) {
       log_.write(port::Level::error, TextLine() << result.why << "; goes on, and tries again");
     }
@@ -36,16 +37,18 @@ void FilesKeeper::step(port::Instant now) {
 
 port::Instant FilesKeeper::next_deadline() const {
   // How a write went is heard soon enough in a step that something else asks for.
-  if (!is_outdated_ || is_writing_) return port::never;
+  if (is_writing_ || !(is_outdated_ || is_unchecked_)) return port::never;
   return std::max(started_at_ + settings_.interval, not_before_);
 }
 
 void FilesKeeper::write(const Mesh& mesh, std::span<const std::uint32_t> serials,
                         port::Instant now) {
-  if (!is_outdated_ || is_writing_) return;
+  if (is_writing_ || !(is_outdated_ || is_unchecked_)) return;
   started_at_ = now;
-  is_outdated_ = false;
   is_writing_ = true;
+  is_unchecked_ = false;
+  is_check_ = !std::exchange(is_outdated_, false);
+  if (is_check_) return files_.start_check();
   const port::Instant begin = clock_.now();
   files_.start_write(mesh, serials);
   not_before_ = now + share_ * (clock_.now() - begin);

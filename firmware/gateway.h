@@ -82,6 +82,9 @@ class Gateway final : private ReadingListener, private Errands {
   std::uint16_t state() const { return state_; }
   const Snapshot& snapshot() const { return snapshots_.latest(); }
 
+  // Null where none are wanted.
+  const FilesKeeper* files() const { return files_keeper_ ? &*files_keeper_ : nullptr; }
+  const StateKeeper* kept_state() const { return state_keeper_ ? &*state_keeper_ : nullptr; }
   const Poller& poller() const { return poller_; }
   const Roster& roster() const { return roster_; }
   const MeshTimes& mesh_times() const { return keeper_.times(); }

@@ -94,6 +94,17 @@ void write_features(const Context& context, std::uint32_t, TextWriter& piece) {
         << "\n";
 }
 
+// Of those that are wanted.
+void write_disk(const Context& context, std::uint32_t, TextWriter& piece) {
+  const auto disk = [&](const char* section, const auto* keeper) {
+    if (keeper == nullptr) return;
+    piece << context.name << "{section=\"" << section << "\"} " << (keeper->is_in_trouble() ? 1 : 0)
+          << "\n";
+  };
+  disk("files", context.sources.gateway.files());
+  disk("state", context.sources.gateway.kept_state());
+}
+
 void write_listening(const Context& context, std::uint32_t, TextWriter& piece) {
   piece << context.name << "{server=\"modbus\"} " << (context.sources.masters.is_listening ? 1 : 0)
         << "\n"
@@ -242,6 +253,8 @@ constexpr std::array families{
            [](const Context& context, std::uint32_t, TextWriter& piece) {
              plain_seconds(context, context.sources.gateway.mesh_times().longest, piece);
            }},
+    Family{"etcm_disk_trouble", "gauge", "1 where files or state cannot be written now.",
+           Scope::gateway, write_disk},
     Family{"etcm_listening", "gauge",
            "1 where clients can connect, 0 where the port cannot be had.", Scope::gateway,
            write_listening},

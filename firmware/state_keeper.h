@@ -49,6 +49,8 @@ class StateKeeper {
 
   // The last save failed.
   bool is_failing() const { return !failure_.empty(); }
+  // Or the disk has not answered for a while.
+  bool is_in_trouble() const { return is_failing() || is_hanging_; }
 
  private:
   std::string judge(std::span<const std::byte> bytes, SavedState& state) const;

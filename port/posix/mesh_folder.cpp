@@ -1,7 +1,12 @@
 #include "posix/mesh_folder.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <filesystem>
 #include <limits>
+#include <system_error>
 #include <utility>
 
 #include "etcm/files/file_set.h"
@@ -13,8 +18,9 @@ namespace etcm::port {
 
 // What the thread uses, and keeps should it hang.
 struct MeshFolder::Writing {
-  Writing(const std::string& base, std::string title, const MeshConfig& config)
-      : imager(config), words{.title = std::move(title)} {
+  Writing(const std::string& where, const std::string& base, std::string title,
+          const MeshConfig& config)
+      : folder(where), imager(config), words{.title = std::move(title)} {
     room.reserve(config.vertices_max);
     files.add(base + ".node", [this](files::TextSink& out) { files::write_node(out, *image); });
     files.add(base + ".ele", [this](files::TextSink& out) { files::write_ele(out, *image); });
@@ -22,21 +28,52 @@ struct MeshFolder::Writing {
               [this](files::TextSink& out) { files::write_svg(out, *image, words, {}, room); });
   }
 
+  void run() {
+    action = "cannot be written";
+    if (image != nullptr && is_made) {
+      failure = files.try_commit();
+      // It may have gone, and can be made again.
+      if (failure.error != ENOENT) return;
+    }
+    make_folder();
+    if (is_made && image != nullptr) failure = files.try_commit();
+  }
+
+  void make_folder() {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    is_made = !error;
+    if (error) {
+      action = "cannot make the folder";
+      failure = {&folder, error.value()};
+      return;
+    }
+    const bool can_write = ::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) == 0;
+    failure = can_write ? files::FileSet::Failure{} : files::FileSet::Failure{&folder, errno};
+    if (!std::exchange(is_clean, true)) files.remove_leftovers();
+  }
+
+  const std::string folder;
+  bool is_made = false;   // as far as is known
+  bool is_clean = false;  // of what a crash left
   files::Imager imager;
-  files::MeshImage* image = nullptr;  // of the imager
+  files::MeshImage* image = nullptr;  // of the imager; null: check only
   files::PictureText words;
   files::PictureRoom room;
   files::FileSet files;
+  const char* action = nullptr;  // that failed
   files::FileSet::Failure failure;
 };
 
 MeshFolder::MeshFolder(const std::string& folder, const std::string& name, const MeshConfig& config)
     : base_(std::filesystem::path(folder) / name),
-      writing_(std::make_shared<Writing>(base_, name, config)),
-      worker_("etcm-files",
-              [writing = writing_] { writing->failure = writing->files.try_commit(); }) {
-  std::filesystem::create_directories(folder);
-  writing_->files.remove_leftovers();
+      writing_(std::make_shared<Writing>(folder, base_, name, config)),
+      worker_("etcm-files", [writing = writing_] { writing->run(); }) {}
+
+void MeshFolder::start_check() {
+  writing_->image = nullptr;
+  is_result_due_ = true;
+  worker_.start();
 }
 
 void MeshFolder::start_write(const Mesh& mesh, std::span<const std::uint32_t> serials) {
@@ -62,7 +99,7 @@ bool MeshFolder::take_result(DiskResult& result) {
   const files::FileSet::Failure& failure = writing_->failure;
   result = {.ok = failure.path == nullptr, .why = {}};
   if (!result.ok) {
-    result.why = words_.describe(*failure.path, "cannot be written", failure.error, "files");
+    result.why = words_.describe(*failure.path, writing_->action, failure.error, "files");
   }
   return true;
 }

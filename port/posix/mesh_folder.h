@@ -12,11 +12,12 @@ namespace etcm::port {
 
 class MeshFolder final : public MeshFiles {
  public:
-  // Makes the folder where there is none; throws std::filesystem::filesystem_error where it cannot.
-  // Removes the temporary files of an earlier one that was killed while it wrote; so nobody else
-  // may write files of this name. Takes all the memory now that meshes of this size need.
+  // Touches nothing yet; takes all the memory now that meshes of this size need. Where there is no
+  // folder, it is made when it is needed. What is done first removes the temporary files of an
+  // earlier gateway that was killed while it wrote; so nobody else may write files of this name.
   MeshFolder(const std::string& folder, const std::string& name, const MeshConfig& config);
 
+  void start_check() override;
   void start_write(const Mesh& mesh, std::span<const std::uint32_t> serials) override;
   bool is_writing() const override { return worker_.is_busy(); }
   bool take_result(DiskResult& result) override;

@@ -107,25 +107,37 @@ class RecordingServer final : public port::MeshServer {
 
 class RecordingFiles final : public port::MeshFiles {
  public:
+  void start_check() override {
+    ++checks;
+    is_check_ = has_news_ = true;
+  }
   void start_write(const Mesh& mesh, std::span<const std::uint32_t>) override {
     ++attempts;
     has_news_ = true;
+    is_check_ = false;
     if (!failing) nodes_written.push_back(mesh.node_count());
   }
   bool is_writing() const override { return has_news_ && is_hanging; }
   bool take_result(port::DiskResult& result) override {
-    if (!has_news_ || is_hanging) return false;
+    if (!has_news_ || (is_hanging && !is_check_)) return false;
     has_news_ = false;
+    if (is_check_) {
+      result = {.ok = !is_folder_missing, .why = is_folder_missing ? "no such folder" : ""};
+      return true;
+    }
     result = {.ok = !failing, .why = failing ? "the disk is full" : ""};
     return true;
   }
   bool failing = false;
-  bool is_hanging = false;
+  bool is_hanging = false;  // while it writes
+  bool is_folder_missing = false;
+  std::uint32_t checks = 0;
   std::uint32_t attempts = 0;
   std::vector<std::uint32_t> nodes_written;
 
  private:
   bool has_news_ = false;
+  bool is_check_ = false;
 };
 
 // One bus with units 1 to 20, asked every 100 ms.

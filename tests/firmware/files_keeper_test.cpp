@@ -37,6 +37,25 @@ TEST(Files, ThatCannotBeWrittenAreSaidOnceAndTriedAgain) {
   EXPECT_EQ(rig.log.count("files are written again"), 1u);
 }
 
+TEST(Files, WhoseFolderCannotBeMadeAreSaidBeforeThereIsAMesh) {
+  Rig rig;
+  rig.files.is_folder_missing = true;
+  rig.run(5s);
+  EXPECT_GE(rig.files.checks, 5u) << "one an interval";
+  EXPECT_EQ(rig.files.attempts, 0u) << "no empty mesh in the place of an earlier one";
+  EXPECT_EQ(rig.log.count("no such folder; goes on, and tries again"), 1u);
+  EXPECT_TRUE(rig.gateway->files()->is_in_trouble());
+  rig.files.is_folder_missing = false;
+  rig.run(2s);
+  EXPECT_EQ(rig.log.count("files are written again"), 1u);
+  EXPECT_FALSE(rig.gateway->files()->is_in_trouble());
+  const std::uint32_t checks = rig.files.checks;
+  rig.put(1, 0, 0);
+  rig.run(5s);
+  EXPECT_EQ(rig.files.checks, checks) << "whoever writes, sees";
+  EXPECT_EQ(rig.files.nodes_written.back(), 1u);
+}
+
 TEST(Files, OnADiskThatHangsHoldUpNeitherBusNorMesh) {
   Rig rig;
   rig.files.is_hanging = true;
@@ -75,6 +94,7 @@ TEST(Files, OfALargeMeshAreWrittenLessOften) {
   class SlowFiles final : public port::MeshFiles {
    public:
     explicit SlowFiles(SimulatedClock& clock) : clock_(clock) {}
+    void start_check() override {}
     void start_write(const Mesh&, std::span<const std::uint32_t>) override {
       ++attempts;
       clock_.pass(200ms);

@@ -9,6 +9,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -123,7 +124,9 @@ TEST_F(MeshFolderTest, WhatACrashLeftIsRemoved) {
       "mesh.svg.tmp",    "elsewhere/target.svg"};
   for (const std::string& other : others) std::ofstream(path_ + "/" + other) << "kept";
   std::filesystem::create_directories(path_ + "/mesh.node.3.tmp");
-  folder();
+  folder().start_check();
+  EXPECT_TRUE(folder().wait(patience));
+  EXPECT_TRUE(result().ok);
   for (const char* left :
        {"mesh.node.17.tmp", "mesh.ele.4194304.tmp", "elsewhere/target.svg.9.tmp"}) {
     EXPECT_FALSE(std::filesystem::exists(path_ + "/" + left)) << left;
@@ -210,11 +213,71 @@ TEST_F(MeshFolderTest, SaysWhenTheDiskIsReadOnly) {
 TEST_F(MeshFolderTest, SaysWhenTheFolderHasGone) {
   EXPECT_TRUE(write().ok);
   std::filesystem::remove_all(path_);
-  EXPECT_EQ(write().why, path_ +
-                             "/mesh.node: cannot be written (No such file or directory); look "
-                             "at `folder` of [files]");
-  std::filesystem::create_directory(path_);
+  EXPECT_TRUE(write().ok) << "it is made again";
+  EXPECT_EQ(file_count(), 3u);
+}
+
+// A check, and then a mesh.
+class NoMeshFolder : public MeshFolderTest {
+ protected:
+  void expect_failure(const std::string& why) {
+    for (int attempt = 0; attempt < 2; ++attempt) {
+      EXPECT_EQ(check().why, why);
+      EXPECT_EQ(write().why, why);
+    }
+  }
+  // Root may write anywhere. The whole process becomes somebody else meanwhile, its threads too.
+  static void as_nobody(const std::function<void()>& action) {
+    const bool is_root = ::geteuid() == 0;
+    ASSERT_EQ(::seteuid(is_root ? 65534 : ::geteuid()), 0);
+    action();
+    ASSERT_EQ(::seteuid(::getuid()), 0);
+  }
+  DiskResult check() {
+    folder().start_check();
+    EXPECT_TRUE(folder().wait(patience));
+    return result();
+  }
+};
+
+TEST_F(NoMeshFolder, IsMadeWhenItIsNeeded) {
+  folder();
+  EXPECT_FALSE(std::filesystem::exists(path_));
+  EXPECT_TRUE(check().ok);
+  EXPECT_EQ(file_count(), 0u) << "nothing is written yet";
   EXPECT_TRUE(write().ok);
+  EXPECT_EQ(file_count(), 3u);
+}
+
+TEST_F(NoMeshFolder, WhereAFileStandsInTheWay) {
+  scratch_.write("f", "in the way");
+  expect_failure(path_ + ": cannot make the folder (Not a directory); look at `folder` of [files]");
+  std::filesystem::remove(path_);
+  EXPECT_TRUE(write().ok);
+  EXPECT_EQ(file_count(), 3u);
+}
+
+TEST_F(NoMeshFolder, WhereItMayNotBeMade) {
+  std::filesystem::permissions(scratch_.path(""), std::filesystem::perms{0555});
+  as_nobody([&] {
+    expect_failure(
+        path_ + ": cannot make the folder (Permission denied); let the gateway's user write there");
+  });
+  std::filesystem::permissions(scratch_.path(""), std::filesystem::perms{0755});
+  EXPECT_TRUE(write().ok);
+}
+
+TEST_F(NoMeshFolder, WhereItMayNotBeWritten) {
+  std::filesystem::permissions(scratch_.path(""), std::filesystem::perms{0755});
+  std::filesystem::create_directory(path_);
+  std::filesystem::permissions(path_, std::filesystem::perms{0555});
+  as_nobody([&] {
+    EXPECT_EQ(check().why, path_ +
+                               ": cannot be written (Permission denied); let the gateway's "
+                               "user write there");
+  });
+  std::filesystem::permissions(path_, std::filesystem::perms{0755});
+  EXPECT_TRUE(check().ok);
 }
 
 }  // namespace

@@ -405,7 +405,7 @@ class CommandLine(GatewayCase):
         self.wait_for_header(nodes=3, features=2, state=0)
 
 
-class WithoutItsPorts(GatewayCase):
+class WithoutWhatItNeeds(GatewayCase):
     """What cannot be had at the start costs nothing else, and is had as soon as it can be."""
 
     def setUp(self):
@@ -435,6 +435,21 @@ class WithoutItsPorts(GatewayCase):
         self.assertEqual(self.health(f"http://{self.address}"), "ok\n")
         self.assertEqual(gateway.stop(), 0, gateway.log())
         self.assertEqual(gateway.log().count("there is no status page"), 1)
+
+    def test_files_come_when_their_folder_can_be_made_and_all_else_is_there_before(self):
+        (self.folder / "out").write_text("in the way")
+        gateway = self.start_gateway([("127.0.0.1:9", "1")])
+        gateway.wait_for_line(r"error: out: cannot make the folder \(Not a directory\); look at "
+                              r"`folder` of \[files\]; goes on, and tries again")
+        gateway.stop(signal.SIGKILL)
+        gateway = self.start_gateway(self.start_nodes(["0,1,join,0,0", "0,2,join,9,0"]))
+        self.wait_for_header(nodes=2, state=0)
+        (self.folder / "out").unlink()
+        gateway.wait_for_line("files are written again")
+        nodes = self.folder / "out" / "mesh.node"
+        wait_for("both nodes in the files",
+                 lambda: nodes.exists() and re.search(r"^2 2 ", nodes.read_text(), re.M))
+        self.assertEqual(gateway.log().count("goes on, and tries again"), 1)
 
     def test_the_mesh_is_served_when_its_port_is_free_and_the_page_says_so_before(self):
         gateway = self.start_gateway([("127.0.0.1:9", "1")], '[http]\nlisten = "127.0.0.1:0"\n',

@@ -1,7 +1,7 @@
 // Publishes the mesh as files that other programs read.
 //
 // Like a store it waits for no disk: start_write() takes what it needs of the mesh, take_result()
-// tells later how that ended.
+// tells later how that ended. Nothing is done before one of the two is started.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,19 @@ namespace etcm::port {
 
 class MeshFiles {
  public:
+  // Starts to see whether files can be written, so that what is in their way shows before there is
+  // a mesh; makes the folder where there is none. REQUIRES: nothing is under way.
+  virtual void start_check() = 0;
+
   // Starts to replace the published files by those of `mesh`, which may change once this returns. A
   // reader sees each file of the old mesh or of the new one, never a part; where it fails, the old
-  // files stay. serials[id] is the serial of the node with that vertex id. REQUIRES: none is being
-  // written, and the mesh is no larger than the adapter was made for.
+  // files stay. serials[id] is the serial of the node with that vertex id. REQUIRES: nothing is
+  // under way, and the mesh is no larger than the adapter was made for.
   virtual void start_write(const Mesh& mesh, std::span<const std::uint32_t> serials) = 0;
   virtual bool is_writing() const = 0;
 
-  // How the write that has ended went; false when there is nothing to tell. Each is told once.
+  // How the write or the check that has ended went; false when there is nothing to tell. Each is
+  // told once.
   virtual bool take_result(DiskResult& result) = 0;
 
  protected:
