@@ -1,5 +1,7 @@
 // The minimum spanning tree by Boruvka's rule: in each round every part takes the shortest edge out
 // of it. Needs no order of the edges, and so no memory for one.
+#include <limits>
+
 #include "analysis_internal.h"
 
 namespace etcm {
@@ -18,7 +20,8 @@ class Forest {
   Connectivity grow(const SquaredLength& reach) noexcept {
     Connectivity result;
     result.parts = m_.vertex_count() == 0 ? 0u : 1u;
-    while (choose()) {
+    // A part joins at least one other in each round, so there are half as many afterwards.
+    for (StepBound rounds(std::numeric_limits<IdValue>::digits); choose(); rounds.step()) {
       for (IdValue v = 1; v < m_.vertex_end; ++v) {
         const Edge e{scratch_[v].edge};
         if (e.is_none()) continue;
@@ -44,7 +47,7 @@ class Forest {
   }
 
   VertexId part_of(VertexId v) noexcept {
-    while (scratch_[v.value].part != v) {
+    for (StepBound bound(m_.vertex_end); scratch_[v.value].part != v; bound.step()) {
       VertexId& above = scratch_[v.value].part;
       above = scratch_[above.value].part;
       v = above;

@@ -46,7 +46,7 @@ class Coverage {
   Coverage(const Mesh& sensors, const Domain& domain, std::uint32_t range,
            std::span<Hole> out) noexcept
       : m_(state_of(sensors)), range_(range), out_(out) {
-    if (domain.mesh == nullptr || is_flat(state_of(*domain.mesh))) return;
+    if (domain.mesh == nullptr || domain.mesh->finite_triangle_count() == 0) return;
     domain_ = domain.mesh;
     region_ = domain.region;
     ETCM_CHECK(region_.size() >= domain_->triangle_count());
@@ -142,7 +142,7 @@ class Coverage {
       while (topo.triangle(t).corner[side] != infinite_vertex) ++side;
       t = Topology::triangle_of(topo.twin(Topology::edge(t, side)));
     }
-    for (;;) {
+    for (StepBound bound(topo.triangle_count());; bound.step()) {
       unsigned zeros = 0, zero_side = 0, nonzero_side = 0;
       Edge across;
       for (unsigned side = 0; side < 3 && across.is_none(); ++side) {
@@ -168,12 +168,10 @@ class Coverage {
 
   bool is_inside_around(VertexId v) const noexcept {
     const Topology& topo = state_of(*domain_).topology;
-    const Edge first = topo.edge_at(v);
-    Edge e = first;
+    Spokes spokes(topo, v);
     do {
-      if (!is_inside(Topology::triangle_of(e))) return false;
-      e = topo.rotate_ccw(e);
-    } while (e != first);
+      if (!is_inside(Topology::triangle_of(spokes.edge()))) return false;
+    } while (spokes.turn());
     return true;
   }
 
@@ -235,17 +233,14 @@ class Coverage {
   // Where stretches end: a peak if the distance falls along each of them.
   void visit_corner(const MeshState& d, VertexId corner) noexcept {
     const Point& place = d.at(corner);
-    const Edge first = d.topology.edge_at(corner);
+    Spokes spokes(d.topology, corner);
     VertexId start{};
-    Edge e = first;
     do {
-      if (bounds(d, e)) {
-        if (start.is_none()) start = nearest_vertex(m_, place);
-        if (squared_distance(place, m_.at(start)) <= squared_range(range_, 0)) return;
-        if (!NearestWalk(m_, place, d.at(d.topology.target(e)), start).falls_at_start()) return;
-      }
-      e = d.topology.rotate_ccw(e);
-    } while (e != first);
+      if (!bounds(d, spokes.edge())) continue;
+      if (start.is_none()) start = nearest_vertex(m_, place);
+      if (squared_distance(place, m_.at(start)) <= squared_range(range_, 0)) return;
+      if (!NearestWalk(m_, place, d.at(spokes.target()), start).falls_at_start()) return;
+    } while (spokes.turn());
     if (!start.is_none()) add({place, m_.at(start), true});
   }
 

@@ -36,7 +36,9 @@ FeatureId feature_at(const MeshState& m, VertexId v) noexcept {
   const SectionId first = m.owner(v).section();
   if (m.owner(v).role() != Role::node) return internal::feature_of(m, first);
   FeatureId least{};
+  StepBound bound(m.section_end);
   for (SectionId s = first; !s.is_none(); s = next_at(m, s, v)) {
+    bound.step();
     const FeatureId feature = internal::feature_of(m, s);
     if (least.is_none() || feature < least) least = feature;
   }
@@ -81,7 +83,9 @@ class GapSearch {
 
   void follow(SectionId root) noexcept {
     Stop from = stop_at(m_.section(root).from);
+    StepBound bound(m_.section_end);
     for (SectionId s = root; !s.is_none(); s = m_.section(s).next) {
+      bound.step();
       const VertexId end = m_.section(s).to;
       for (VertexId head = m_.section(s).from; head != end;) {
         head = march(m_, head, end).tail;

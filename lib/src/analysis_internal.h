@@ -54,7 +54,11 @@ class NearestWalk {
  public:
   // `nearest` is a nearest vertex at `from`; the two places are distinct.
   NearestWalk(const MeshState& m, const Point& from, const Point& to, VertexId nearest) noexcept
-      : m_(m), origin_(from), along_(between(from, to)), nearest_(nearest) {
+      : m_(m),
+        origin_(from),
+        along_(between(from, to)),
+        nearest_(nearest),
+        bound_(m.vertex_count()) {
     enter();
   }
 
@@ -86,6 +90,7 @@ class NearestWalk {
   const Point origin_;
   const Vector along_;
   VertexId nearest_;
+  StepBound bound_;  // each cell is entered once
   Handover here_;
 };
 

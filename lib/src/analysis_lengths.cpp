@@ -80,18 +80,15 @@ std::uint32_t links_at(const Mesh& mesh, VertexId vertex, std::span<Link> out) n
   const MeshState& m = state_of(mesh);
   if (m.topology.triangle_count() == 0) return 0;
   std::uint32_t count = 0;
-  const Edge first = m.topology.edge_at(vertex);
-  Edge e = first;
+  Spokes spokes(m.topology, vertex);
   do {
-    const VertexId to = m.topology.target(e);
-    if (to != infinite_vertex) {
-      if (count < out.size()) {
-        out[count] = link_of(m, e, squared_distance(m.at(vertex), m.at(to)));
-      }
-      ++count;
+    const VertexId to = spokes.target();
+    if (to == infinite_vertex) continue;
+    if (count < out.size()) {
+      out[count] = link_of(m, spokes.edge(), squared_distance(m.at(vertex), m.at(to)));
     }
-    e = m.topology.rotate_ccw(e);
-  } while (e != first);
+    ++count;
+  } while (spokes.turn());
   return count;
 }
 

@@ -13,27 +13,27 @@ VertexId nearest_vertex(const MeshState& m, const Point& place) noexcept {
   VertexId nearest = m.topology.origin(found.edge);
   if (nearest == infinite_vertex) nearest = m.topology.target(found.edge);
   SquaredLength least = squared_distance(place, m.at(nearest));
-  for (bool found_nearer = true; found_nearer;) {
-    found_nearer = false;
-    const Edge start = m.topology.edge_at(nearest);
-    Edge e = start;
+  for (StepBound bound(m.vertex_count());; bound.step()) {
+    const VertexId before = nearest;
+    Spokes spokes(m.topology, before);
     do {
-      const VertexId v = m.topology.target(e);
-      e = m.topology.rotate_ccw(e);
+      const VertexId v = spokes.target();
       if (v == infinite_vertex) continue;
       const SquaredLength length = squared_distance(place, m.at(v));
       if (length >= least) continue;
       least = length;
       nearest = v;
-      found_nearer = true;
-    } while (e != start);
+    } while (spokes.turn());
+    if (nearest == before) return nearest;
   }
-  return nearest;
 }
 
 void NearestWalk::enter() noexcept {
   Handover first;
-  while (leave_cell(first) && Wide::sign(first.step) == 0) nearest_ = first.after;
+  while (leave_cell(first) && Wide::sign(first.step) == 0) {
+    bound_.step();
+    nearest_ = first.after;
+  }
 }
 
 bool NearestWalk::falls_at_start() const noexcept {
@@ -52,11 +52,9 @@ Handover NearestWalk::candidate(VertexId after) const noexcept {
 bool NearestWalk::leave_cell(Handover& out) const noexcept {
   if (m_.topology.triangle_count() == 0) return false;
   Handover first;
-  const Edge start = m_.topology.edge_at(nearest_);
-  Edge e = start;
+  Spokes spokes(m_.topology, nearest_);
   do {
-    const VertexId v = m_.topology.target(e);
-    e = m_.topology.rotate_ccw(e);
+    const VertexId v = spokes.target();
     if (v == infinite_vertex) continue;
     const Handover other = candidate(v);
     if (Wide::sign(other.scale) <= 0) continue;
@@ -64,7 +62,7 @@ bool NearestWalk::leave_cell(Handover& out) const noexcept {
                                             Wide::product(first.step, other.scale)) < 0) {
       first = other;
     }
-  } while (e != start);
+  } while (spokes.turn());
   out = first;
   return !first.after.is_none();
 }
@@ -72,6 +70,7 @@ bool NearestWalk::leave_cell(Handover& out) const noexcept {
 bool NearestWalk::next() noexcept {
   Handover first;
   if (!leave_cell(first) || Wide::sign(first.step - first.scale) >= 0) return false;
+  bound_.step();
   here_ = first;
   nearest_ = first.after;
   return true;

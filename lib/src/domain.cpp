@@ -39,13 +39,11 @@ class Labeller {
     for (IdValue i = 1; i < m_.vertex_end; ++i) {
       const VertexId v{i};
       if (m_.owner(v).role() != Role::node) continue;
-      const Edge first = topo_.edge_at(v);
-      Edge e = first;
+      Spokes spokes(topo_, v);
       bool outside = true;
       do {
-        outside = outside && region_[Topology::triangle_of(e)] == Region::outside;
-        e = topo_.rotate_ccw(e);
-      } while (e != first);
+        outside = region_[Topology::triangle_of(spokes.edge())] == Region::outside;
+      } while (outside && spokes.turn());
       if (outside) return true;
     }
     return false;

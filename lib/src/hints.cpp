@@ -78,17 +78,15 @@ void forget(MeshState& m, VertexId node) noexcept {
   // be forgotten as well.
   cell = VertexId::none();
   if (m.topology.triangle_count() == 0) return;
-  const Edge first = m.topology.edge_at(node);
-  Edge e = first;
+  Spokes spokes(m.topology, node);
   do {
-    const VertexId v = m.topology.target(e);
+    const VertexId v = spokes.target();
     if (v != infinite_vertex && m.owner(v).role() == Role::node &&
         &cell_of(m.hints, m.at(v)) == &cell) {
       cell = v;
       return;
     }
-    e = m.topology.rotate_ccw(e);
-  } while (e != first);
+  } while (spokes.turn());
 }
 
 Edge edge_near(const MeshState& m, const Point& p) noexcept {

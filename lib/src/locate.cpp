@@ -30,7 +30,7 @@ Found find_on_chain(const MeshState& m, const Point& p, Edge near) noexcept {
   // Face p: then the chain is followed from origin to target, over the vertex at infinity's star.
   const Point& origin = m.at(topo.origin(e));
   if ((p < origin) != (m.at(topo.target(e)) < origin)) e = topo.twin(e);
-  for (;;) {
+  for (StepBound bound(topo.triangle_count());; bound.step()) {
     const VertexId u = topo.origin(e), v = topo.target(e);
     if (p == m.at(u)) return {Place::on_vertex, e, u};
     if (p == m.at(v)) return {Place::on_vertex, e, v};
@@ -83,7 +83,7 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept {
     std::swap(from_u, from_v);
     s0 = 1;
   }
-  for (;;) {
+  for (StepBound bound(topo.triangle_count());; bound.step()) {
     // p is on the inner side of e = u -> v (s0 > 0) or, in the first triangle only, on its line.
     const VertexId apex = topo.apex(e);
     if (apex == infinite_vertex) return {Place::outside, e, {}};

@@ -14,16 +14,14 @@ struct Start {
 // A Steiner vertex's subsegments lie on its section, so they need no test of where they point but
 // one: forwards or backwards.
 bool leave_by_subsegment(const MeshState& m, VertexId head, bool forward, Start& start) noexcept {
-  const Topology& topo = m.topology;
-  const Edge first = topo.edge_at(head);
-  Edge e = first;
+  Spokes spokes(m.topology, head);
   do {
-    if (topo.is_constrained(e) && (m.at(head) < m.at(topo.target(e))) == forward) {
-      start = {true, e};
+    if (m.topology.is_constrained(spokes.edge()) &&
+        (m.at(head) < m.at(spokes.target())) == forward) {
+      start = {true, spokes.edge()};
       return true;
     }
-    e = topo.rotate_ccw(e);
-  } while (e != first);
+  } while (spokes.turn());
   return false;
 }
 
@@ -41,8 +39,7 @@ Start leave(const MeshState& m, VertexId head, const Point& goal) noexcept {
   // the right, the far one on the left.
   Edge e = topo.edge_at(head);
   int side = side_of(topo.target(e));
-  for (unsigned turn = topo.triangle_count();; --turn) {
-    ETCM_CHECK(turn != 0);
+  for (StepBound bound(topo.triangle_count());; bound.step()) {
     const VertexId v = topo.target(e);
     if (lies_ahead(v, side)) return {true, e};
     const Edge onward = topo.rotate_ccw(e);
@@ -72,14 +69,18 @@ Stretch march(const MeshState& m, VertexId head, VertexId toward) noexcept {
     return stretch;
   }
   stretch.head_edge = start.edge;
-  // e always runs from the right of the line to its left.
+  // e always runs from the right of the line to its left, and each triangle is crossed once.
   Edge e = start.edge;
-  for (;;) {
+  for (StepBound bound(topo.triangle_count());; bound.step()) {
     if (topo.is_constrained(e)) stretch.constrained = e;
     const Edge beyond = topo.twin(e);
     const VertexId apex = topo.apex(beyond);
+    // Beyond the hull there is no vertex to go to.
+    if (apex == infinite_vertex) stop_lost_walk();
     const int side = orient2d_fast(origin, goal, m.at(apex));
     if (side == 0) {
+      // Always onwards, so that no walk from stretch to stretch comes back to where it was.
+      if ((origin < m.at(apex)) != (origin < goal)) stop_lost_walk();
       stretch.tail = apex;
       stretch.tail_edge = beyond;
       return stretch;

@@ -123,18 +123,15 @@ std::uint32_t Mesh::neighbours(VertexId vertex, std::span<Neighbour> out) const 
   const Topology& topo = state_->topology;
   if (topo.triangle_count() == 0) return 0;
   std::uint32_t count = 0;
-  const Edge first = topo.edge_at(vertex);
-  Edge e = first;
+  Spokes spokes(topo, vertex);
   do {
-    const VertexId v = topo.target(e);
     // In a collinear mesh an edge has a ghost on each side and is met once; infinity may be met
     // twice.
-    if (v != infinite_vertex) {
-      if (count < out.size()) out[count] = {v, topo.is_constrained(e)};
-      ++count;
-    }
-    e = topo.rotate_ccw(e);
-  } while (e != first);
+    const VertexId v = spokes.target();
+    if (v == infinite_vertex) continue;
+    if (count < out.size()) out[count] = {v, topo.is_constrained(spokes.edge())};
+    ++count;
+  } while (spokes.turn());
   return count;
 }
 
@@ -167,7 +164,9 @@ std::uint32_t Mesh::chain(FeatureId feature, std::span<VertexId> out) const noex
   const MeshState& m = *state_;
   const auto for_each = [&](auto visit) {
     std::uint32_t index = 0;
+    StepBound bound(m.section_end);
     for (SectionId s{feature.value}; !s.is_none(); s = m.section(s).next) {
+      bound.step();
       const VertexId end = m.section(s).to;
       for (VertexId v = m.section(s).from; v != end; v = march(m, v, end).tail) visit(index++, v);
       if (m.section(s).next.is_none()) visit(index++, end);

@@ -35,12 +35,13 @@ struct Neighbours {
 };
 
 Neighbours neighbours(const MeshState& m, VertexId v) noexcept {
-  const Topology& topo = m.topology;
+  Spokes spokes(m.topology, v);
   Neighbours found;
-  for (Edge e = topo.edge_at(v); found.back.is_none() || found.onward.is_none();
-       e = topo.rotate_ccw(e)) {
-    if (topo.is_constrained(e)) (m.at(topo.target(e)) < m.at(v) ? found.back : found.onward) = e;
-  }
+  do {
+    const Edge e = spokes.edge();
+    if (!m.topology.is_constrained(e)) continue;
+    (m.at(spokes.target()) < m.at(v) ? found.back : found.onward) = e;
+  } while ((found.back.is_none() || found.onward.is_none()) && spokes.turn());
   return found;
 }
 
@@ -48,16 +49,14 @@ Neighbours neighbours(const MeshState& m, VertexId v) noexcept {
 // again anyway.
 void make_dirty_around(MeshState& m, VertexId v) noexcept {
   const SectionId own = m.owner(v).section();
-  const Edge first = m.topology.edge_at(v);
-  Edge e = first;
+  Spokes spokes(m.topology, v);
   do {
-    const VertexId w = m.topology.target(e);
+    const VertexId w = spokes.target();
     if (w != infinite_vertex && m.owner(w).role() != Role::node && m.owner(w).section() != own) {
       touch(m, m.owner(w).section(), w, w);
       make_dirty(m, m.owner(w).section());
     }
-    e = m.topology.rotate_ccw(e);
-  } while (e != first);
+  } while (spokes.turn());
 }
 
 void prune_section(MeshState& m, SectionId s) noexcept {

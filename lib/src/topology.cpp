@@ -1,28 +1,30 @@
 #include "topology.h"
 
+#include "check.h"
+
 namespace etcm::internal {
 
+void stop_lost_walk() noexcept {
+  etcm_check_failed("a walk through the mesh ends", __FILE_NAME__, __LINE__);
+}
+
 bool Topology::find_edge(VertexId u, VertexId v, Edge& e) const noexcept {
-  const Edge first = edge_at(u);
-  Edge around = first;
+  Spokes spokes(*this, u);
   do {
-    if (target(around) == v) {
-      e = around;
+    if (spokes.target() == v) {
+      e = spokes.edge();
       return true;
     }
-    around = rotate_ccw(around);
-  } while (around != first);
+  } while (spokes.turn());
   return false;
 }
 
 unsigned Topology::degree(VertexId v) const noexcept {
-  const Edge first = edge_at(v);
+  Spokes spokes(*this, v);
   unsigned count = 0;
-  Edge around = first;
   do {
     ++count;
-    around = rotate_ccw(around);
-  } while (around != first);
+  } while (spokes.turn());
   return count;
 }
 

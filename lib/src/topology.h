@@ -6,6 +6,7 @@
 // the gaps. Collinear nodes are a sphere too: two ghosts for each stretch between neighbours.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 
 #include "etcm/types.h"
@@ -27,6 +28,23 @@ struct TriangleRecord {
 
 inline constexpr IdValue constrained_bit =
     static_cast<IdValue>(IdValue{1} << (std::numeric_limits<IdValue>::digits - 1));
+
+// Stops the program (check.h): a walk has not ended where in a mesh every walk has. So the mesh is
+// none any more, because its storage was written to, or was asked for a vertex that is not in it.
+[[gnu::cold]] void stop_lost_walk() noexcept;
+
+// The most steps that a walk may take.
+class StepBound {
+ public:
+  explicit StepBound(std::uint32_t most) noexcept : left_(most) {}
+  void step() noexcept {
+    if (left_ == 0) stop_lost_walk();
+    --left_;
+  }
+
+ private:
+  std::uint32_t left_;
+};
 
 class Topology {
  public:
@@ -120,6 +138,32 @@ class Topology {
   TriangleRecord* triangles_ = nullptr;
   Edge* vertex_edges_ = nullptr;
   IdValue triangle_count_ = 0;
+};
+
+// The edges from a vertex, once around it counter-clockwise, while nothing turns. A triangle has
+// one of them at most.
+class Spokes {
+ public:
+  Spokes(const Topology& topo, VertexId v) noexcept
+      : topo_(topo), first_(topo.edge_at(v)), edge_(first_), bound_(topo.triangle_count()) {
+    if (Topology::triangle_of(first_) >= topo.triangle_count() || topo.origin(first_) != v) {
+      stop_lost_walk();
+    }
+  }
+  Edge edge() const noexcept { return edge_; }
+  VertexId target() const noexcept { return topo_.target(edge_); }
+  // On to the next one; false where that is the first again.
+  bool turn() noexcept {
+    bound_.step();
+    edge_ = topo_.rotate_ccw(edge_);
+    return edge_ != first_;
+  }
+
+ private:
+  const Topology& topo_;
+  Edge first_;
+  Edge edge_;
+  StepBound bound_;
 };
 
 inline Edge Topology::flip(Edge e) noexcept {

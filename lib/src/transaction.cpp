@@ -37,15 +37,13 @@ void begin(MeshState& m) noexcept {
 
 void touch_around(MeshState& m, VertexId v) noexcept {
   if (m.topology.triangle_count() == 0) return;
-  const Edge first = m.topology.edge_at(v);
-  Edge e = first;
+  Spokes spokes(m.topology, v);
   do {
-    const VertexId w = m.topology.target(e);
+    const VertexId w = spokes.target();
     if (w != infinite_vertex && m.owner(w).role() != Role::node) {
       touch(m, m.owner(w).section(), w, w);
     }
-    e = m.topology.rotate_ccw(e);
-  } while (e != first);
+  } while (spokes.turn());
 }
 
 void detach(MeshState& m, VertexId steiner) noexcept {

@@ -230,6 +230,32 @@ TEST(Analyst, CutsItsListsOffButCountsOn) {
   EXPECT_EQ(analysis.relays.capacity(), analysis_list_max);
 }
 
+// All leave, on their own request or because a bus is unplugged, and come back: first one, then
+// two, then all. A mesh of fewer than three has nothing between its nodes to ask for.
+TEST(Analyst, OutlivesThatAllLeaveAndSomeComeBack) {
+  Rig rig(sides());
+  rig.settings.analysis = {.radio_range = 50, .sensing_range = 50};
+  for (std::uint32_t back = 0; back <= 4; ++back) {
+    rig.put_square();
+    rig.run(1s);
+    EXPECT_EQ(rig.server.header("hole_count"), 1u);
+    for (std::uint8_t unit = 1; unit <= 4; ++unit) {
+      rig.put(unit, 0, unit, node_status::leaving);
+      rig.run(200ms);
+    }
+    rig.run(1s);
+    EXPECT_EQ(rig.server.header("node_count"), 0u);
+    EXPECT_EQ(rig.server.header("hole_count"), 0u);
+    for (std::uint8_t unit = 1; unit <= back; ++unit) {
+      rig.put(unit, 100 * unit, 7);
+      rig.run(1s);
+      EXPECT_EQ(rig.server.header("node_count"), unit);
+      EXPECT_EQ(rig.server.header("parts_alone"), unit);
+      EXPECT_EQ(rig.server.header("hole_count"), 0u);
+    }
+  }
+}
+
 TEST(Analyst, HasNothingToSayOfNoNodes) {
   Rig rig;
   rig.settings.analysis = {.radio_range = 5, .sensing_range = 5};

@@ -1,5 +1,6 @@
-// Lives without end: random meshes of random capacity under random changes, until the time or the
-// count is up. Prints the seed of each failure; `--first SEED --lives 1` then lives it again.
+// Lives without end: random meshes of random capacity under random changes, and all questions of
+// the analysis after each, until the time or the count is up. Prints the seed of each failure;
+// `--first SEED --lives 1` then lives it again.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdint>
@@ -9,6 +10,7 @@
 
 #include "etcm/audit.h"
 #include "inputs/random.h"
+#include "support/analysis_check.h"
 #include "support/history.h"
 #include "support/meshes.h"
 
@@ -37,10 +39,14 @@ bool live(std::uint64_t seed) {
   }
   constexpr std::int32_t sides[] = {1, 2, 3, 5, 8, 20, 100, 1000, 1'000'000, position_max};
   const std::int32_t side = sides[random.index(std::size(sides))];
-  History history(*mesh, side, 4 + random.index(60), random.next());
+  const Course course = random.below(3) == 0 ? Course::steady : Course::eventful;
+  const std::size_t crowd = course == Course::eventful ? random.index(16) : 4 + random.index(60);
+  History history(*mesh, side, crowd, random.next(), course);
+  AnalysisCheck analysis(mesh->config().vertices_max, random.next());
   for (int event = 0; event < 300; ++event) {
-    const testing::AssertionResult answer = history.step();
+    testing::AssertionResult answer = history.step();
     const Audit sound = audit(*mesh);
+    if (answer && sound) answer = analysis.of(*mesh);
     if (answer && sound) continue;
     std::fprintf(stderr, "seed %llu, event %d: %s; audit: %s\n",
                  static_cast<unsigned long long>(seed), event, answer.message(),
@@ -75,7 +81,8 @@ int run(std::uint64_t first, std::uint64_t lives, std::uint64_t seconds) {
 }  // namespace etcm::test
 
 int main(int argc, char** argv) {
-  CLI::App app{"Random lives of meshes, each change judged by brute force and audited"};
+  CLI::App app{
+      "Random lives of meshes, each change judged by brute force and audited, and then analysed"};
   std::uint64_t first = 1, lives = 0, seconds = 600;
   app.add_option("--first", first, "the first seed; the next lives count up")
       ->capture_default_str();

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "support/analysis_check.h"
 #include "support/emulated.h"
 #include "support/meshes.h"
 #include "support/oracle.h"
@@ -86,6 +87,24 @@ INSTANTIATE_TEST_SUITE_P(
                     Life{"short_of_steiner", 1000, 60, 1000, 10, 4000, 200, 12, 0},
                     Life{"short_of_steps", 1000, 60, 1000, 10, 4000, 200, 0, 4}),
     Lives::name);
+
+// All leave, few return, all leave again; and whatever stands, each question has its answer.
+TEST(EventfulHistory, IsAnalysedAtEachStep) {
+  std::size_t times_empty = 0;
+  for (std::uint64_t seed = 1; seed <= (is_emulated ? 3u : 20u); ++seed) {
+    const auto mesh = empty_mesh(300, 60);
+    History history(**mesh, seed % 2 == 0 ? 6 : 1000, seed % 13, seed, Course::eventful);
+    AnalysisCheck analysis(300, seed);
+    for (int event = 1; event <= 300; ++event) {
+      ASSERT_TRUE(history.step()) << "seed " << seed << ", event " << event;
+      ASSERT_TRUE(passes_audit(**mesh)) << "seed " << seed << ", event " << event;
+      ASSERT_TRUE(analysis.of(**mesh)) << "seed " << seed << ", event " << event;
+    }
+    ASSERT_TRUE(history.agrees()) << "seed " << seed;
+    times_empty += history.times_empty();
+  }
+  EXPECT_GT(times_empty, is_emulated ? 3u : 20u);
+}
 
 // What a mesh holds after a long life is little more than what it needs.
 TEST(History, LeavesFewSteinerVerticesBehind) {

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "etcm/audit.h"
 #include "support/meshes.h"
 
 namespace etcm::test {
@@ -49,24 +50,53 @@ bool is_for_want_of_room(Status status) {
 
 }  // namespace
 
+History::Change History::next_change() {
+  if (course_ == Course::eventful) turn_the_tide();
+  if (is_ebbing_) return ebb();
+  const std::uint64_t choice = random_.below(100);
+  const std::size_t crowd = low_steps_ != 0 ? low_water_ : crowd_;
+  const std::size_t joins = standing_.nodes.size() < crowd ? 45 : 10;
+  if (standing_.nodes.empty() || choice < joins) return join();
+  if (choice < 60) return leave();
+  if (choice < 75) return move();
+  return choice < 93 ? add_feature() : remove_feature();
+}
+
+void History::turn_the_tide() {
+  if (low_steps_ != 0) --low_steps_;
+  if (is_ebbing_ && standing_.nodes.empty()) {
+    is_ebbing_ = false;
+    low_water_ = random_.index(4);
+    low_steps_ = random_.index(20);
+  } else if (!standing_.nodes.empty() && low_steps_ == 0 && random_.below(100) == 0) {
+    is_ebbing_ = true;
+  }
+}
+
+History::Change History::ebb() {
+  if (!standing_.features.empty()) return remove_feature();
+  const Change change = leave();
+  if (standing_.nodes.empty()) ++times_empty_;
+  return change;
+}
+
 AssertionResult History::step() {
   const Picture before = picture_of(mesh_);
-  const std::uint64_t choice = random_.below(100);
-  const std::size_t joins = standing_.nodes.size() < crowd_ ? 45 : 10;
-  const Change change = standing_.nodes.size() < 3 || choice < joins ? join()
-                        : choice < 60                                ? leave()
-                        : choice < 75                                ? move()
-                        : choice < 93                                ? add_feature()
-                                                                     : remove_feature();
+  const Change change = next_change();
   const bool for_room = is_for_want_of_room(change.answer);
   if (for_room) ++refused_for_room_;
   if (!change.expected.contains(change.answer) && !(for_room && change.may_lack_room)) {
     return AssertionFailure() << change.name << " answered " << to_string(change.answer) << ", not "
                               << testing::PrintToString(change.expected);
   }
-  if (change.answer != Status::ok && picture_of(mesh_) != before) {
+  if (change.answer == Status::ok) return AssertionSuccess();
+  if (picture_of(mesh_) != before) {
     return AssertionFailure() << change.name << " was refused with " << to_string(change.answer)
                               << ", and changed the mesh";
+  }
+  if (const Audit sound = audit(mesh_); !sound) {
+    return AssertionFailure() << change.name << " was refused with " << to_string(change.answer)
+                              << ", and left a mesh with broken " << to_string(sound.broken);
   }
   return AssertionSuccess();
 }

@@ -14,20 +14,27 @@
 
 namespace etcm::test {
 
+// Eventful: now and then all leave, and few or none stand for a while before the others return.
+enum class Course : std::uint8_t { steady, eventful };
+
 class History {
  public:
   // The mesh must be empty. Nodes stand on [0, side]^2: a small side makes them meet features,
   // Steiner vertices and each other often. About `crowd` nodes stand at a time.
-  History(Mesh& mesh, std::int32_t side, std::size_t crowd, std::uint64_t seed)
-      : mesh_(mesh), random_(seed), side_(side), crowd_(crowd) {}
+  History(Mesh& mesh, std::int32_t side, std::size_t crowd, std::uint64_t seed,
+          Course course = Course::steady)
+      : mesh_(mesh), random_(seed), side_(side), crowd_(crowd), course_(course) {}
 
-  // Makes one random change. Fails if the answer is wrong, or if a refused change changed anything.
+  // Makes one random change. Fails if the answer is wrong, or if a refused change changed anything
+  // or leaves what fails its audit.
   testing::AssertionResult step();
 
   // The nodes and features of the mesh are those of the list.
   testing::AssertionResult agrees() const;
 
   std::size_t refused_for_room() const noexcept { return refused_for_room_; }
+  // How often an ebb has left nobody.
+  std::size_t times_empty() const noexcept { return times_empty_; }
 
  private:
   struct Standing {
@@ -47,6 +54,11 @@ class History {
   Change add_feature();
   Change remove_feature();
 
+  Change next_change();
+  // Where the tide runs: out until nobody is left, and then slowly in.
+  Change ebb();
+  void turn_the_tide();
+
   Position random_position();
   VertexId random_node();
   bool is_taken(Position position, VertexId by_other_than) const;
@@ -57,8 +69,13 @@ class History {
   inputs::Random random_;
   std::int32_t side_;
   std::size_t crowd_;
+  Course course_;
+  bool is_ebbing_ = false;
+  std::size_t low_water_ = 0;  // so many stand, for as many steps
+  std::size_t low_steps_ = 0;
   Standing standing_;
   std::size_t refused_for_room_ = 0;
+  std::size_t times_empty_ = 0;
 };
 
 }  // namespace etcm::test

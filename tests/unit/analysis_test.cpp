@@ -104,6 +104,64 @@ TEST(Analysis, OfNodesOnALine) {
   EXPECT_EQ(reading.place, Place::outside);
 }
 
+// The domain is a mesh of 0, 1 or 2 vertices, or of more on a line: then it is what the sensors
+// span. Each mesh is as it was built, or what is left of a larger one.
+TEST(Analysis, OfADomainWithoutATriangleIsThatOfTheHull) {
+  const std::vector<Position> line{{5, 5}, {65, 65}, {25, 25}, {45, 45}};
+  const auto sensors = mesh_of({{0, 0}, {60, 0}, {0, 60}});
+  const auto one_sensor = mesh_of({{1, 2}});
+  const std::uint32_t in_hull = coverage_holes(**sensors, {}, 20, {});
+  EXPECT_GT(in_hull, 0u);
+  for (std::size_t count = 0; count <= line.size(); ++count) {
+    const auto left = built({"", square, {}});
+    std::vector<VertexId> ids;
+    for (std::size_t i = 0; i < square.size(); ++i) ids.push_back(vertex_of(i));
+    for (std::size_t i = 0; i < count; ++i) {
+      VertexId id;
+      ASSERT_EQ((*left)->join(line[i], id), Status::ok);
+      if (i % 2 == 0) continue;
+      // Some take the place of one that has left.
+      ASSERT_EQ((*left)->leave(ids.back()), Status::ok);
+      ids.pop_back();
+    }
+    for (const VertexId id : ids) ASSERT_EQ((*left)->leave(id), Status::ok);
+    const auto fresh = built({"", {line.begin(), line.begin() + static_cast<int>(count)}, {}});
+    for (const Mesh* mesh : {&**left, &**fresh}) {
+      std::vector<Region> region(mesh->triangle_count());
+      std::vector<TriangleId> scratch(region.size());
+      for (const Exterior exterior : {Exterior::hull, Exterior::features, Exterior::automatic}) {
+        ASSERT_EQ(label_domain(*mesh, exterior, {}, region, scratch), Status::ok);
+        const Domain domain{.mesh = mesh, .region = region};
+        EXPECT_EQ(coverage_holes(**sensors, domain, 20, {}), in_hull) << count;
+        EXPECT_EQ(coverage_holes(**one_sensor, domain, 1, {}), 0u) << count;
+        EXPECT_EQ(coverage_holes(*mesh, domain, 13, {}), coverage_holes(*mesh, {}, 13, {}));
+      }
+    }
+  }
+}
+
+TEST(Analysis, OfAMeshThatAllLeaveAndOneComesBackTo) {
+  const auto mesh = built({"", square, {}});
+  for (int round = 0; round < 3; ++round) {
+    for (IdValue value = 1; value < (*mesh)->vertex_id_end(); ++value) {
+      if ((*mesh)->kind(VertexId{value}) == VertexKind::none) continue;
+      ASSERT_EQ((*mesh)->leave(VertexId{value}), Status::ok);
+    }
+    EXPECT_EQ(coverage_holes(**mesh, {.mesh = &**mesh}, 1, {}), 0u);
+    VertexId id;
+    ASSERT_EQ((*mesh)->join({round, 7}, id), Status::ok);
+    EXPECT_EQ(coverage_holes(**mesh, {.mesh = &**mesh}, 1, {}), 0u);
+    EXPECT_EQ(links(**mesh, 0, {}), 0u);
+    EXPECT_EQ(links_at(**mesh, id, {}), 0u);
+    EXPECT_EQ(relays(**mesh, **mesh, 1, {}), 0u);
+    EXPECT_EQ(barrier_gaps(**mesh, **mesh, 1, {}), 0u);
+    EXPECT_EQ(connectivity_of(**mesh, 1).parts, 1u);
+    EXPECT_EQ(locate(**mesh, to_point({round, 7})).vertex, id);
+    ASSERT_EQ((*mesh)->join({round, 30}, id), Status::ok);
+    EXPECT_EQ(coverage_holes(**mesh, {}, 11, {}), 1u);
+  }
+}
+
 TEST(Links, OfASquareDoNotDependOnItsDiagonal) {
   const auto mesh = mesh_of({{0, 0}, {10, 0}, {10, 10}, {0, 10}});
   std::array<Link, 5> link;

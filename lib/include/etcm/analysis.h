@@ -117,7 +117,8 @@ std::uint32_t barrier_gaps(const Mesh& mesh, const Mesh& sensors, std::uint32_t 
 // --- Coverage
 
 // Where coverage is asked for: the triangles of a conforming mesh that are labelled inside
-// (label_domain). Without a mesh, or where its vertices are collinear: the hull of the sensors.
+// (label_domain). Without a mesh, or where it has no finite triangle (fewer than three vertices, or
+// all of them on one line): the hull of the sensors.
 struct Domain {
   const Mesh* mesh = nullptr;
   std::span<const Region> region{};
