@@ -199,6 +199,8 @@ Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds>
       lay(m, root, course.nodes_between);
     }
     m.unresolved = settle_rest(m);
+    ETCM_VERIFY_THAT(m.unresolved != 0);
+    end_change(m);
     m.trouble = trouble;
     return status;
   }

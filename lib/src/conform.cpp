@@ -82,14 +82,14 @@ void settle_finished(MeshState& m, VertexId v, VertexId end) noexcept {
 Status conform_piece(MeshState& m, SectionId s, Stretch piece, bool& is_whole) noexcept {
   is_whole = true;
   for (;;) {
-    if (m.config.steps_max != 0 && m.steps >= m.config.steps_max) {
-      return fail(m, Status::step_limit, s, piece);
-    }
+    const bool is_last = m.config.steps_max != 0 && m.steps >= m.config.steps_max;
     ++m.steps;
     if (can_be_edge(m, piece)) {
       settle_piece(m, piece);
       return Status::ok;
     }
+    // Only where a vertex is needed, so that what gives up has always left a piece that is no edge.
+    if (is_last) return fail(m, Status::step_limit, s, piece);
     const SplitSite site = site_of(m, s, piece);
     Parameter t = 0;
     VertexId v{};

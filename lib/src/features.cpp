@@ -1,5 +1,6 @@
 // A feature on its way through the mesh: surveyed, laid as a run of sections, taken up again.
 #include "mesh_internal.h"
+#include "predicates_inline.h"
 
 namespace etcm::internal {
 namespace {
@@ -13,6 +14,16 @@ Status refuse(MeshState& m, Status status, SectionId root, SectionId other) noex
 
 SectionId section_at(const MeshState& m, Edge e) noexcept {
   return section_of_edge(m, m.topology.origin(e), m.topology.target(e));
+}
+
+// What is wrong with a feature that meets a part of another.
+Status fault_of(const MeshState& m, SectionId root, SectionId other) noexcept {
+  const SectionRecord& r = m.section(root);
+  const FeatureEnds theirs = ends_of(m, SectionId{feature_of(m, other).value});
+  if (theirs.from == r.from && theirs.to == r.to) return Status::repeated_feature;
+  const bool is_along = orient2d_fast(m.at(r.from), m.at(r.to), m.at(theirs.from)) == 0 &&
+                        orient2d_fast(m.at(r.from), m.at(r.to), m.at(theirs.to)) == 0;
+  return is_along ? Status::overlapping_features : Status::crossing_features;
 }
 
 SectionId last_section(const MeshState& m, SectionId root) noexcept {
@@ -69,20 +80,16 @@ Course survey(MeshState& m, SectionId root) noexcept {
   std::uint32_t& nodes_between = course.nodes_between;
   for (VertexId v = r.from; v != r.to;) {
     const Stretch piece = march(m, v, r.to);
+    SectionId other{};
     if (piece.is_edge && m.topology.is_constrained(piece.edge)) {
-      const SectionId other = section_at(m, piece.edge);
-      const FeatureEnds theirs = ends_of(m, SectionId{feature_of(m, other).value});
-      const bool same = theirs.from == r.from && theirs.to == r.to;
-      course.status =
-          refuse(m, same ? Status::repeated_feature : Status::overlapping_features, root, other);
-      return course;
+      other = section_at(m, piece.edge);
+    } else if (!piece.constrained.is_none()) {
+      other = section_at(m, piece.constrained);
+    } else if (m.owner(piece.tail).role() != Role::node) {
+      other = m.owner(piece.tail).section();
     }
-    if (!piece.constrained.is_none()) {
-      course.status = refuse(m, Status::crossing_features, root, section_at(m, piece.constrained));
-      return course;
-    }
-    if (m.owner(piece.tail).role() != Role::node) {
-      course.status = refuse(m, Status::crossing_features, root, m.owner(piece.tail).section());
+    if (!other.is_none()) {
+      course.status = refuse(m, fault_of(m, root, other), root, other);
       return course;
     }
     if (course.is_present) course.is_present = can_be_edge(m, piece);

@@ -4,10 +4,8 @@
 #include "mesh_internal.h"
 
 namespace etcm::internal {
-namespace {
 
-// Forgets the change: what was retired and not used again becomes free. A batch does not keep the
-// touched sections together, so it looks at all.
+// A batch does not keep the touched sections together, so it looks at all.
 void end_change(MeshState& m) noexcept {
   if (m.is_batch) {
     for (IdValue i = 0; i < m.section_end; ++i) {
@@ -26,8 +24,6 @@ void end_change(MeshState& m) noexcept {
   }
   m.spare = SectionId::none();
 }
-
-}  // namespace
 
 void begin(MeshState& m) noexcept {
   m.trouble = Trouble{};

@@ -106,6 +106,34 @@ TEST(EventfulHistory, IsAnalysedAtEachStep) {
   EXPECT_GT(times_empty, is_emulated ? 3u : 20u);
 }
 
+// Whatever a mesh starts from, build() that gave up for any reason, restore() or rebuild(): each
+// change succeeds whole or changes nothing.
+TEST(EventfulHistory, StaysSoundFromAnyStart) {
+  std::size_t times_incomplete = 0, refused = 0;
+  for (std::uint64_t seed = 1; seed <= (is_emulated ? 300u : 6000u); ++seed) {
+    inputs::Random random(seed);
+    MeshConfig config{.vertices_max = 300, .features_max = 60};
+    const auto few = [&random] { return static_cast<std::uint32_t>(1 + random.below(3)); };
+    if (seed % 4 == 0) config.steps_max = few();
+    if (seed % 4 == 1) config.steiner_max = few();
+    if (seed % 4 == 2) config.vertices_max = 8 + 3 * few();
+    if (seed % 4 == 3) config.features_max = 2 * few();
+    if (seed % 3 == 0) config.policy = split_paper;
+    OwnedMesh mesh(config);
+    ASSERT_EQ(mesh.opened(), Status::ok);
+    constexpr std::int32_t sides[] = {3, 4, 5, 30, 1000};
+    History history(*mesh, sides[random.index(5)], 16, seed, Course::eventful);
+    for (int event = 1; event <= 12; ++event) {
+      ASSERT_TRUE(history.step()) << "seed " << seed << ", event " << event;
+      ASSERT_TRUE(passes_audit(*mesh)) << "seed " << seed << ", event " << event;
+    }
+    times_incomplete += history.times_incomplete();
+    refused += history.refused_for_room();
+  }
+  EXPECT_GT(times_incomplete, is_emulated ? 20u : 400u);
+  EXPECT_GT(refused, is_emulated ? 20u : 400u);
+}
+
 // What a mesh holds after a long life is little more than what it needs.
 TEST(History, LeavesFewSteinerVerticesBehind) {
   double log_sum = 0;

@@ -4,6 +4,7 @@
 #include <array>
 #include <iterator>
 #include <utility>
+#include <vector>
 
 #include "etcm/audit.h"
 #include "support/meshes.h"
@@ -51,7 +52,11 @@ bool is_for_want_of_room(Status status) {
 }  // namespace
 
 History::Change History::next_change() {
-  if (course_ == Course::eventful) turn_the_tide();
+  if (course_ == Course::eventful) {
+    turn_the_tide();
+    if (!std::exchange(is_begun_, true)) return clear_and_build();
+    if (random_.below(mesh_.unresolved() != 0 ? 5 : 25) == 0) return make_anew();
+  }
   if (is_ebbing_) return ebb();
   const std::uint64_t choice = random_.below(100);
   const std::size_t crowd = low_steps_ != 0 ? low_water_ : crowd_;
@@ -80,9 +85,27 @@ History::Change History::ebb() {
   return change;
 }
 
+History::Change History::make_anew() {
+  // Of what is not whole there is no other mesh.
+  if (mesh_.unresolved() != 0) return clear_and_build();
+  switch (random_.below(4)) {
+    case 0:
+      return rebuild();
+    case 1:
+      return clear_and_restore();
+    default:
+      return clear_and_build();
+  }
+}
+
 AssertionResult History::step() {
   const Picture before = picture_of(mesh_);
-  const Change change = next_change();
+  const bool was_whole = mesh_.unresolved() == 0;
+  Change change = next_change();
+  if (!was_whole && !change.is_new) {
+    change.expected = {Status::mesh_unresolved};
+    change.may_lack_room = false;
+  }
   const bool for_room = is_for_want_of_room(change.answer);
   if (for_room) ++refused_for_room_;
   if (!change.expected.contains(change.answer) && !(for_room && change.may_lack_room)) {
@@ -90,7 +113,7 @@ AssertionResult History::step() {
                               << testing::PrintToString(change.expected);
   }
   if (change.answer == Status::ok) return AssertionSuccess();
-  if (picture_of(mesh_) != before) {
+  if (!change.is_new && picture_of(mesh_) != before) {
     return AssertionFailure() << change.name << " was refused with " << to_string(change.answer)
                               << ", and changed the mesh";
   }
@@ -188,6 +211,74 @@ History::Change History::remove_feature() {
   if (answer == Status::ok) standing_.features.erase(chosen);
   return {"remove_feature", answer, {Status::ok}};
 }
+
+// Of as many nodes as usual, and of features that may be wrong.
+History::Change History::clear_and_build() {
+  Standing next;
+  for (std::size_t count = random_.index(crowd_ + 2); count != 0; --count) {
+    const Position position = random_position();
+    const bool is_taken = std::any_of(next.nodes.begin(), next.nodes.end(),
+                                      [&](const auto& node) { return node.second == position; });
+    if (!is_taken) next.nodes[vertex_of(next.nodes.size())] = position;
+  }
+  const std::size_t ends = next.nodes.size();
+  for (std::size_t count = ends < 2 ? 0 : random_.index(ends + 1); count != 0; --count) {
+    const std::size_t from = random_.index(ends), to = (from + 1 + random_.index(ends - 1)) % ends;
+    const FeatureId id{static_cast<IdValue>(next.features.size())};
+    next.features[id] = {vertex_of(from), vertex_of(to)};
+    // Seldom wrong, for what is wrong leaves nothing.
+    if (faults_of(next) != std::set{Status::ok} && random_.below(8) != 0) next.features.erase(id);
+  }
+  std::vector<Position> nodes;
+  for (const auto& node : next.nodes) nodes.push_back(node.second);
+  std::vector<FeatureEnds> features;
+  for (const auto& feature : next.features) features.push_back(feature.second);
+  const std::set<Status> faults = faults_of(next);
+  mesh_.clear();
+  const Status answer = mesh_.build(nodes, features);
+  const bool is_incomplete = mesh_.unresolved() != 0;
+  if (is_incomplete) ++times_incomplete_;
+  if (is_incomplete && !is_for_want_of_room(answer)) {
+    return {"build", Status::mesh_unresolved, faults, false, true};
+  }
+  standing_ = answer == Status::ok || is_incomplete ? std::move(next) : Standing{};
+  if (mesh_.node_count() != standing_.nodes.size()) {
+    return {"build", Status::mesh_not_empty, faults, false, true};
+  }
+  return {"build", answer, faults, true, true};
+}
+
+// The same mesh, by other ids.
+History::Change History::clear_and_restore() {
+  std::vector<Position> nodes;
+  std::vector<FeatureEnds> features;
+  std::vector<SteinerPlace> steiner;
+  Standing next;
+  std::map<VertexId, VertexId> renamed;
+  for (const auto& [id, position] : standing_.nodes) {
+    renamed[id] = vertex_of(nodes.size());
+    next.nodes[renamed[id]] = position;
+    nodes.push_back(position);
+  }
+  std::map<FeatureId, std::uint32_t> numbers;
+  for (const auto& [id, ends] : standing_.features) {
+    numbers[id] = static_cast<std::uint32_t>(features.size());
+    features.push_back({renamed.at(ends.from), renamed.at(ends.to)});
+    next.features[FeatureId{static_cast<IdValue>(numbers[id])}] = features.back();
+  }
+  for (const VertexId v : steiner_vertices(mesh_)) {
+    steiner.push_back({numbers.at(mesh_.feature_of(v)), mesh_.point(v)});
+  }
+  const std::uint64_t hash = mesh_.hash();
+  mesh_.clear();
+  const Status answer = mesh_.restore(nodes, features, steiner);
+  if (answer != Status::ok) return {"restore", answer, {Status::ok}, false, true};
+  standing_ = std::move(next);
+  const bool is_same = mesh_.hash() == hash;
+  return {"restore", is_same ? answer : Status::bad_coordinate, {Status::ok}, false, true};
+}
+
+History::Change History::rebuild() { return {"rebuild", mesh_.rebuild(), {Status::ok}, true}; }
 
 Position History::random_position() {
   const std::int32_t x = random_.between(0, side_);

@@ -14,7 +14,9 @@
 
 namespace etcm::test {
 
-// Eventful: now and then all leave, and few or none stand for a while before the others return.
+// Eventful: it begins with a build(); now and then all leave, and few or none stand for a while
+// before the others return; and now and then the mesh is made anew, by build(), whole or not, by
+// restore() or by rebuild().
 enum class Course : std::uint8_t { steady, eventful };
 
 class History {
@@ -33,8 +35,9 @@ class History {
   testing::AssertionResult agrees() const;
 
   std::size_t refused_for_room() const noexcept { return refused_for_room_; }
-  // How often an ebb has left nobody.
+  // How often an ebb has left nobody, and how often build() has left a part undone.
   std::size_t times_empty() const noexcept { return times_empty_; }
+  std::size_t times_incomplete() const noexcept { return times_incomplete_; }
 
  private:
   struct Standing {
@@ -46,6 +49,7 @@ class History {
     Status answer;
     std::set<Status> expected;
     bool may_lack_room = false;  // then that is a right answer too, whatever else is wrong
+    bool is_new = false;         // it made another mesh, refused or not
   };
 
   Change join();
@@ -53,9 +57,13 @@ class History {
   Change move();
   Change add_feature();
   Change remove_feature();
+  Change clear_and_build();
+  Change clear_and_restore();
+  Change rebuild();
 
   Change next_change();
-  // Where the tide runs: out until nobody is left, and then slowly in.
+  Change make_anew();
+  // While the tide runs out, until nobody is left.
   Change ebb();
   void turn_the_tide();
 
@@ -70,12 +78,14 @@ class History {
   std::int32_t side_;
   std::size_t crowd_;
   Course course_;
+  bool is_begun_ = false;
   bool is_ebbing_ = false;
   std::size_t low_water_ = 0;  // so many stand, for as many steps
   std::size_t low_steps_ = 0;
   Standing standing_;
   std::size_t refused_for_room_ = 0;
   std::size_t times_empty_ = 0;
+  std::size_t times_incomplete_ = 0;
 };
 
 }  // namespace etcm::test

@@ -222,5 +222,23 @@ TEST_F(MeshChange, ShrinksToNothingAndGrowsAgain) {
   EXPECT_EQ(mesh().finite_triangle_count(), 1u);
 }
 
+// build() that gives up for want of steps leaves a mesh of which each later answer is true.
+TEST(AfterAnIncompleteBuild, ARefusedMoveChangesNothing) {
+  MeshConfig config{.vertices_max = 100, .features_max = 20, .steps_max = 1};
+  OwnedMesh mesh(config);
+  ASSERT_EQ(mesh.opened(), Status::ok);
+  const std::vector<Position> nodes{{3, 3}, {2, 2}, {2, 3}, {1, 0}, {1, 3},
+                                    {3, 2}, {1, 2}, {2, 1}, {0, 0}, {3, 0}};
+  const std::vector<FeatureEnds> features{between_nodes(1, 2), between_nodes(0, 8),
+                                          between_nodes(3, 7), between_nodes(0, 9)};
+  const Status answer = mesh->build(nodes, features);
+  EXPECT_EQ(mesh->unresolved() == 0, answer == Status::ok);
+  EXPECT_TRUE(is_sound(*mesh));
+  const Picture before = picture_of(*mesh);
+  EXPECT_NE(mesh->move(vertex_of(0), {-1, 0}), Status::ok);
+  EXPECT_EQ(picture_of(*mesh), before);
+  EXPECT_TRUE(is_sound(*mesh));
+}
+
 }  // namespace
 }  // namespace etcm::test

@@ -89,7 +89,10 @@ class Mesh {
   // are those vertices. Feature i becomes FeatureId i. O(n log n).
   // Errors in the input leave the mesh empty, with trouble() naming the culprit. steiner_budget,
   // step_limit, grid_exhausted and out_of_vertices during conforming leave the valid Delaunay mesh
-  // of what is done; unresolved() counts the rest, and changes are refused until clear().
+  // of what is done; unresolved() counts the rest, at least one, and changes are refused until
+  // clear(). So a mesh is whole, and may be changed, exactly while unresolved() is 0. Pieces that
+  // were not made are not compared with each other: features that cross or overlap there, and
+  // nowhere else, may not be named.
   // `nodes_stand`, where given, is called with `context` between the nodes, which are a Delaunay
   // mesh by then, and the first feature: for who measures both. It must not use the mesh.
   Status build(std::span<const Position> nodes, std::span<const FeatureEnds> features,
