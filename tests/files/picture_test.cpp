@@ -49,6 +49,15 @@ TEST(Picture, ShowsUnresolvedPieces) {
   EXPECT_THAT(svg_text(square(10), {}), Not(HasSubstr("unresolved")));
 }
 
+TEST(Picture, DashesFeaturesWhereAsked) {
+  MeshImage image = square(10);
+  image.subsegments = {{0, 1, 0, 0, true}};
+  image.feature_count = 1;
+  EXPECT_THAT(svg_text(image, {.title = "", .are_features_dashed = true}),
+              HasSubstr("stroke-dasharray"));
+  EXPECT_THAT(svg_text(image, {}), Not(HasSubstr("stroke-dasharray")));
+}
+
 TEST(Picture, LeavesOutAFewFarAwayAndSaysSo) {
   MeshImage image;
   for (std::int64_t i = 0; i < 400; ++i) {

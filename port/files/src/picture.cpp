@@ -432,14 +432,16 @@ class Picture {
         at = piece.to;
       }
     };
-    add_path(Stroke{feature_colour, strokes_.feature}, [&](auto& path) { draw(true, path); });
-    const Px dash{strokes_.feature * 300};
-    add_path(
-        [&] {
-          out_ << Stroke{unresolved_colour, strokes_.feature} << " stroke-dasharray=\"" << dash
-               << ' ' << dash << '"';
-        },
-        [&](auto& path) { draw(false, path); });
+    const auto style = [&](const char* colour, bool is_dashed) {
+      return [this, colour, is_dashed] {
+        out_ << Stroke{colour, strokes_.feature};
+        const Px dash{strokes_.feature * 300};
+        if (is_dashed) out_ << " stroke-dasharray=\"" << dash << ' ' << dash << '"';
+      };
+    };
+    add_path(style(feature_colour, words_.are_features_dashed),
+             [&](auto& path) { draw(true, path); });
+    add_path(style(unresolved_colour, true), [&](auto& path) { draw(false, path); });
   }
 
   void add_vertices() {
@@ -465,6 +467,7 @@ class Picture {
   double footer_y() const { return header_height + map_.height_px() + 52; }
 
   void add_legend() {
+    constexpr const char* dashed = " stroke-dasharray=\"5 4\"";
     double x = margin;
     const double y = footer_y();
     const auto label = [&](const char* text, double width) {
@@ -484,11 +487,11 @@ class Picture {
       label("Steiner vertex", 120);
     }
     if (!image_.subsegments.empty()) {
-      line(feature_colour, 3, "");
+      line(feature_colour, 3, words_.are_features_dashed ? dashed : "");
       label("feature", 74);
     }
     if (image_.unresolved_count() > 0) {
-      line(unresolved_colour, 3, " stroke-dasharray=\"5 4\"");
+      line(unresolved_colour, 3, dashed);
       label("unresolved", 98);
     }
     line(edge_colour, 1.2, "");

@@ -15,6 +15,7 @@ namespace etcm::files {
 struct PictureText {
   std::string title;
   std::string unit = "units";  // what the scale bar counts
+  bool are_features_dashed = false;
 };
 
 // What an analysis found, drawn over the mesh.
