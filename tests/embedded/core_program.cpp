@@ -275,7 +275,7 @@ int main() {
   live_a_life("the default policy", split_default);
   build_grid(split_default);
   build_fan(split_default);
-  live_a_life("the paper's policy", split_paper);
+  live_a_life("the policy paper", split_paper);
   build_grid(split_paper);
   put(is_sound ? "sound\n" : "not sound\n");
   return is_sound ? 0 : 1;

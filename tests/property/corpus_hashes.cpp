@@ -9,7 +9,7 @@
 
 namespace {
 
-// The paper's rule does not end on all of them; then the partial mesh is compared.
+// The policy `paper` does not end on all of them; then the partial mesh is compared.
 constexpr std::size_t steiner_room_per_input = 3;
 constexpr std::size_t steiner_room_least = 2000;
 

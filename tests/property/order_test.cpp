@@ -40,7 +40,7 @@ class Order : public testing::TestWithParam<std::tuple<std::size_t, Policy>> {
  protected:
   const Graph& graph() const { return entries()[std::get<0>(GetParam())].graph; }
   SplitPolicy policy() const { return function_of(std::get<1>(GetParam())); }
-  // The paper's rule does not end on every fan; and on nodes that are nearly on a line any rule
+  // The policy `paper` does not end on every fan; and on nodes that are nearly on a line any rule
   // needs more room than there is here.
   bool may_not_end() const {
     return std::get<1>(GetParam()) == Policy::paper ||

@@ -108,7 +108,7 @@ const std::map<Status, std::function<Status()>> ways{
      }},
     {Status::grid_exhausted,
      [] {
-       // The paper's rule closes in on the common node until the grid ends.
+       // The policy `paper` closes in on the common node until the grid ends.
        const Graph fan = inputs::fan({50, 7200, 1000, 100'000, 1});
        return build_with(inputs::config_for(fan, 200'000, split_paper), fan);
      }},

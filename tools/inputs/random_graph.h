@@ -1,4 +1,4 @@
-// The random graphs of the paper's experiment.
+// The random graphs of the ETCM paper's experiment.
 #pragma once
 
 #include <cstddef>

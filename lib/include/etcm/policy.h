@@ -21,8 +21,10 @@ struct SplitSite;  // a missing piece and its surroundings; see split_site.h
 // Same site, same answer: a policy has no memory.
 using SplitPolicy = Parameter (*)(const SplitSite& site) noexcept;
 
-// The rule of the paper (Algorithm 2, with the remainder as the algorithm has it): the longer of
-// the two feasible ends is finished; where they overlap, the middle of the overlap.
+// The split rule of the paper (Algorithm 2, with the remainder as the algorithm has it): the longer
+// of the two feasible ends is finished; where they overlap, the middle of the overlap. Only the
+// rule: build() still takes features in its own order and prunes, which the paper does not. The
+// paper's algorithm word for word is in tools/compare.
 Parameter split_paper(const SplitSite& site) noexcept;
 
 // The rule that needs the fewest Steiner vertices over everything measured; lib/README.md has the
