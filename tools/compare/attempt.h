@@ -26,9 +26,12 @@ enum class Depth : std::uint8_t {
 
 struct Attempt {
   Verdict verdict = Verdict::ok;
+  // Processor time.
   double delaunay_us = 0;  // the nodes alone
   double total_us = 0;     // nodes and features
   std::uint32_t added = 0;
+  // The pieces of features that a rival's loop has looked at.
+  std::uint64_t looked_at = 0;
   // What is left of `added` after our pruning, which takes out only what no edge needs: how much of
   // a system's count is its rule. Equals `added` where pruning does not apply.
   std::uint32_t added_after_pruning = 0;

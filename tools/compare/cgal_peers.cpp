@@ -134,7 +134,7 @@ Attempt run_cgal(const inputs::Graph& graph, bool conforming, Depth depth) {
   const std::vector<Place> places = places_of(graph.nodes);
   Triangulation mesh;
   Attempt attempt;
-  Stopwatch watch;
+  CpuStopwatch watch;
   mesh.insert(places.begin(), places.end());
   attempt.delaunay_us = watch.lap_us();
   const std::vector<Vertex> nodes = vertices_of(mesh, places);

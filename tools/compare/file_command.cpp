@@ -62,11 +62,8 @@ int compare_file(const FileOptions& options) {
 void add_file_command(CLI::App& program, Run& run) {
   const auto options = std::make_shared<FileOptions>();
   program.add_option("FILE", options->input, "Compare on this graph: Triangle's .poly, or a .node");
-  std::string known;
-  for (const System& system : all_systems()) {
-    known += (known.empty() ? "" : ", ") + std::string(system.key);
-  }
-  program.add_option("--systems", options->systems, "Only these, of " + known)->delimiter(',');
+  program.add_option("--systems", options->systems, "These instead of the eight: " + known_keys())
+      ->delimiter(',');
   program.add_option("--limit", options->limit_s, "Seconds that each system may spend")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

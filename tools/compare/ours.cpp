@@ -1,14 +1,16 @@
-// This library as its users get it: Mesh::build() with the default policy.
+// This library as its users get it, Mesh::build(): with the default policy it is "ours", with the
+// policy `paper` it is the paper's split rule inside our build.
 #include "compare/stopwatch.h"
 #include "compare/system.h"
 #include "inputs/owned_mesh.h"
 
 namespace etcm::compare {
+namespace {
 
-Attempt run_default(const inputs::Graph& graph, Depth depth) {
-  inputs::OwnedMesh mesh(inputs::config_for(graph, steiner_room(graph)));
+Attempt run_build(const inputs::Graph& graph, SplitPolicy policy, Depth depth) {
+  inputs::OwnedMesh mesh(inputs::config_for(graph, steiner_room(graph), policy));
   Attempt attempt;
-  Stopwatch watch;
+  CpuStopwatch watch;
   Status status = mesh->build(graph.nodes, {});
   attempt.delaunay_us = watch.lap_us();
   mesh->clear();
@@ -25,6 +27,16 @@ Attempt run_default(const inputs::Graph& graph, Depth depth) {
   attempt.hash = mesh->hash();
   attempt.image = files::image_of(*mesh, Exterior::hull, {});
   return attempt;
+}
+
+}  // namespace
+
+Attempt run_default(const inputs::Graph& graph, Depth depth) {
+  return run_build(graph, split_default, depth);
+}
+
+Attempt run_paper_policy(const inputs::Graph& graph, Depth depth) {
+  return run_build(graph, split_paper, depth);
 }
 
 }  // namespace etcm::compare

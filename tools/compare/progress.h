@@ -20,7 +20,7 @@ class Progress {
 
  private:
   bool is_shown_;
-  Stopwatch watch_;
+  WallStopwatch watch_;
   double seconds_ = 0;
 };
 

@@ -1,16 +1,158 @@
 #include "compare/rival.h"
 
+#include <algorithm>
 #include <span>
 
 #include "compare/stopwatch.h"
 #include "inputs/owned_mesh.h"
+#include "reach.h"
 
 namespace etcm::compare {
 namespace {
 
 using namespace internal;
 
-Status insert_features(MeshState& m, std::span<const FeatureEnds> features, const RivalRule& rule) {
+// A parameter counted from a section's other end; its own inverse.
+constexpr Parameter from_other_end(Parameter t) noexcept {
+  return static_cast<Parameter>(parameter_end - t);
+}
+
+bool is_given_forth(const MeshState& m, SectionId s) noexcept {
+  return (m.section(s).root & reversed_bit) == 0;
+}
+
+Position units_of(const Point& point) noexcept {
+  return {static_cast<std::int32_t>(point.x / subunits_per_unit),
+          static_cast<std::int32_t>(point.y / subunits_per_unit)};
+}
+
+// The stretch between two vertices of a section with none between them.
+Stretch stretch_between(const MeshState& m, VertexId head, VertexId tail) noexcept {
+  Stretch stretch;
+  if (!m.topology.find_edge(head, tail, stretch.edge)) return between(m, head, tail);
+  stretch.head = head;
+  stretch.tail = tail;
+  stretch.is_edge = true;
+  return stretch;
+}
+
+class Conformer {
+ public:
+  Conformer(MeshState& mesh, const RivalRule& rule) : mesh_(mesh), rule_(rule) {}
+
+  std::uint64_t looked_at() const noexcept { return looked_at_; }
+
+  Status run() {
+    for (SectionId s = next_broken(); !s.is_none(); s = next_broken()) {
+      const Status status = conform_section(s);
+      if (status != Status::ok) return status;
+    }
+    return Status::ok;
+  }
+
+ private:
+  SectionId next_broken() {
+    if (rule_.broken_first == BrokenFirst::canonical) return pop_dirty(mesh_);
+    // Of those that one feature has broken the mesh keeps no order of time: the canonical one.
+    for (SectionId s = pop_dirty(mesh_); !s.is_none(); s = pop_dirty(mesh_)) {
+      if (std::find(waiting_.begin(), waiting_.end(), s) == waiting_.end()) waiting_.push_back(s);
+    }
+    if (waiting_.empty()) return SectionId::none();
+    const SectionId s = waiting_.back();
+    waiting_.pop_back();
+    return s;
+  }
+
+  // Walks the part of a section that has been touched since it last was whole.
+  Status conform_section(SectionId s) {
+    SectionRecord& r = mesh_.section(s);
+    const bool is_whole_touched = r.first.is_none();
+    const VertexId low = is_whole_touched ? r.from : r.first;
+    const VertexId high = is_whole_touched ? r.to : r.last;
+    // What breaks next starts a range of its own.
+    r.first = infinite_vertex;
+    const bool forth = is_given_forth(mesh_, s);
+    const VertexId end = forth ? r.to : r.from, last = forth ? high : low;
+    for (VertexId v = forth ? low : high; v != last;) {
+      const Stretch piece = march(mesh_, v, end);
+      const Status status = conform_piece(s, forth, piece);
+      if (status != Status::ok) return status;
+      v = piece.tail;
+    }
+    return Status::ok;
+  }
+
+  // Splits a piece until it is a run of edges. What is left always lies between two vertices that
+  // are known, so nothing is walked again.
+  Status conform_piece(SectionId s, bool forth, Stretch piece) {
+    open_.clear();
+    for (;;) {
+      ++looked_at_;
+      if (can_be_edge(mesh_, piece)) {
+        settle_piece(mesh_, piece);
+      } else {
+        const Status status = split(s, forth, piece);
+        if (status != Status::ok) return status;
+      }
+      if (open_.empty()) return Status::ok;
+      const Open next = open_.back();
+      open_.pop_back();
+      piece = stretch_between(mesh_, next.head, next.tail);
+    }
+  }
+
+  Status split(SectionId s, bool forth, const Stretch& stretch) {
+    const auto parameter = [&](VertexId v) {
+      const Parameter t = parameter_of(mesh_, s, v);
+      return forth ? t : from_other_end(t);
+    };
+    const MissingPiece piece{.mesh = &mesh_,
+                             .section = s,
+                             .is_forth = forth,
+                             .stretch = stretch,
+                             .head = parameter(stretch.head),
+                             .tail = parameter(stretch.tail)};
+    if (piece.tail - piece.head < 2) return Status::grid_exhausted;
+    places_.clear();
+    rule_.split(piece, places_);
+    added_.clear();
+    Parameter before = piece.head;
+    for (Parameter t : places_) {
+      t = std::clamp<Parameter>(t, piece.head + 1, piece.tail - 1);
+      if (t <= before) continue;
+      before = t;
+      const Edge near = added_.empty() ? (t - piece.head <= piece.tail - t ? stretch.head_edge
+                                                                           : stretch.tail_edge)
+                                       : mesh_.topology.edge_at(added_.back());
+      added_.push_back(insert_on_section(mesh_, s, forth ? t : from_other_end(t), near));
+      if (added_.back().is_none()) return Status::out_of_vertices;
+    }
+    // The part at the head is looked at first.
+    VertexId tail = stretch.tail;
+    for (auto v = added_.rbegin(); v != added_.rend(); ++v) {
+      open_.push_back({*v, tail});
+      tail = *v;
+    }
+    open_.push_back({stretch.head, tail});
+    return Status::ok;
+  }
+
+  struct Open {
+    VertexId head;
+    VertexId tail;
+  };
+
+  MeshState& mesh_;
+  const RivalRule& rule_;
+  std::vector<SectionId> waiting_;
+  std::vector<Open> open_;
+  std::vector<Parameter> places_;
+  std::vector<VertexId> added_;
+  std::uint64_t looked_at_ = 0;
+};
+
+Status insert_features(MeshState& m, std::span<const FeatureEnds> features, const RivalRule& rule,
+                       std::uint64_t& looked_at) {
   begin(m);
   // All roots first, so that feature i has the id i.
   for (const FeatureEnds& ends : features) {
@@ -19,27 +161,58 @@ Status insert_features(MeshState& m, std::span<const FeatureEnds> features, cons
     set_ends(m, root, ends.from, ends.to);
     ++m.feature_count;
   }
+  Conformer conformer(m, rule);
   for (std::size_t i = 0; i < features.size(); ++i) {
     const SectionId root{static_cast<IdValue>(i)};
     const Course course = survey(m, root);
     if (course.status != Status::ok) return course.status;
     lay(m, root, course.nodes_between);
-    const Status status = rule.conform(m);
+    const Status status = conformer.run();
+    looked_at = conformer.looked_at();
     if (status != Status::ok) return status;
   }
-  return rule.finish == nullptr ? Status::ok : rule.finish(m);
+  return rule.finish == nullptr ? Status::ok : rule.finish(m, rule);
 }
 
 }  // namespace
 
+SplitSite MissingPiece::site() const noexcept {
+  const MeshState& m = *mesh;
+  const Topology& topo = m.topology;
+  const SectionRecord& r = m.section(section);
+  SplitSite site;
+  site.from = units_of(m.at(is_forth ? r.from : r.to));
+  site.to = units_of(m.at(is_forth ? r.to : r.from));
+  site.head = head;
+  site.tail = tail;
+  site.head_right = m.at(topo.origin(stretch.head_edge));
+  site.head_left = m.at(topo.target(stretch.head_edge));
+  site.tail_left = m.at(topo.origin(stretch.tail_edge));
+  site.tail_right = m.at(topo.target(stretch.tail_edge));
+  site.head_is_node = head == 0;
+  site.tail_is_node = tail == parameter_end;
+  site.reach_head = reach_from_head(site);
+  site.reach_tail = reach_from_tail(site);
+  site.mesh = m.mesh;
+  site.head_triangle = TriangleId{Topology::triangle_of(stretch.head_edge)};
+  site.tail_triangle = TriangleId{Topology::triangle_of(stretch.tail_edge)};
+  return site;
+}
+
+Point MissingPiece::at(Parameter t) const noexcept {
+  return point_at(*mesh, section, is_forth ? t : from_other_end(t));
+}
+
 Attempt run_rival(const inputs::Graph& graph, const RivalRule& rule, Depth depth) {
-  inputs::OwnedMesh mesh(inputs::config_for(graph, steiner_room(graph), rule.policy));
+  inputs::OwnedMesh mesh(inputs::config_for(graph, steiner_room(graph)));
   Attempt attempt;
-  Stopwatch watch;
+  CpuStopwatch watch;
   Status status = mesh->build(graph.nodes, {});
   attempt.delaunay_us = watch.lap_us();
   MeshState& m = state_of(*mesh);
-  if (status == Status::ok) status = insert_features(m, graph.features, rule);
+  if (status == Status::ok) {
+    status = insert_features(m, graph.features, rule, attempt.looked_at);
+  }
   attempt.total_us = attempt.delaunay_us + watch.lap_us();
   attempt.added = mesh->steiner_count();
   if (status != Status::ok) {
@@ -50,29 +223,35 @@ Attempt run_rival(const inputs::Graph& graph, const RivalRule& rule, Depth depth
   attempt.verdict = verdict_of(*mesh);
   attempt.hash = mesh->hash();
   attempt.image = files::image_of(*mesh, Exterior::hull, {});
+  // Pruning looks where the mesh was touched: everywhere.
+  for (IdValue i = 0; i < m.section_end; ++i) {
+    if (is_laid(m, SectionId{i})) touch(m, SectionId{i});
+  }
   commit(m);
   attempt.added_after_pruning = mesh->steiner_count();
   return attempt;
 }
 
-Status insert_on_section(MeshState& m, SectionId section, Parameter parameter, Edge near) noexcept {
+Status conform_by(MeshState& m, const RivalRule& rule) { return Conformer(m, rule).run(); }
+
+VertexId insert_on_section(MeshState& m, SectionId section, Parameter parameter,
+                           Edge near) noexcept {
   const VertexId v = allocate_vertex(m);
-  if (v.is_none()) return Status::out_of_vertices;
+  if (v.is_none()) return v;
   m.points[v.value] = point_at(m, section, parameter);
   m.owner(v) = Owner(Role::fresh, section);
   ++m.steiner_count;
   insert_vertex(m, v, find(m, m.at(v), near));
-  return Status::ok;
+  return v;
 }
 
-PieceEnds ends_of_piece(const MeshState& m, SectionId section, VertexId head,
-                        VertexId tail) noexcept {
-  return {head == m.section(section).from ? 0 : parameter_of(m, section, head),
-          tail == m.section(section).to ? parameter_end : parameter_of(m, section, tail)};
+Parameter middle_of(Parameter a, Parameter b) noexcept {
+  const Parameter sum = a + b, below = sum / 2;
+  return sum % 2 != 0 && below % 2 != 0 ? below + 1 : below;
 }
 
-Parameter split_middle(const SplitSite& site) noexcept {
-  return static_cast<Parameter>(site.head + (site.tail - site.head) / 2);
+void split_in_the_middle(const MissingPiece& piece, std::vector<Parameter>& places) {
+  places.push_back(middle_of(piece.head, piece.tail));
 }
 
 }  // namespace etcm::compare

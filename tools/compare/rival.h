@@ -4,36 +4,62 @@
 // pruning.
 #pragma once
 
+#include <functional>
+#include <vector>
+
 #include "compare/attempt.h"
 #include "mesh_internal.h"
 
 namespace etcm::compare {
 
+// A part of a feature that is no edge, seen from the endpoint that the user gave first: parameters
+// count from there, and so `head` is the end of the piece that is nearer to it.
+struct MissingPiece {
+  const internal::MeshState* mesh = nullptr;
+  internal::SectionId section{};
+  bool is_forth = true;       // the section's own grid runs the same way
+  internal::Stretch stretch;  // from head to tail
+  Parameter head = 0;
+  Parameter tail = parameter_end;
+
+  // The same as a split policy sees it, with Q1 and Q2 of the paper. Works them out at each call.
+  SplitSite site() const noexcept;
+  // The place of a parameter.
+  Point at(Parameter t) const noexcept;
+};
+
+// Says where to split a missing piece: at one place or several, ascending. What is not strictly
+// between its ends is moved there.
+using SplitRule = std::function<void(const MissingPiece& piece, std::vector<Parameter>& places)>;
+
+// Which of several broken features is mended first.
+enum class BrokenFirst : std::uint8_t {
+  canonical,  // the lexicographically least: geometry alone decides
+  latest,     // a stack, as the paper's FS_remain
+};
+
 struct RivalRule {
-  // Where to split a missing piece.
-  SplitPolicy policy;
-  // Makes the sections that miss a piece unions of edges; the library's loop, unless the rule adds
-  // several points at once.
-  Status (*conform)(internal::MeshState& mesh) noexcept = internal::conform;
+  SplitRule split;
+  BrokenFirst broken_first = BrokenFirst::canonical;
   // What comes when all features are in; may be null.
-  Status (*finish)(internal::MeshState& mesh) noexcept = nullptr;
+  Status (*finish)(internal::MeshState& mesh, const RivalRule& rule) = nullptr;
 };
 
 Attempt run_rival(const inputs::Graph& graph, const RivalRule& rule, Depth depth);
 
+// Makes all sections that miss a piece unions of edges.
+Status conform_by(internal::MeshState& mesh, const RivalRule& rule);
+
 // Puts a Steiner vertex at a parameter of a section; the search for its place starts at `near`.
-Status insert_on_section(internal::MeshState& mesh, internal::SectionId section,
-                         Parameter parameter, internal::Edge near) noexcept;
+// None: there is no room.
+VertexId insert_on_section(internal::MeshState& mesh, internal::SectionId section,
+                           Parameter parameter, internal::Edge near) noexcept;
 
-// The parameters of a piece's ends on its section.
-struct PieceEnds {
-  Parameter head;
-  Parameter tail;
-};
-PieceEnds ends_of_piece(const internal::MeshState& mesh, internal::SectionId section, VertexId head,
-                        VertexId tail) noexcept;
+// The middle of two parameters; of two equally near ones the even one, which is the same place
+// whichever end they count from.
+Parameter middle_of(Parameter a, Parameter b) noexcept;
 
-// The middle of the piece: a policy.
-Parameter split_middle(const SplitSite& site) noexcept;
+// A rule: the middle of the piece.
+void split_in_the_middle(const MissingPiece& piece, std::vector<Parameter>& places);
 
 }  // namespace etcm::compare

@@ -5,7 +5,7 @@
 namespace etcm::compare {
 
 Attempt run_sapidis_perucchio(const inputs::Graph& graph, Depth depth) {
-  return run_rival(graph, {.policy = split_middle}, depth);
+  return run_rival(graph, {.split = split_in_the_middle}, depth);
 }
 
 }  // namespace etcm::compare

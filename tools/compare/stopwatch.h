@@ -1,23 +1,33 @@
-// Time between two steps.
+// Time between two steps: on the wall, and of the processor for this process alone, which other
+// programs on the machine lengthen less.
 #pragma once
 
-#include <chrono>
+#include <time.h>
 
 namespace etcm::compare {
 
-class Stopwatch {
+template <clockid_t clock>
+class BasicStopwatch {
  public:
   // Microseconds since the last call, or since the start.
   double lap_us() noexcept {
-    const auto now = Clock::now();
-    const double lap = std::chrono::duration<double, std::micro>(now - last_).count();
+    const timespec now = read();
+    const double lap = static_cast<double>(now.tv_sec - last_.tv_sec) * 1e6 +
+                       static_cast<double>(now.tv_nsec - last_.tv_nsec) / 1e3;
     last_ = now;
     return lap;
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point last_ = Clock::now();
+  static timespec read() noexcept {
+    timespec now{};
+    clock_gettime(clock, &now);
+    return now;
+  }
+  timespec last_ = read();
 };
+
+using WallStopwatch = BasicStopwatch<CLOCK_MONOTONIC>;
+using CpuStopwatch = BasicStopwatch<CLOCK_PROCESS_CPUTIME_ID>;
 
 }  // namespace etcm::compare

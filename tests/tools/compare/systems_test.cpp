@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "compare/measurement.h"
 #include "compare/variants.h"
+#include "hand_made.h"
 #include "inputs/patterns.h"
 #include "inputs/random_graph.h"
 
@@ -14,34 +17,21 @@ namespace {
 
 using inputs::FeatureLength;
 
-// Two nodes beside a feature, at these places: the fewest that keep it from being an edge.
-inputs::Graph one_feature(Position beside, Position opposite) {
-  inputs::Graph graph{"one", {{0, 0}, {1000, 0}, beside, opposite}, {}};
-  graph.features.push_back(inputs::between_nodes(0, 1));
-  return graph;
-}
-
-std::vector<Point> added_points(const Attempt& attempt) {
-  std::vector<Point> points;
-  for (const files::ImageVertex& vertex : attempt.image.vertices) {
-    if (vertex.is_steiner) points.push_back(vertex.point);
-  }
-  return points;
-}
-
 TEST(Systems, EveryMeshPassesItsAudit) {
   for (const auto& graph :
        {inputs::random_graph(150, FeatureLength::any, 3),
         inputs::random_graph(150, FeatureLength::in_reach, 3), inputs::comb(20, 10, 1000, 333)}) {
-    for (const System& system : all_systems()) {
-      EXPECT_EQ(system.run(graph, Depth::whole).verdict, Verdict::ok)
-          << system.label << " on " << graph.name;
+    for (const auto& systems : {all_systems(), other_readings()}) {
+      for (const System& system : systems) {
+        EXPECT_EQ(system.run(graph, Depth::whole).verdict, Verdict::ok)
+            << system.label << " on " << graph.name;
+      }
     }
   }
 }
 
 TEST(Systems, TsaiPutsAPointOnTheCrossing) {
-  const Attempt attempt = run_tsai(one_feature({300, 100}, {500, -100}), Depth::whole);
+  const Attempt attempt = run_tsai(one_feature({{300, 100}, {500, -100}}), Depth::whole);
   ASSERT_EQ(attempt.added, 1u);
   // The one edge in the way runs from (300, 100) to (500, -100).
   EXPECT_EQ(added_points(attempt)[0].y, 0);
@@ -50,24 +40,54 @@ TEST(Systems, TsaiPutsAPointOnTheCrossing) {
 }
 
 TEST(Systems, SapidisAndPerucchioTakeTheMiddle) {
-  const Attempt attempt = run_sapidis_perucchio(one_feature({490, 200}, {510, -200}), Depth::whole);
+  const Attempt attempt =
+      run_sapidis_perucchio(one_feature({{490, 200}, {510, -200}}), Depth::whole);
   ASSERT_EQ(attempt.added, 1u);
   EXPECT_EQ(added_points(attempt)[0], to_point({500, 0}));
 }
 
-TEST(Systems, WeiStartsAtTheEndThatWasGivenFirst) {
-  const inputs::Graph graph = one_feature({400, 150}, {700, -150});
-  const std::vector<Point> forth = added_points(run_wei(graph, Depth::whole));
-  const std::vector<Point> back = added_points(run_wei(exchanged(graph), Depth::whole));
-  EXPECT_NE(forth, back);
-  EXPECT_EQ(added_points(run_wei(exchanged(exchanged(graph)), Depth::whole)), forth);
+// One gate at 400 (see hand_made.h), P = 57 600: Q1 = 544 and Q2 = 304 overlap.
+TEST(Systems, WeiFinishesInTheOverlap) {
+  const inputs::Graph graph = one_feature({{400, 240}, {400, -240}});
+  const std::vector<Point> points = added_points(run_wei(graph, Depth::whole));
+  ASSERT_EQ(points.size(), 1u);
+  EXPECT_NEAR(units(points[0].x), 424, one_step);
+  const std::vector<Point> first_circle = added_points(run_wei_first_circle(graph, Depth::whole));
+  ASSERT_EQ(first_circle.size(), 1u);
+  EXPECT_NEAR(units(first_circle[0].x), 544, one_step);
 }
 
-TEST(Systems, LuLeavesNoVertexInADiametralCircle) {
+// Gates at 200 (Q1 = 222) and 800 (Q2 = 750): the tail's circle reaches further, but it is the end
+// that was given first that is finished.
+TEST(Systems, WeiStartsAtTheEndThatWasGivenFirst) {
+  const inputs::Graph graph = one_feature({{200, 100}, {200, -44}, {800, 100}, {800, -100}});
+  const std::vector<Point> forth = added_points(run_wei(graph, Depth::whole));
+  const std::vector<Point> back = added_points(run_wei(exchanged(graph), Depth::whole));
+  ASSERT_EQ(forth.size(), 2u);
+  ASSERT_EQ(back.size(), 2u);
+  EXPECT_NEAR(units(forth[0].x), 222, one_step);
+  EXPECT_NEAR(units(back[0].x), 750, one_step);
+  EXPECT_NE(forth, back);
+}
+
+// Four triangles in the way: two points for them, at thirds.
+TEST(Systems, LuTakesOnePointForEveryTwoTrianglesEvenly) {
+  const inputs::Graph graph = one_feature({{200, 100}, {200, -44}, {800, 100}, {800, -100}});
+  const std::vector<Point> points = added_points(run_lu(graph, Depth::whole));
+  ASSERT_GE(points.size(), 2u);
+  const auto has = [&](double x) {
+    return std::any_of(points.begin(), points.end(),
+                       [&](const Point& point) { return std::abs(units(point.x) - x) < one_step; });
+  };
+  EXPECT_TRUE(has(1000.0 / 3));
+  EXPECT_TRUE(has(2000.0 / 3));
+}
+
+TEST(Systems, DiametralLeavesNoVertexInADiametralCircle) {
   // Near enough to be inside the circle over the feature, but not in the way of the edge.
-  const inputs::Graph graph = one_feature({500, 100}, {500, -5000});
+  const inputs::Graph graph = one_feature({{500, 100}, {500, -5000}});
   EXPECT_EQ(run_sapidis_perucchio(graph, Depth::whole).added, 0u);
-  EXPECT_GT(run_lu(graph, Depth::whole).added, 0u);
+  EXPECT_GT(run_diametral(graph, Depth::whole).added, 0u);
 }
 
 TEST(Systems, PruningOnlyTakesOut) {
@@ -94,6 +114,7 @@ TEST(Systems, AreFoundByKey) {
   EXPECT_EQ(systems[0].key, "tsai");
   EXPECT_EQ(systems[1].key, "default");
   EXPECT_EQ(systems_named({}).size(), all_systems().size());
+  ASSERT_EQ(systems_named(std::vector<std::string>{"wei-first"}).size(), 1u);
   EXPECT_THROW(systems_named(std::vector<std::string>{"ruppert"}), std::invalid_argument);
 }
 

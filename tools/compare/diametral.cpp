@@ -1,0 +1,80 @@
+// Middles until no diametral circle of a subsegment has a vertex inside: the other reading of
+// Sapidis and Perucchio, and one that was tried for Lu, Wu, Zhou.
+//
+// Two features that meet at a narrow angle would halve each other for ever, so a point added to a
+// feature does not count against another that it meets in a node. Such a mesh is Delaunay and
+// conforming all the same.
+#include "compare/rival.h"
+#include "compare/system.h"
+
+namespace etcm::compare {
+namespace {
+
+using namespace internal;
+
+bool meets(const MeshState& m, SectionId a, SectionId b) noexcept {
+  const FeatureEnds p = ends_of(m, SectionId{feature_of(m, a).value});
+  const FeatureEnds q = ends_of(m, SectionId{feature_of(m, b).value});
+  return p.from == q.from || p.from == q.to || p.to == q.from || p.to == q.to;
+}
+
+// Of a Delaunay edge it is enough to ask the apexes: they see it under the greatest angles.
+bool encroaches(const MeshState& m, SectionId s, Edge subsegment, VertexId apex) noexcept {
+  if (apex == infinite_vertex) return false;
+  if (!m.is_node(apex) && meets(m, s, m.owner(apex).section())) return false;
+  const Point& p = m.at(apex);
+  const Point& a = m.at(m.topology.origin(subsegment));
+  const Point& b = m.at(m.topology.target(subsegment));
+  // In double: whether to add a point here is a choice, and the mesh is exact either way.
+  return static_cast<double>(a.x - p.x) * static_cast<double>(b.x - p.x) +
+             static_cast<double>(a.y - p.y) * static_cast<double>(b.y - p.y) <
+         0;
+}
+
+bool is_encroached(const MeshState& m, SectionId s, Edge e) noexcept {
+  return encroaches(m, s, e, m.topology.apex(e)) ||
+         encroaches(m, s, e, m.topology.apex(m.topology.twin(e)));
+}
+
+// One walk along the section; `changed` is set where something was split.
+Status split_encroached_of(MeshState& m, const RivalRule& rule, SectionId s, bool& changed) {
+  const VertexId end = m.section(s).to;
+  for (VertexId v = m.section(s).from; v != end;) {
+    const Stretch piece = march(m, v, end);
+    const Parameter head = parameter_of(m, s, piece.head), tail = parameter_of(m, s, piece.tail);
+    if (piece.is_edge && tail - head > 1 && is_encroached(m, s, piece.edge)) {
+      touch(m, s, piece.head, piece.tail);
+      make_dirty(m, s);
+      if (insert_on_section(m, s, middle_of(head, tail), piece.edge).is_none()) {
+        return Status::out_of_vertices;
+      }
+      const Status status = conform_by(m, rule);
+      if (status != Status::ok) return status;
+      changed = true;
+      continue;
+    }
+    v = piece.tail;
+  }
+  return Status::ok;
+}
+
+Status split_encroached(MeshState& m, const RivalRule& rule) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (IdValue i = 0; i < m.section_end; ++i) {
+      const SectionId s{i};
+      if (!is_laid(m, s)) continue;
+      const Status status = split_encroached_of(m, rule, s, changed);
+      if (status != Status::ok) return status;
+    }
+  }
+  return Status::ok;
+}
+
+}  // namespace
+
+Attempt run_diametral(const inputs::Graph& graph, Depth depth) {
+  return run_rival(graph, {.split = split_in_the_middle, .finish = split_encroached}, depth);
+}
+
+}  // namespace etcm::compare

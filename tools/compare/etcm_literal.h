@@ -1,0 +1,11 @@
+// The paper's split rule word for word.
+#pragma once
+
+#include "compare/rival.h"
+
+namespace etcm::compare {
+
+// Steps 5 and 6 of Algorithm 2 for one missing piece.
+void split_literally(const MissingPiece& piece, std::vector<Parameter>& places);
+
+}  // namespace etcm::compare
