@@ -10,7 +10,7 @@ set tics nomirror
 set xlabel "nodes"
 
 keys = "tsai lu sapidis wei etcm default cgal constrained"
-labels = "Tsai 'Lu (reconstructed)' Sapidis-Perucchio Wei 'ETCM (paper)' ours 'CGAL conforming' 'CGAL constrained'"
+labels = "Tsai 'Lu (reconstructed)' Sapidis-Perucchio Wei 'ETCM (literal)' ours 'CGAL conforming' 'CGAL constrained'"
 array colour[8] = ["#c0392b", "#8e44ad", "#e08e0b", "#16a085", "#2980b9", "#111111", "#7f8c8d", "#b8b800"]
 array width[8] = [1.6, 1.6, 1.6, 1.6, 1.6, 3, 1.6, 1.6]
 array symbol[8] = [5, 9, 7, 11, 13, 7, 4, 6]
@@ -25,6 +25,11 @@ pick(length, key, value) = (strcol(1) eq length && strcol(2) eq key) ? value : N
 # Without a graph that ended there is nothing to show.
 good(x) = column(4) > column(5) ? x : NaN
 
+# Gains may be negative, so figure 5 has a symmetric logarithm: linear near 0, within `near`.
+near = 0.003
+symlog(y) = asinh(y / near)
+symexp(y) = near * sinh(y)
+
 # Figures 2 to 5: a row for each column of the table, long features on the left, short ones on the
 # right. `name` is the column, `factor` scales it.
 do for [figure in "2 3 4 5"] {
@@ -38,7 +43,14 @@ do for [figure in "2 3 4 5"] {
   set logscale x
   set xrange [50:6000]
   set xtics (60, 100, 200, 400, 1000, 2000, 5000)
-  if (number == 4) { unset logscale y; set format y "%.2f" } else { set logscale y; set format y "%g" }
+  if (number >= 4) { unset logscale y } else { set logscale y }
+  set format y (number == 4 ? "%.2f" : "%g")
+  if (number == 5) {
+    set nonlinear y via symlog(y) inverse symexp(y)
+    set ytics (-1, -0.1, -0.01, 0, 0.01, 0.1, 1)
+    set yrange [*<-0.002:*]
+    set xzeroaxis lt 1 lc rgb "#555555"
+  }
   set multiplot
   do for [row=1:rows] {
     name = rows == 1 ? names : system(sprintf("printf %%s '%s' | cut -d, -f%d", names, row))

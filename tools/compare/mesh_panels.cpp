@@ -1,6 +1,7 @@
 #include "compare/mesh_panels.h"
 
 #include <cstdio>
+#include <utility>
 #include <vector>
 
 #include "compare/system.h"
@@ -47,11 +48,13 @@ Size size_of(const std::string& svg) {
 }  // namespace
 
 std::string mesh_panels(const inputs::Graph& graph) {
+  const auto draw = [](const files::MeshImage& image, std::string title) {
+    return files::svg_text(image, {.title = std::move(title), .are_features_dashed = true});
+  };
   std::vector<std::string> panels{
-      files::svg_text(delaunay_with_features(graph), {.title = "Delaunay, before the features"})};
+      draw(delaunay_with_features(graph), "Delaunay, before the features")};
   for (const System& system : all_systems()) {
-    panels.push_back(files::svg_text(system.run(graph, Depth::whole).image,
-                                     {.title = std::string(system.label)}));
+    panels.push_back(draw(system.run(graph, Depth::whole).image, std::string(system.label)));
   }
   Size cell;
   for (const std::string& panel : panels) {

@@ -8,6 +8,7 @@
 namespace etcm::compare {
 
 // An SVG of three columns: the nodes' Delaunay mesh with the features it misses, then each system.
+// Features are dashed and added points square, as in the paper.
 std::string mesh_panels(const inputs::Graph& graph);
 
 }  // namespace etcm::compare

@@ -8,9 +8,6 @@
 namespace etcm::compare {
 namespace {
 
-constexpr inputs::FeatureLength lengths[] = {inputs::FeatureLength::any,
-                                             inputs::FeatureLength::in_reach};
-
 double edge_gain(const Measurement& measured, const Measurement& constrained) {
   return gain_per_point(measured.edge_ratio, constrained.edge_ratio, measured.added);
 }
@@ -21,6 +18,17 @@ double radius_gain(const Measurement& measured, const Measurement& constrained) 
 
 void write_spread(std::ostream& out, const Spread& spread) {
   out << ',' << spread.median << ',' << spread.lower << ',' << spread.upper;
+}
+
+void write_run(std::ostream& out, const GraphResult& graph, const System& system,
+               const Measurement& measured, const Measurement& constrained) {
+  out << to_string(graph.length) << ',' << graph.nodes << ',' << graph.features << ',' << graph.seed
+      << ',' << system.key << ',' << to_string(measured.verdict) << ','
+      << measured.survives_exchange << ',' << measured.survives_shuffle << ',' << measured.added
+      << ',' << measured.added_after_pruning << ',' << measured.delaunay_us << ','
+      << measured.features_us << ',' << measured.edge_ratio << ',' << measured.radius_ratio << ','
+      << graph.delaunay.mean_edge_ratio << ',' << constrained.edge_ratio << ','
+      << edge_gain(measured, constrained) << ',' << radius_gain(measured, constrained) << '\n';
 }
 
 }  // namespace
@@ -94,16 +102,12 @@ std::string runs_csv(const Results& results) {
          "aar_radius_per_point\n";
   const std::size_t baseline = index_of_system(constrained_key);
   for (const GraphResult& graph : results.graphs) {
+    const Measurement& constrained = graph.measured[baseline];
     for (std::size_t i = 0; i < graph.measured.size(); ++i) {
-      const Measurement& measured = graph.measured[i];
-      const Measurement& constrained = graph.measured[baseline];
-      out << to_string(graph.length) << ',' << graph.nodes << ',' << graph.features << ','
-          << graph.seed << ',' << all_systems()[i].key << ',' << to_string(measured.verdict) << ','
-          << measured.survives_exchange << ',' << measured.survives_shuffle << ',' << measured.added
-          << ',' << measured.added_after_pruning << ',' << measured.delaunay_us << ','
-          << measured.features_us << ',' << measured.edge_ratio << ',' << measured.radius_ratio
-          << ',' << graph.delaunay.mean_edge_ratio << ',' << constrained.edge_ratio << ','
-          << edge_gain(measured, constrained) << ',' << radius_gain(measured, constrained) << '\n';
+      write_run(out, graph, all_systems()[i], graph.measured[i], constrained);
+    }
+    for (std::size_t i = 0; i < graph.readings.size(); ++i) {
+      write_run(out, graph, other_readings()[i], graph.readings[i], constrained);
     }
   }
   return out.str();
@@ -118,7 +122,7 @@ std::string summary_csv(const Results& results) {
     out << ',' << name << ',' << name << "_lower," << name << "_upper";
   }
   out << ",aar_edge_delaunay\n";
-  for (const inputs::FeatureLength length : lengths) {
+  for (const inputs::FeatureLength length : feature_lengths) {
     for (std::size_t i = 0; i < all_systems().size(); ++i) {
       for (const std::size_t nodes : sizes_of(results)) {
         const Summary summary = summarize(results, length, nodes, i);

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "compare/judgments.h"
+#include "compare/lone.h"
 #include "compare/measurement.h"
 #include "compare/statistics.h"
 #include "inputs/random_graph.h"
@@ -18,11 +20,25 @@ struct GraphResult {
   std::uint64_t seed = 0;
   files::Quality delaunay;
   std::vector<Measurement> measured;  // in the order of all_systems()
+  std::vector<Measurement> readings;  // of other_readings(); empty where they were not asked
+};
+
+struct JudgmentResult {
+  inputs::FeatureLength length = inputs::FeatureLength::any;
+  std::size_t nodes = 0;
+  std::size_t graphs = 0;
+  JudgmentTally tally;  // over all of them
 };
 
 struct Results {
   std::vector<GraphResult> graphs;
+  std::vector<LoneResult> lone;
+  std::vector<JudgmentResult> judgments;
 };
+
+// Both readings of how long the paper's features are.
+inline constexpr inputs::FeatureLength feature_lengths[] = {inputs::FeatureLength::any,
+                                                            inputs::FeatureLength::in_reach};
 
 std::size_t index_of_system(std::string_view key);
 const char* to_string(inputs::FeatureLength length) noexcept;
@@ -50,7 +66,8 @@ Summary summarize(const Results& results, inputs::FeatureLength length, std::siz
 // The sizes that occur, ascending.
 std::vector<std::size_t> sizes_of(const Results& results);
 
-// A row for each graph and system, and one for each size, feature length and system.
+// A row for each graph and system, other readings where they were asked, and one for each size,
+// feature length and system.
 std::string runs_csv(const Results& results);
 std::string summary_csv(const Results& results);
 

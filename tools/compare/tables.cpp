@@ -1,86 +1,16 @@
 #include "compare/tables.h"
 
 #include <cmath>
-#include <iomanip>
 #include <sstream>
+
+#include "compare/reading_tables.h"
+#include "compare/standing.h"
+#include "compare/table_text.h"
 
 namespace etcm::compare {
 namespace {
 
 using inputs::FeatureLength;
-
-std::string decimal(double value, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return text.str();
-}
-
-std::string share(std::size_t part, std::size_t whole) {
-  return part == whole ? "all" : std::to_string(part) + " of " + std::to_string(whole);
-}
-
-// Everything of one system and feature length, against ours on the same graphs.
-struct Standing {
-  std::size_t graphs = 0;
-  std::size_t failed = 0;
-  std::size_t survived_exchange = 0;
-  std::size_t survived_shuffle = 0;
-  double features = 0;
-  double added = 0;
-  double added_after_pruning = 0;
-  double ours_added = 0;
-  double log_time_ratio = 0;
-  double edge_ratio = 0;
-  double radius_ratio = 0;
-  double edge_over_constrained = 0;  // summed gains of AAR
-  double radius_over_constrained = 0;
-  std::size_t good() const { return graphs - failed; }
-  double mean(double sum) const { return good() == 0 ? 0 : sum / static_cast<double>(good()); }
-};
-
-Standing standing_of(const Results& results, FeatureLength length, std::size_t system) {
-  Standing standing;
-  const std::size_t ours = index_of_system(ours_key);
-  const std::size_t baseline = index_of_system(constrained_key);
-  for (const GraphResult& graph : results.graphs) {
-    if (graph.length != length) continue;
-    ++standing.graphs;
-    const Measurement& measured = graph.measured[system];
-    if (measured.verdict != Verdict::ok) {
-      ++standing.failed;
-      continue;
-    }
-    standing.survived_exchange += measured.survives_exchange;
-    standing.survived_shuffle += measured.survives_shuffle;
-    standing.features += static_cast<double>(graph.features);
-    standing.added += measured.added;
-    standing.added_after_pruning += measured.added_after_pruning;
-    standing.ours_added += graph.measured[ours].added;
-    // A microsecond more on both sides, for a clock that saw nothing.
-    standing.log_time_ratio +=
-        std::log((measured.features_us + 1) / (graph.measured[ours].features_us + 1));
-    standing.edge_ratio += measured.edge_ratio;
-    standing.radius_ratio += measured.radius_ratio;
-    standing.edge_over_constrained += measured.edge_ratio - graph.measured[baseline].edge_ratio;
-    standing.radius_over_constrained +=
-        measured.radius_ratio - graph.measured[baseline].radius_ratio;
-  }
-  return standing;
-}
-
-// The paper's "undulation": quartile distance of the times of one size over their median, averaged
-// over the sizes.
-double undulation(const Results& results, FeatureLength length, std::size_t system) {
-  double sum = 0;
-  std::size_t sizes = 0;
-  for (const std::size_t nodes : sizes_of(results)) {
-    const Spread time = summarize(results, length, nodes, system).features_us;
-    if (time.median <= 0) continue;
-    sum += (time.upper - time.lower) / time.median;
-    ++sizes;
-  }
-  return sizes == 0 ? 0 : sum / static_cast<double>(sizes);
-}
 
 void write_criteria(std::ostream& out, const Results& results, FeatureLength length) {
   const std::size_t largest = sizes_of(results).back();
@@ -98,67 +28,78 @@ void write_criteria(std::ostream& out, const Results& results, FeatureLength len
       continue;
     }
     const Summary at_largest = summarize(results, length, largest, i);
-    const double thousand = s.added > 0 ? 1000 / s.added : 0;
     out << "| " << system.label << " | " << s.failed << " | "
         << share(s.survived_exchange, s.good()) << " | " << share(s.survived_shuffle, s.good())
-        << " | " << decimal(s.added / s.features, 2) << " | "
+        << " | " << decimal(s.points_per_feature(), 2) << " | "
         << (system.conforms ? decimal(s.added / std::max(1.0, s.ours_added), 3) : "-") << " | "
         << (at_largest.failed == at_largest.graphs
                 ? "-"
                 : decimal(at_largest.features_us.median / 1000, 2))
-        << " | " << decimal(std::exp(s.mean(s.log_time_ratio)), 2) << " | "
+        << " | " << decimal(s.time_times_ours(), 2) << " | "
         << decimal(undulation(results, length, i), 2) << " | " << decimal(s.mean(s.edge_ratio), 4)
         << " | " << decimal(s.mean(s.radius_ratio), 4) << " | ";
     if (system.conforms) {
-      out << decimal(s.edge_over_constrained * thousand, 4) << " | "
-          << decimal(s.radius_over_constrained * thousand, 4) << " |\n";
+      out << decimal(s.edge_gain_per_thousand(), 4) << " | "
+          << decimal(s.radius_gain_per_thousand(), 4) << " |\n";
     } else {
       out << "baseline | baseline |\n";
     }
   }
 }
 
+// One system on one feature length.
+struct Figures {
+  Standing standing;
+  double undulation = 0;
+  double residual = 0;
+};
+
 struct Criterion {
   const char* name;
   int digits;
   bool less_is_better;
-  double (*value)(const Standing& standing, double undulation);
+  double (*value)(const Figures& figures);
 };
 
 constexpr Criterion criteria[] = {
     {"1 same mesh, ends exchanged (share)", 3, false,
-     [](const Standing& s, double) { return s.mean(static_cast<double>(s.survived_exchange)); }},
+     [](const Figures& f) {
+       return f.standing.mean(static_cast<double>(f.standing.survived_exchange));
+     }},
     {"1 same mesh, order shuffled (share)", 3, false,
-     [](const Standing& s, double) { return s.mean(static_cast<double>(s.survived_shuffle)); }},
+     [](const Figures& f) {
+       return f.standing.mean(static_cast<double>(f.standing.survived_shuffle));
+     }},
     {"2 points per feature", 2, true,
-     [](const Standing& s, double) { return s.added / s.features; }},
-    {"3 time, times ours", 2, true,
-     [](const Standing& s, double) { return std::exp(s.mean(s.log_time_ratio)); }},
-    {"3 undulation", 3, true, [](const Standing&, double undulation) { return undulation; }},
-    {"4 AAR (edges)", 4, false, [](const Standing& s, double) { return s.mean(s.edge_ratio); }},
-    {"4 AAR (radii)", 4, false, [](const Standing& s, double) { return s.mean(s.radius_ratio); }},
+     [](const Figures& f) { return f.standing.points_per_feature(); }},
+    {"3 time, times ours", 2, true, [](const Figures& f) { return f.standing.time_times_ours(); }},
+    {"3 undulation at one size", 3, true, [](const Figures& f) { return f.undulation; }},
+    {"3 residual about a line", 3, true, [](const Figures& f) { return f.residual; }},
+    {"4 AAR (edges)", 4, false,
+     [](const Figures& f) { return f.standing.mean(f.standing.edge_ratio); }},
+    {"4 AAR (radii)", 4, false,
+     [](const Figures& f) { return f.standing.mean(f.standing.radius_ratio); }},
     {"5 AAR gain per 1000 points (edges)", 4, false,
-     [](const Standing& s, double) { return 1000 * s.edge_over_constrained / s.added; }},
+     [](const Figures& f) { return f.standing.edge_gain_per_thousand(); }},
     {"5 AAR gain per 1000 points (radii)", 4, false,
-     [](const Standing& s, double) { return 1000 * s.radius_over_constrained / s.added; }},
+     [](const Figures& f) { return f.standing.radius_gain_per_thousand(); }},
 };
 
 // A row for each criterion: ours against the best of the other conforming systems.
 void write_lead(std::ostream& out, const Results& results, FeatureLength length) {
   out << "| criterion | ours | best other | ours is |\n|---|---:|---:|---|\n";
   const auto compared = all_systems();
-  std::vector<Standing> standings;
-  std::vector<double> undulations;
+  std::vector<Figures> figures;
   for (std::size_t i = 0; i < compared.size(); ++i) {
-    standings.push_back(standing_of(results, length, i));
-    undulations.push_back(undulation(results, length, i));
+    figures.push_back({standing_of(results, length, i), undulation(results, length, i),
+                       fits_of(results, length, i).seed_residual});
   }
   const std::size_t ours = index_of_system(ours_key);
   for (const Criterion& criterion : criteria) {
-    const auto value = [&](std::size_t i) { return criterion.value(standings[i], undulations[i]); };
+    const auto value = [&](std::size_t i) { return criterion.value(figures[i]); };
     std::size_t best = ours;
     for (std::size_t i = 0; i < compared.size(); ++i) {
-      if (i == ours || !compared[i].conforms || standings[i].good() == 0) continue;
+      if (i == ours || !compared[i].conforms || figures[i].standing.good() == 0) continue;
       const bool is_better =
           criterion.less_is_better ? value(i) < value(best) : value(i) > value(best);
       if (best == ours || is_better) best = i;
@@ -195,7 +136,7 @@ void write_pruning(std::ostream& out, const Results& results) {
   for (std::size_t i = 0; i < all_systems().size(); ++i) {
     if (!all_systems()[i].conforms) continue;
     out << "| " << all_systems()[i].label;
-    for (const FeatureLength length : {FeatureLength::any, FeatureLength::in_reach}) {
+    for (const FeatureLength length : feature_lengths) {
       const Standing s = standing_of(results, length, i);
       out << " | " << decimal(s.added, 0) << " | "
           << (s.added == s.added_after_pruning
@@ -207,44 +148,18 @@ void write_pruning(std::ostream& out, const Results& results) {
   }
 }
 
-struct Fits {
-  Line time;    // of inserting the features, in microseconds, against nodes
-  Line points;  // against features
-  // The power of the nodes with which the time grows: the slope of the logarithms.
-  double time_exponent = 0;
-};
-
-Fits fits_of(const Results& results, FeatureLength length, std::size_t system) {
-  std::vector<double> nodes, features, times, points;
-  for (const std::size_t size : sizes_of(results)) {
-    const Summary summary = summarize(results, length, size, system);
-    if (summary.failed == summary.graphs) continue;
-    nodes.push_back(static_cast<double>(size));
-    features.push_back(summary.features);
-    times.push_back(summary.features_us.median);
-    points.push_back(summary.added.median);
-  }
-  if (nodes.size() < 3) return {};
-  std::vector<double> log_nodes, log_times;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    log_nodes.push_back(std::log(nodes[i]));
-    log_times.push_back(std::log(times[i] + 1));
-  }
-  return {fit_line(nodes, times), fit_line(features, points), fit_line(log_nodes, log_times).slope};
-}
-
 void write_linearity(std::ostream& out, const Results& results, FeatureLength length) {
-  out << "| system | µs per node | R² | residual | time grows as | points per feature | R² | "
-         "residual |\n"
-         "|---|---:|---:|---:|---:|---:|---:|---:|\n";
+  out << "| system | µs per node | R² | residual | residual, one graph a size | time grows as | "
+         "points per feature | R² | residual |\n"
+         "|---|---:|---:|---:|---:|---:|---:|---:|---:|\n";
   for (std::size_t i = 0; i < all_systems().size(); ++i) {
     if (!all_systems()[i].conforms) continue;
-    const auto [time, points, exponent] = fits_of(results, length, i);
+    const auto [time, points, exponent, seed_residual] = fits_of(results, length, i);
     out << "| " << all_systems()[i].label << " | " << decimal(time.slope, 3) << " | "
         << decimal(time.r_squared, 4) << " | " << decimal(100 * time.relative_residual, 1)
-        << " % | nodes^" << decimal(exponent, 2) << " | " << decimal(points.slope, 2) << " | "
-        << decimal(points.r_squared, 4) << " | " << decimal(100 * points.relative_residual, 1)
-        << " % |\n";
+        << " % | " << decimal(100 * seed_residual, 1) << " % | nodes^" << decimal(exponent, 2)
+        << " | " << decimal(points.slope, 2) << " | " << decimal(points.r_squared, 4) << " | "
+        << decimal(100 * points.relative_residual, 1) << " % |\n";
   }
 }
 
@@ -252,7 +167,7 @@ void write_linearity(std::ostream& out, const Results& results, FeatureLength le
 
 std::string experiment_tables(const Results& results) {
   std::ostringstream out;
-  for (const FeatureLength length : {FeatureLength::any, FeatureLength::in_reach}) {
+  for (const FeatureLength length : feature_lengths) {
     out << "### The five criteria, " << to_string(length) << " features\n\n";
     write_criteria(out, results, length);
     out << '\n' << delaunay_line(results, length) << '\n';
@@ -262,11 +177,12 @@ std::string experiment_tables(const Results& results) {
   }
   out << "### What pruning would take out of each, all graphs together\n\n";
   write_pruning(out, results);
-  for (const FeatureLength length : {FeatureLength::any, FeatureLength::in_reach}) {
+  for (const FeatureLength length : feature_lengths) {
     out << "\n### Straight lines through the medians of each size, " << to_string(length)
         << " features\n\n";
     write_linearity(out, results, length);
   }
+  out << '\n' << reading_tables(results);
   return out.str();
 }
 

@@ -80,12 +80,18 @@ TEST_F(Experiment, WritesARowForEachRunAndSummary) {
     return std::count(text.begin(), text.end(), '\n');
   };
   const auto systems = static_cast<std::ptrdiff_t>(all_systems().size());
-  EXPECT_EQ(lines(runs_csv(results_)), 1 + 6 * systems);
+  const auto readings = static_cast<std::ptrdiff_t>(other_readings().size());
+  EXPECT_EQ(lines(runs_csv(results_)), 1 + 6 * (systems + readings));
   EXPECT_EQ(lines(summary_csv(results_)), 1 + 2 * 3 * systems);
   const std::string tables = experiment_tables(results_);
   for (const System& system : all_systems()) {
     EXPECT_NE(tables.find("| " + std::string(system.label)), std::string::npos);
   }
+  for (const System& system : other_readings()) {
+    EXPECT_NE(tables.find("`" + std::string(system.key) + "`"), std::string::npos);
+  }
+  EXPECT_NE(tables.find("24 graphs with one feature"), std::string::npos);
+  EXPECT_EQ(results_.judgments.size(), 6u);
 }
 
 TEST(MeshPanels, HoldAPanelForEachSystem) {
@@ -93,6 +99,7 @@ TEST(MeshPanels, HoldAPanelForEachSystem) {
   for (const System& system : all_systems()) {
     EXPECT_NE(page.find(std::string(system.label)), std::string::npos);
   }
+  EXPECT_NE(page.find("stroke-dasharray"), std::string::npos);
 }
 
 }  // namespace
