@@ -97,18 +97,6 @@ std::size_t write_exception(std::span<std::uint8_t> pdu, std::uint8_t function,
   return 2;
 }
 
-std::size_t write_read_answer(std::span<std::uint8_t> pdu, std::uint8_t function,
-                              std::span<const std::uint16_t> registers) {
-  pdu[0] = function;
-  pdu[1] = static_cast<std::uint8_t>(2 * registers.size());
-  std::size_t at = 2;
-  for (const std::uint16_t value : registers) {
-    store(pdu, at, value);
-    at += 2;
-  }
-  return at;
-}
-
 ReadAnswer parse_read_answer(std::span<const std::uint8_t> pdu, std::uint8_t function,
                              std::span<std::uint16_t> registers, std::uint8_t& exception) {
   if (pdu.size() == 2 && pdu[0] == (function | exception_bit)) {
@@ -137,15 +125,7 @@ std::size_t write_write_request(std::span<std::uint8_t> pdu, std::uint16_t first
   return at;
 }
 
-std::size_t write_write_answer(std::span<std::uint8_t> pdu, RegisterRange range) {
-  pdu[0] = write_holding_registers;
-  store(pdu, 1, range.first);
-  store(pdu, 3, range.count);
-  return 5;
-}
-
 std::optional<RegisterRange> parse_write_request(std::span<const std::uint8_t> pdu,
-                                                 std::span<std::uint16_t> values,
                                                  std::uint8_t& exception) {
   if (pdu[0] != write_holding_registers) {
     exception = MODBUS_EXCEPTION_ILLEGAL_FUNCTION;
@@ -157,9 +137,6 @@ std::optional<RegisterRange> parse_write_request(std::span<const std::uint8_t> p
   if (range.count == 0 || range.count > write_registers_max) return std::nullopt;
   const std::size_t bytes = 2u * range.count;
   if (pdu[5] != bytes || pdu.size() != write_request_head + bytes) return std::nullopt;
-  for (std::size_t i = 0; i < range.count; ++i) {
-    values[i] = load(pdu, write_request_head + 2 * i);
-  }
   return range;
 }
 

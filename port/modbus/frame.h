@@ -1,7 +1,8 @@
 // Modbus TCP framing, and the PDUs of reading and writing registers, whatever carries them.
 //
 // Own framing, because libmodbus reads a socket until a frame is whole: it blocks, and one client
-// that sends three stray bytes would hold up all others.
+// that sends three stray bytes would hold up all others. Requests are judged here, and answered by
+// replies.h.
 #pragma once
 
 #include <array>
@@ -71,24 +72,18 @@ std::optional<RegisterRange> parse_read_request(std::span<const std::uint8_t> pd
 
 std::size_t write_exception(std::span<std::uint8_t> pdu, std::uint8_t function,
                             std::uint8_t exception);
-std::size_t write_read_answer(std::span<std::uint8_t> pdu, std::uint8_t function,
-                              std::span<const std::uint16_t> registers);
 
 // What an answer to write_read_request() with this function says.
 enum class ReadAnswer : std::uint8_t { registers, exception, malformed };
 ReadAnswer parse_read_answer(std::span<const std::uint8_t> pdu, std::uint8_t function,
                              std::span<std::uint16_t> registers, std::uint8_t& exception);
 
-// The request to write registers (FC 16) and the answer to it; each returns the bytes written to
-// `pdu`.
+// The request to write registers (FC 16); returns the bytes written to `pdu`.
 std::size_t write_write_request(std::span<std::uint8_t> pdu, std::uint16_t first,
                                 std::span<const std::uint16_t> values);
-std::size_t write_write_answer(std::span<std::uint8_t> pdu, RegisterRange range);
 
-// The range an FC 16 request writes, its values in the front of `values` (at least
-// write_registers_max). Otherwise nothing, and `exception` is the code to answer with.
+// The range an FC 16 request writes. Otherwise nothing, and `exception` is the code to answer with.
 std::optional<RegisterRange> parse_write_request(std::span<const std::uint8_t> pdu,
-                                                 std::span<std::uint16_t> values,
                                                  std::uint8_t& exception);
 
 // What an answer to write_write_request() of this range says.

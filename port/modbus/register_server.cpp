@@ -2,6 +2,8 @@
 
 #include <modbus/modbus.h>
 
+#include <algorithm>
+
 namespace etcm::port {
 
 RegisterServer::RegisterServer(EventLoop& loop, const SocketAddress& address,
@@ -53,13 +55,12 @@ std::size_t RegisterServer::answer(std::size_t client, std::uint8_t unit,
   const std::uint32_t page = unit == 0 || unit == MODBUS_TCP_SLAVE ? 0u : unit - 1u;
   if (page == 0 && range->first == 0) pinned_[client] = image_;
   const RegisterImage& image = *pinned_[client];
-  const std::size_t begin = std::size_t{page} * image.registers_per_unit + range->first;
-  if (range->first + range->count > image.registers_per_unit ||
-      begin + range->count > image.registers.size()) {
-    return write_exception(answer, request[0], MODBUS_EXCEPTION_ILLEGAL_DATA_ADDRESS);
-  }
-  return write_read_answer(answer, request[0],
-                           std::span(image.registers).subspan(begin, range->count));
+  const std::size_t begin =
+      std::min(std::size_t{page} * image.registers_per_unit, image.registers.size());
+  const auto behind = std::span(image.registers).subspan(begin);
+  return replies_.to_read(
+      request, 0, behind.first(std::min<std::size_t>(behind.size(), image.registers_per_unit)),
+      answer);
 }
 
 }  // namespace etcm::port

@@ -8,6 +8,7 @@
 #include "etcm/port/log.h"
 #include "etcm/port/mesh_server.h"
 #include "modbus/identity.h"
+#include "modbus/replies.h"
 #include "modbus/tcp_listener.h"
 
 namespace etcm::port {
@@ -40,6 +41,7 @@ class RegisterServer final : public MeshServer, private RequestHandler {
   std::shared_ptr<const RegisterImage> image_;
   std::vector<std::shared_ptr<const RegisterImage>> pinned_;  // by client
   Log* log_ = nullptr;
+  Replies replies_;
   TcpListener listener_;
 };
 

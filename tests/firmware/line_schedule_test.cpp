@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fakes.h"
+#include "modbus/replies.h"
 #include "modbus/rtu_bus.h"
 #include "node_map.h"
 #include "poller.h"
@@ -158,8 +159,9 @@ class SimulatedLine final : public ReadingListener {
     std::array<std::uint8_t, port::rtu_frame_bytes_max> frame;
     const NodeRegisters registers =
         encode_node({.serial = speaker_, .position = {}, .status = node_status::fix_valid}, 1);
-    const std::size_t pdu = port::write_read_answer(std::span(frame).subspan(port::rtu_unit_bytes),
-                                                    function_, registers);
+    const std::array<std::uint8_t, 5> request{function_, 0, 0, 0, node_register_count};
+    const std::size_t pdu = replies_.to_read(request, node_register_first, registers,
+                                             std::span(frame).subspan(port::rtu_unit_bytes));
     const std::size_t size = port::wrap_rtu(frame, speaker_, pdu);
     ASSERT_EQ(size, static_cast<std::size_t>(answer_bytes));
     answer_at_ = port::never;
@@ -176,6 +178,7 @@ class SimulatedLine final : public ReadingListener {
   static constexpr int patience_ms = 20000;
 
   LineCase case_;
+  port::Replies replies_;
   nodes::PseudoTerminal terminal_;
   port::SerialLine line_;
   port::Duration character_ = character_time(line_);

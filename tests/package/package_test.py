@@ -81,6 +81,10 @@ class Content(ProgramCase):
             self.assertIn("install ok", run("dpkg-query", "-W", "-f", "${Status}", name))
         for library in ("libc6", "libmodbus5", "libstdc++6"):
             self.assertIn(library, names)
+        called = run("nm", "--dynamic", "--undefined-only",
+                     self.unpacked(GATEWAY) / "usr/bin/etcm-gateway")
+        for function in ("modbus_connect", "modbus_reply"):
+            self.assertIn(function, called)
 
     def test_the_service_is_shut_in(self):
         unit = self.unpacked(GATEWAY) / "usr/lib/systemd/system/etcm-gateway.service"

@@ -71,7 +71,7 @@ void parse_as_everything(const Frame& frame) {
   std::array<std::uint16_t, write_registers_max> values;
   const auto range = parse_read_request(pdu, exception);
   ASSERT_TRUE(!range || (range->count > 0 && range->count <= read_registers_max));
-  const auto written = parse_write_request(pdu, values, exception);
+  const auto written = parse_write_request(pdu, exception);
   ASSERT_TRUE(!written || (written->count > 0 && written->count <= write_registers_max));
   static_cast<void>(
       parse_read_answer(pdu, read_input_registers, std::span(values).first(2), exception));
@@ -173,14 +173,13 @@ TEST(ReadAnswer, MustHaveExactlyWhatWasAsked) {
 class WriteRequest : public testing::TestWithParam<RequestRow> {};
 TEST_P(WriteRequest, IsReadOrRefused) {
   std::uint8_t exception = 0;
-  std::array<std::uint16_t, write_registers_max> values{};
-  const auto range = parse_write_request(GetParam().pdu, values, exception);
+  const auto range = parse_write_request(GetParam().pdu, exception);
   EXPECT_EQ(range.has_value(), GetParam().exception == 0);
   if (!range) {
     EXPECT_EQ(exception, GetParam().exception);
   } else {
     EXPECT_EQ(range->first, 0x0100);
-    EXPECT_EQ(values[range->count - 1u], 0x0708);
+    EXPECT_EQ(range->count, GetParam().pdu[4]);
   }
 }
 Bytes write_of(std::uint8_t count) {
@@ -208,21 +207,17 @@ TEST(WritePdu, AsManyRegistersAsMayBeFitAPdu) {
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<std::uint16_t>(i * 257);
   const std::size_t size = write_write_request(pdu, 200, values);
   EXPECT_EQ(size, 252u);
-  std::array<std::uint16_t, write_registers_max> parsed{};
   std::uint8_t exception = 0;
-  const auto range = parse_write_request(std::span(pdu).first(size), parsed, exception);
+  const auto range = parse_write_request(std::span(pdu).first(size), exception);
   ASSERT_TRUE(range);
   EXPECT_EQ(range->first, 200);
-  EXPECT_EQ(parsed, values);
+  EXPECT_EQ(range->count, values.size());
 }
 
 TEST(WriteAnswer, MustNameTheRangeThatWasWritten) {
   const RegisterRange range{.first = 0x0102, .count = 3};
   std::uint8_t exception = 0;
-  Bytes answer(5);
-  EXPECT_EQ(write_write_answer(answer, range), 5u);
-  EXPECT_EQ(answer, (Bytes{16, 1, 2, 0, 3}));
-  EXPECT_EQ(parse_write_answer(answer, range, exception), WriteAnswer::written);
+  EXPECT_EQ(parse_write_answer(Bytes{16, 1, 2, 0, 3}, range, exception), WriteAnswer::written);
   EXPECT_EQ(parse_write_answer(Bytes{0x90, 4}, range, exception), WriteAnswer::exception);
   EXPECT_EQ(exception, 4);
   for (const Bytes& wrong :

@@ -33,6 +33,13 @@ TEST(RtuFrame, EveryWrongBitIsFound) {
   }
 }
 
+Bytes rtu_frame_of(std::uint8_t unit, const Bytes& pdu) {
+  Bytes frame(rtu_frame_bytes_max);
+  std::copy(pdu.begin(), pdu.end(), frame.begin() + rtu_unit_bytes);
+  frame.resize(wrap_rtu(frame, unit, pdu.size()));
+  return frame;
+}
+
 // Answers changed at random: whatever is found has the right checksum and stays inside its bytes.
 TEST(RtuFrame, MutatedAnswersAreFoundWholeOrNotAtAll) {
   std::mt19937 chance(7);
@@ -41,14 +48,11 @@ TEST(RtuFrame, MutatedAnswersAreFoundWholeOrNotAtAll) {
     Bytes bytes(chance() % 20, 0);
     for (auto& byte : bytes) byte = static_cast<std::uint8_t>(chance());
     const std::size_t begin = bytes.size();
-    std::array<std::uint16_t, 12> registers;
-    for (auto& value : registers) value = static_cast<std::uint16_t>(chance());
-    Bytes frame(rtu_frame_bytes_max);
-    const auto body = std::span(frame).subspan(rtu_unit_bytes);
-    const std::size_t pdu =
-        round % 4 == 0 ? write_write_answer(body, {.first = registers[0], .count = registers[1]})
-                       : write_read_answer(body, read_input_registers, registers);
-    frame.resize(wrap_rtu(frame, static_cast<std::uint8_t>(chance()), pdu));
+    // A write of any range, or twelve registers.
+    Bytes pdu = round % 4 == 0 ? Bytes{write_holding_registers} : Bytes{read_input_registers, 24};
+    const std::size_t pdu_bytes = round % 4 == 0 ? 5 : 2 + 24;
+    while (pdu.size() < pdu_bytes) pdu.push_back(static_cast<std::uint8_t>(chance()));
+    const Bytes frame = rtu_frame_of(static_cast<std::uint8_t>(chance()), pdu);
     bytes.insert(bytes.end(), frame.begin(), frame.end());
     const std::size_t changes = chance() % 4;
     mutate(bytes, changes, chance);
@@ -67,13 +71,6 @@ TEST(RtuFrame, MutatedAnswersAreFoundWholeOrNotAtAll) {
     static_cast<void>(parse_read_answer(found->pdu, read_input_registers, parsed, exception));
   }
   EXPECT_GT(whole, 25000);
-}
-
-Bytes rtu_frame_of(std::uint8_t unit, const Bytes& pdu) {
-  Bytes frame(rtu_frame_bytes_max);
-  std::copy(pdu.begin(), pdu.end(), frame.begin() + rtu_unit_bytes);
-  frame.resize(wrap_rtu(frame, unit, pdu.size()));
-  return frame;
 }
 
 TEST(RtuFrame, EveryKindOfAnswerIsFoundBehindNoiseAndOnlyWhole) {

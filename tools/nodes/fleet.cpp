@@ -3,16 +3,12 @@
 #include <algorithm>
 #include <limits>
 
-#include "etcm/port/node_bus.h"
 #include "modbus/frame.h"
 #include "modbus/identity.h"
 
 namespace etcm::nodes {
 
 namespace {
-
-// Modbus: the address is not one of the unit's.
-constexpr std::uint8_t illegal_data_address = 2;
 
 constexpr port::Identity identity{{"ETCM", "simulated node", "1"}};
 
@@ -187,50 +183,35 @@ std::size_t Fleet::take_write(std::uint32_t number, std::span<const std::uint8_t
                               std::span<std::uint8_t> answer) {
   using firmware::configuration_register_first;
   Node& node = nodes_[number];
-  std::array<std::uint16_t, port::write_registers_max> buffer{};
   std::uint8_t exception = 0;
-  const auto range = port::parse_write_request(request, buffer, exception);
+  const auto range = port::parse_write_request(request, exception);
   if (!range) return port::write_exception(answer, request[0], exception);
-  const auto values = std::span<const std::uint16_t>(buffer).first(range->count);
-  if (range->first == firmware::assignment_register_first &&
-      range->count == firmware::assignment_register_count) {
-    const auto unit = firmware::decode_assignment(values, node.reading.serial);
-    if (!unit) return 0;  // it is for another node
-    move_to(number, *unit);
-    return port::write_write_answer(answer, *range);
+  if (range->first != firmware::assignment_register_first ||
+      range->count != firmware::assignment_register_count) {
+    return replies_.to_write(request, configuration_register_first, node.configuration, answer);
   }
-  if (range->first < configuration_register_first ||
-      range->first + range->count > configuration_register_first + node.configuration.size()) {
-    return port::write_exception(answer, request[0], illegal_data_address);
-  }
-  std::copy(values.begin(), values.end(),
-            node.configuration.begin() + (range->first - configuration_register_first));
-  return port::write_write_answer(answer, *range);
+  std::array<std::uint16_t, firmware::assignment_register_count> values{};
+  const std::size_t size = replies_.to_write(request, range->first, values, answer);
+  const auto unit = firmware::decode_assignment(values, node.reading.serial);
+  if (!unit) return 0;  // it is for another node
+  move_to(number, *unit);
+  return size;
 }
 
 std::size_t Fleet::answer_read(const Node& node, std::span<const std::uint8_t> request,
-                               std::span<std::uint8_t> answer) const {
+                               std::span<std::uint8_t> answer) {
   using firmware::configuration_register_first;
   std::uint8_t exception = 0;
   const auto range = port::parse_read_request(request, exception);
   if (!range) return port::write_exception(answer, request[0], exception);
-  const std::size_t end = std::size_t{range->first} + range->count;
-  if (request[0] == port::read_holding_registers && range->first >= configuration_register_first &&
-      end <= configuration_register_first + node.configuration.size()) {
-    return port::write_read_answer(
-        answer, request[0],
-        std::span(node.configuration)
-            .subspan(range->first - configuration_register_first, range->count));
-  }
-  if (end > firmware::node_register_count) {
-    return port::write_exception(answer, request[0], illegal_data_address);
+  if (request[0] == port::read_holding_registers && range->first >= configuration_register_first) {
+    return replies_.to_read(request, configuration_register_first, node.configuration, answer);
   }
   firmware::NodeReading reading = node.reading;
   reading.position = position_of(node);
   firmware::NodeRegisters registers = firmware::encode_node(reading, node.sequence);
   if (node.fault.action == Action::torn) ++registers.back();
-  return port::write_read_answer(answer, request[0],
-                                 std::span(registers).subspan(range->first, range->count));
+  return replies_.to_read(request, firmware::node_register_first, registers, answer);
 }
 
 }  // namespace etcm::nodes

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "modbus/replies.h"
 #include "modbus/tcp_listener.h"
 #include "node_map.h"
 #include "script.h"
@@ -77,13 +78,14 @@ class Fleet {
   std::size_t take_write(std::uint32_t node, std::span<const std::uint8_t> request,
                          std::span<std::uint8_t> answer);
   std::size_t answer_read(const Node& node, std::span<const std::uint8_t> request,
-                          std::span<std::uint8_t> answer) const;
+                          std::span<std::uint8_t> answer);
 
   std::vector<Event> events_;
   std::size_t next_event_ = 0;
   std::uint32_t time_ms_ = 0;
   std::vector<Node> nodes_;
   std::vector<Place> places_;  // by port and unit
+  port::Replies replies_;
 };
 
 // One port of the fleet.
