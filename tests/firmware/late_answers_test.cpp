@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fakes.h"
+#include "modbus/replies.h"
 #include "modbus/rtu_bus.h"
 #include "node_map.h"
 #include "poller.h"
@@ -84,14 +85,14 @@ class LateLine final : public port::RtuLine {
     return true;
   }
 
-  static std::size_t answer_to(std::span<const std::uint8_t> pdu, std::uint8_t unit,
-                               port::Instant asked, std::span<std::uint8_t> answer) {
-    std::uint8_t exception = 0;
-    std::array<std::uint16_t, port::write_registers_max> values;
+  std::size_t answer_to(std::span<const std::uint8_t> pdu, std::uint8_t unit, port::Instant asked,
+                        std::span<std::uint8_t> answer) {
     if (pdu[0] == port::write_holding_registers) {
-      return port::write_write_answer(answer, *port::parse_write_request(pdu, values, exception));
+      std::uint8_t exception = 0;
+      std::array<std::uint16_t, port::write_registers_max> values;
+      const std::uint16_t first = port::parse_write_request(pdu, exception)->first;
+      return replies_.to_write(pdu, first, values, answer);
     }
-    const port::RegisterRange range = *port::parse_read_request(pdu, exception);
     const std::int64_t ms = asked.time_since_epoch() / 1ms;
     const NodeRegisters registers =
         encode_node({.serial = unit,
@@ -99,13 +100,13 @@ class LateLine final : public port::RtuLine {
                                   .y = static_cast<std::int32_t>(ms / position_max)},
                      .status = node_status::fix_valid},
                     static_cast<std::uint16_t>(ms));
-    return port::write_read_answer(answer, pdu[0],
-                                   std::span(registers).subspan(range.first, range.count));
+    return replies_.to_read(pdu, node_register_first, registers, answer);
   }
 
   port::Duration character_;
   port::Duration silence_;
   Latency latency_;
+  port::Replies replies_;
   port::Instant now_{};
   std::vector<Answer> coming_;  // by time
 };
