@@ -1,6 +1,7 @@
 // The facade: storage, and what can be read.
 #include "etcm/mesh.h"
 
+#include <limits>
 #include <new>
 #include <type_traits>
 
@@ -36,7 +37,8 @@ std::uint64_t mix(const Point& p) noexcept {
 
 Status validate(const MeshConfig& config) noexcept {
   const bool good = config.vertices_max >= 1 && config.vertices_max <= vertices_limit &&
-                    config.features_max <= features_limit && config.policy != nullptr;
+                    config.features_max <= features_limit && config.policy != nullptr &&
+                    storage_bytes(config) < std::numeric_limits<std::size_t>::max();
   return good ? Status::ok : Status::bad_config;
 }
 

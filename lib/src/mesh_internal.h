@@ -224,8 +224,8 @@ void restore_detached(MeshState& m) noexcept;
 void forget_touched(MeshState& m) noexcept;
 // Prunes needless Steiner vertices of the touched sections, and ends the change.
 void commit(MeshState& m) noexcept;
-// Forgets the change: what came has come, what was retired and not used again becomes free. Whatever
-// a change ends with ends with this, or the next one would take back what was this one's.
+// Forgets the change: what came has come, what was retired and not used again becomes free.
+// Whatever a change ends with ends with this, or the next one would take back what was this one's.
 void end_change(MeshState& m) noexcept;
 
 // --- prune.cpp

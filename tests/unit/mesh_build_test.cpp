@@ -225,6 +225,48 @@ TEST(MeshOpen, ChecksItsConfiguration) {
   EXPECT_EQ(validate(config), Status::bad_config);
 }
 
+// What a machine of 32 bits computes, computed here.
+TEST(StorageBytes, NeverSayLessThanIsNeeded) {
+  constexpr std::uint32_t greatest = std::numeric_limits<std::uint32_t>::max();
+  constexpr auto narrow = storage_bytes_as<std::uint32_t>;
+  constexpr auto wide = storage_bytes_as<std::uint64_t>;
+  static_assert(wide(100, 10) == storage_bytes(100, 10));
+  static_assert(wide(greatest, greatest) < std::uint64_t{1} << 40);
+  static_assert(wide(greatest, 0) > std::uint64_t{bytes_per_vertex_capacity} * greatest);
+  static_assert(narrow(greatest, greatest) == greatest);
+  static_assert(narrow(59'652'324, 0) >= (sizeof(IdValue) == 2 ? 2'600'000'000u : greatest));
+  static_assert(narrow(1, greatest) == greatest);
+  static_assert(storage_bytes_as<std::uint16_t>(1000, 10) == 65'535);
+  static_assert(hint_side_bits(greatest) == 14);
+  static_assert(hint_side_bits(15) == 0 && hint_side_bits(16) == 1);
+  // Where the one is exact, so is the other; and more capacity never takes less memory.
+  std::uint32_t before = 0;
+  for (std::uint64_t vertices = 1; vertices <= greatest; vertices += vertices / 5 + 1) {
+    const auto count = static_cast<std::uint32_t>(vertices);
+    const std::uint64_t bytes = wide(count, count / 7);
+    EXPECT_EQ(narrow(count, count / 7), std::min<std::uint64_t>(bytes, greatest)) << count;
+    EXPECT_GE(narrow(count, count / 7), before) << count;
+    before = narrow(count, count / 7);
+  }
+}
+
+TEST(StorageBytes, BeyondTheLimitsOpenNothing) {
+  constexpr std::uint32_t greatest = std::numeric_limits<std::uint32_t>::max();
+  for (const MeshConfig& config : {MeshConfig{.vertices_max = greatest},
+                                   MeshConfig{.vertices_max = 1, .features_max = greatest}}) {
+    std::vector<std::uint64_t> storage(1000);
+    Mesh mesh;
+    EXPECT_EQ(validate(config), Status::bad_config);
+    EXPECT_EQ(mesh.open(std::as_writable_bytes(std::span(storage)), config), Status::bad_config);
+  }
+  std::vector<std::uint64_t> storage(1000);
+  const MeshConfig config{.vertices_max = vertices_limit, .features_max = features_limit};
+  Mesh mesh;
+  EXPECT_EQ(mesh.open(std::as_writable_bytes(std::span(storage)), config),
+            sizeof(std::size_t) == 4 && sizeof(IdValue) == 4 ? Status::bad_config
+                                                             : Status::storage_too_small);
+}
+
 TEST(MeshQueries, FillWhatFitsAndSayWhatIsNeeded) {
   const auto mesh = built({"", {{0, 0}, {10, 0}, {10, 10}, {0, 10}, {5, 4}}, {}});
   std::array<Neighbour, 2> few{};

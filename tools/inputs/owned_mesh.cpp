@@ -5,7 +5,8 @@
 namespace etcm::inputs {
 
 OwnedMesh::OwnedMesh(const MeshConfig& config)
-    : storage_(storage_bytes(config) / sizeof(std::uint64_t) + 1),
+    : storage_(validate(config) == Status::ok ? storage_bytes(config) / sizeof(std::uint64_t) + 1
+                                              : 0),
       opened_(mesh_.open(std::as_writable_bytes(std::span(storage_)), config)) {}
 
 MeshConfig config_for(const Graph& graph, std::size_t steiner_room, SplitPolicy policy) {

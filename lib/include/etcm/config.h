@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "etcm/policy.h"
 #include "etcm/status.h"
@@ -29,7 +30,7 @@ struct MeshConfig {
 inline constexpr std::uint32_t vertices_limit = sizeof(IdValue) == 2 ? 4094u : (1u << 28) - 2u;
 inline constexpr std::uint32_t features_limit = sizeof(IdValue) == 2 ? 8190u : (1u << 28) - 2u;
 
-// ok, bad_config.
+// ok, bad_config: also where the memory needed is more than a std::size_t can tell.
 Status validate(const MeshConfig& config) noexcept;
 
 // Bytes of one vertex (with its two triangles), of one feature stretch, and of the fixed head.
@@ -41,16 +42,28 @@ inline constexpr std::size_t bytes_fixed = 512;
 // The grid of hints for locate: 4^n cells, at most one for four vertices.
 constexpr int hint_side_bits(std::uint32_t vertices_max) noexcept {
   int bits = 0;
-  while ((std::uint32_t{16} << (2 * bits)) <= vertices_max) ++bits;
+  while ((std::uint64_t{16} << (2 * bits)) <= vertices_max) ++bits;
   return bits;
 }
 
-// The memory Mesh::open needs for this configuration, all in.
+// The memory Mesh::open needs for this configuration, all in, as a Size of this machine or of
+// another. Where that is more than a Size can tell, the greatest there is: storage of that length
+// there is none, so nobody takes less memory for enough.
+template <class Size>
+constexpr Size storage_bytes_as(std::uint32_t vertices_max, std::uint32_t features_max) noexcept {
+  // Below 2^40, whatever the capacities.
+  const std::uint64_t bytes =
+      bytes_fixed + std::uint64_t{bytes_per_vertex_capacity} * vertices_max +
+      std::uint64_t{bytes_per_feature_capacity} * features_max +
+      (std::uint64_t{sizeof(IdValue)} << (2 * hint_side_bits(vertices_max)));
+  constexpr Size most = std::numeric_limits<Size>::max();
+  return bytes < most ? static_cast<Size>(bytes) : most;
+}
+
+// The same as a std::size_t.
 constexpr std::size_t storage_bytes(std::uint32_t vertices_max,
                                     std::uint32_t features_max) noexcept {
-  return bytes_fixed + bytes_per_vertex_capacity * vertices_max +
-         bytes_per_feature_capacity * features_max +
-         (sizeof(IdValue) << (2 * hint_side_bits(vertices_max)));
+  return storage_bytes_as<std::size_t>(vertices_max, features_max);
 }
 constexpr std::size_t storage_bytes(const MeshConfig& config) noexcept {
   return storage_bytes(config.vertices_max, config.features_max);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 
 #include "etcm/config.h"
@@ -14,6 +15,7 @@ template <std::uint32_t VerticesMax, std::uint32_t FeaturesMax>
 class MeshStorage {
   static_assert(VerticesMax >= 1 && VerticesMax <= vertices_limit);
   static_assert(FeaturesMax <= features_limit);
+  static_assert(storage_bytes(VerticesMax, FeaturesMax) < std::numeric_limits<std::size_t>::max());
 
  public:
   std::span<std::byte> bytes() noexcept { return bytes_; }
