@@ -114,8 +114,8 @@ struct NativeArithmetic {
     Uint128 high;
 
     friend constexpr Int256 operator+(const Int256& a, const Int256& b) noexcept {
-      const Uint128 low = a.low + b.low;
-      return {low, a.high + b.high + (low < a.low ? 1u : 0u)};
+      const Uint128 sum = a.low + b.low;
+      return {sum, a.high + b.high + (sum < a.low ? 1u : 0u)};
     }
     friend constexpr Int256 operator-(const Int256& a, const Int256& b) noexcept {
       return {a.low - b.low, a.high - b.high - (a.low < b.low ? 1u : 0u)};
