@@ -54,7 +54,7 @@ NodeRecord* Admission::admit(std::uint32_t unit, std::uint32_t serial, port::Ins
 
   NodeRecord* node = roster_.find(serial);
   if (node == nullptr) {
-    node = roster_.add(serial, now);
+    node = add(serial, now);
     if (node == nullptr) return disbelieve(unit, Doubt::no_room, no_serial);
   } else if (node->unit != no_unit) {
     if (doubt.doubt == Doubt::same_serial || node->heard_at > doubt.since) {
@@ -86,6 +86,25 @@ void Admission::sweep(port::Instant now) {
 bool Admission::has_gone(const NodeRecord& node, port::Instant now) const {
   return poller_.failures(node.unit) >= failures_of_the_gone ||
          now - node.heard_at > settings_.stale_after;
+}
+
+// Who answers comes before who is missing.
+NodeRecord* Admission::add(std::uint32_t serial, port::Instant now) {
+  if (NodeRecord* const node = roster_.add(serial, now); node != nullptr) return node;
+  NodeRecord* longest = nullptr;
+  for (NodeRecord& node : roster_.records()) {
+    if (!node.is_missing || node.is_placed()) continue;
+    if (longest == nullptr || node.heard_at < longest->heard_at) longest = &node;
+  }
+  if (longest == nullptr) return nullptr;
+  log_.write(port::Level::warning,
+             TextLine() << "node " << longest->serial
+                        << " is no longer missed, though it did not come back: there is no room to "
+                           "know node "
+                        << serial << " too; dismiss those that are missing by a reload");
+  roster_.release(*longest);
+  changed_ = true;
+  return roster_.add(serial, now);
 }
 
 NodeRecord* Admission::disbelieve(std::uint32_t unit, Doubt why, std::uint32_t other) {

@@ -52,6 +52,8 @@ class Admission {
   // Whether a feature ends at this serial.
   bool is_named(std::uint32_t serial) const { return !features_.ending_at(serial).empty(); }
   bool has_gone(const NodeRecord& node, port::Instant now) const;
+  // A record for a node that is not known; null where there is no room for it.
+  NodeRecord* add(std::uint32_t serial, port::Instant now);
   // Null, always; says why when that is news.
   NodeRecord* disbelieve(std::uint32_t unit, Doubt doubt, std::uint32_t other);
   void clear(UnitDoubt& doubt);

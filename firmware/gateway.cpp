@@ -23,11 +23,6 @@ std::int64_t squared_distance(Position a, Position b) {
   return dx * dx + dy * dy;
 }
 
-// An eighth of the pause it watches for is late by little, and costs little.
-port::Duration sweep_interval(const PollSettings& poll) {
-  return std::clamp<port::Duration>(std::min(poll.stale_after, poll.leave_after) / 8, 1ms, 1s);
-}
-
 }  // namespace
 
 Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports)
@@ -36,6 +31,7 @@ Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports
       poller_(settings.poll, ports.buses, *this, ports.log, this),
       roster_(poller_.unit_count()),
       keeper_(mesh, settings, roster_, ports.clock, ports.log),
+      presence_(settings.poll, poller_, roster_, keeper_, ports.log),
       admission_(settings.poll, keeper_.features(), roster_, poller_, ports.log),
       assigner_(settings.poll, poller_, roster_, ports.log),
       write_back_(settings, poller_, roster_, keeper_, ports.log),
@@ -43,8 +39,7 @@ Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports
       snapshots_(settings, static_cast<std::uint32_t>(roster_.records().size())),
       images_(map_capacity(settings), images_ready, settings.server.clients_max + 2),
       state_transfer_(keeper_, roster_, poller_),
-      interval_(settings.poll.interval),
-      sweep_interval_(sweep_interval(settings.poll)) {
+      interval_(settings.poll.interval) {
   quarantine_.reserve(quarantine_max(roster_, keeper_.features(), keeper_.anchors(), admission_));
   if (ports.store != nullptr && settings.state) {
     state_keeper_.emplace(settings, publish_pause, *ports.store, ports.log);
@@ -62,6 +57,7 @@ void Gateway::restore(port::Instant now) {
   const bool is_same = state_transfer_.restore(*saved, generation_ + 1, now);
   // Before the first mesh only a promise about generations is saved.
   if (saved->generation > 0) log_restored(*saved, is_same);
+  presence_.tell_missing(now);
   static_cast<void>(keeper_.take_changed());
   // Where somebody was is not looked for in its turn, but at once.
   for (const NodeRecord& node : roster_.records()) {
@@ -83,20 +79,24 @@ void Gateway::log_restored(const SavedState& saved, bool is_same) {
 }
 
 void Gateway::step(port::Instant now) {
+  presence_.turn(now);
   poller_.step(now);
-  if (sweep_due_ <= now) {
-    sweep_silent(now);
-    sweep_due_ = now + sweep_interval_;
+  if (presence_.is_due(now)) {
+    admission_.sweep(now);
+    presence_.sweep(now, generation_ + 1);
+    changed_ = changed_ || presence_.waiting_count() != snapshot().waiting_count;
   }
   keeper_.retry_refused(generation_ + 1);
   changed_ = keeper_.take_changed() || changed_;
   changed_ = admission_.take_changed() || changed_;
+  changed_ = presence_.take_changed() || changed_;
   if (changed_ && publish_due_ <= now) publish(now);
   if (files_keeper_) {
     files_keeper_->step(now);
     if (files_keeper_->is_due(now)) files_keeper_->write(keeper_.mesh(), keeper_.serials(), now);
   }
   if (state_keeper_) {
+    keep_silences(now);
     state_keeper_->step(now);
     if (state_keeper_->is_due(now)) save_state(now);
   }
@@ -104,16 +104,17 @@ void Gateway::step(port::Instant now) {
 
 void Gateway::update_settings(port::Instant now) {
   const port::Instant heard_by = poller_.update_settings(now);
-  if (settings_.poll.interval < interval_) silence_counts_from_ = heard_by;
+  presence_.update_settings(settings_.poll.interval < interval_ ? heard_by : now, now);
   interval_ = settings_.poll.interval;
-  sweep_interval_ = sweep_interval(settings_.poll);
   keeper_.update_site(generation_ + 1);
+  presence_.dismiss_missing();
   snapshots_.update_site(settings_.domain);
   quarantine_.reserve(quarantine_max(roster_, keeper_.features(), keeper_.anchors(), admission_));
 }
 
 port::Instant Gateway::next_deadline() const {
-  port::Instant deadline = std::min({poller_.next_deadline(), sweep_due_, keeper_.next_deadline()});
+  port::Instant deadline =
+      std::min({poller_.next_deadline(), presence_.next_deadline(), keeper_.next_deadline()});
   if (files_keeper_) deadline = std::min(deadline, files_keeper_->next_deadline());
   if (state_keeper_) deadline = std::min(deadline, state_keeper_->next_deadline());
   if (changed_) deadline = std::min(deadline, publish_due_);
@@ -149,16 +150,23 @@ void Gateway::finish_saving(port::Instant now) {
   if (files_keeper_) files_keeper_->step(now);
 }
 
+// Since when somebody is missing is known after a power failure too, within the hour.
+void Gateway::keep_silences(port::Instant now) {
+  if (snapshot().missing_count == 0 || now - missing_saved_at_ < 1h) return;
+  missing_saved_at_ = now;
+  state_keeper_->outdate();
+}
+
 void Gateway::save_state(port::Instant now) {
   state_transfer_.write(state_keeper_->begin(generation_, keeper_.mesh().hash()), now);
   state_keeper_->save(now);
 }
 
 bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::Instant now) {
+  presence_.hear_unit(unit, now);
   NodeRecord* const node = admission_.admit(unit, reading.serial, now);
   if (node == nullptr) return false;
-  node->heard_at = now;
-  node->status = reading.status;
+  presence_.hear_node(*node, reading, now);
   if (node->boot_count != reading.boot_count) {
     node->boot_count = reading.boot_count;
     write_back_.look_again();
@@ -166,11 +174,7 @@ bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::I
   if (poller_.address_of(unit) == default_unit) {
     assigner_.on_newcomer(poller_.bus_of(unit), reading.serial, now);
   }
-  if (node->stale) {
-    node->stale = false;
-    changed_ = true;
-  }
-  if ((reading.status & node_status::leaving) != 0) {
+  if (node->has_asked_to_leave()) {
     if (node->is_placed()) {
       keeper_.leave(*node, "on its own request", generation_ + 1);
     } else {
@@ -180,10 +184,7 @@ bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::I
   }
   keeper_.stay(*node);
   // Without a fix the node stays where it was last known to be.
-  if ((reading.status & node_status::fix_valid) == 0) return true;
-  node->position = reading.position;
-  node->positioned_at = now;
-  place(*node);
+  if ((reading.status & node_status::fix_valid) != 0) place(*node);
   return true;
 }
 
@@ -227,23 +228,6 @@ void Gateway::place(NodeRecord& node) {
   }
 }
 
-void Gateway::sweep_silent(port::Instant now) {
-  admission_.sweep(now);
-  for (NodeRecord& node : roster_.records()) {
-    if (!node.is_known()) continue;
-    const port::Duration silence = now - std::max(node.heard_at, silence_counts_from_);
-    if (silence > settings_.poll.leave_after) {
-      if (node.is_placed()) {
-        keeper_.leave(node, "silent", generation_ + 1);
-      }
-      if (!node.is_placed()) roster_.release(node);
-    } else if (silence > settings_.poll.stale_after && !node.stale) {
-      node.stale = true;
-      changed_ = changed_ || node.is_placed();
-    }
-  }
-}
-
 void Gateway::publish(port::Instant now) {
   ++generation_;
   changed_ = false;
@@ -253,7 +237,7 @@ void Gateway::publish(port::Instant now) {
   write_back_.look_again();
   list_quarantine(roster_, keeper_.features(), keeper_.anchors(), admission_, quarantine_);
   const Snapshot& snapshot =
-      snapshots_.take(generation_, keeper_, roster_, poller_, quarantine_, now);
+      snapshots_.take(generation_, keeper_, roster_, poller_, presence_, quarantine_, now);
   state_ = snapshot.state;
   ports_.server.publish(images_.encode(snapshot));
   // A large mesh takes its time; polling must not wait for it often.

@@ -24,6 +24,7 @@
 #include "image_pool.h"
 #include "mesh_keeper.h"
 #include "poller.h"
+#include "presence.h"
 #include "quarantine.h"
 #include "roster.h"
 #include "settings.h"
@@ -70,6 +71,7 @@ class Gateway final : private ReadingListener, private Errands {
 
   // The settings have changed, in what can change while the gateway runs (reload.h). Where units
   // are asked more often than before, silence counts once all of them have had time to answer.
+  // Nodes that are missing are dismissed.
   void update_settings(port::Instant now);
 
   std::uint32_t generation() const { return generation_; }
@@ -87,6 +89,7 @@ class Gateway final : private ReadingListener, private Errands {
   const StateKeeper* kept_state() const { return state_keeper_ ? &*state_keeper_ : nullptr; }
   const Poller& poller() const { return poller_; }
   const Roster& roster() const { return roster_; }
+  const Presence& presence() const { return presence_; }
   const MeshTimes& mesh_times() const { return keeper_.times(); }
   // As published last.
   std::span<const QuarantineEntry> quarantine() const { return quarantine_; }
@@ -97,9 +100,9 @@ class Gateway final : private ReadingListener, private Errands {
   bool next_errand(std::uint32_t bus, port::Instant now, Errand& errand) override;
   void on_errand_done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now) override;
   void place(NodeRecord& node);
-  void sweep_silent(port::Instant now);
   void publish(port::Instant now);
   void save_state(port::Instant now);
+  void keep_silences(port::Instant now);
   void log_restored(const SavedState& saved, bool is_same);
 
   const Settings& settings_;
@@ -107,6 +110,7 @@ class Gateway final : private ReadingListener, private Errands {
   Poller poller_;
   Roster roster_;
   MeshKeeper keeper_;
+  Presence presence_;
   Admission admission_;
   AddressAssigner assigner_;
   WriteBack write_back_;
@@ -117,14 +121,12 @@ class Gateway final : private ReadingListener, private Errands {
   StateTransfer state_transfer_;
   std::optional<StateKeeper> state_keeper_;
   std::optional<FilesKeeper> files_keeper_;
-  port::Duration interval_;  // of the polls, as it was when the settings changed last
-  port::Instant silence_counts_from_{};
-  port::Duration sweep_interval_;
-  port::Instant sweep_due_{};
+  port::Duration interval_;       // of the polls, as it was when the settings changed last
   port::Instant publish_due_{};   // not before
   std::uint32_t generation_ = 0;  // published last
   std::uint16_t state_ = 0;
   bool changed_ = false;  // since then
+  port::Instant missing_saved_at_{};
 };
 
 // The image a server has before the first generation.

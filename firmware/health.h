@@ -6,8 +6,9 @@
 
 namespace etcm::firmware {
 
-// True when every bus has a unit that answered within leave_after, or the gateway has not run for
-// so long. Else writes the reason, one line.
+// True when the mesh can be read, every bus has a node that answered within leave_after (or the
+// gateway has not listened for so long), no node is missing, and what changed is published. Else
+// writes the reason, one line.
 bool is_healthy(const StatusSources& sources, port::Instant now, TextWriter& reason);
 
 }  // namespace etcm::firmware

@@ -203,6 +203,7 @@ void MeshDocument::write_vertex_head(const SnapshotVertex& vertex, std::uint32_t
     write_unit(vertex.unit, piece);
     piece << ",\"in_mesh\":true,\"stale\":";
     piece.yes_or_no(vertex.stale);
+    if (vertex.lacks_fix) piece << ",\"no_fix\":true";
     write_refusal(vertex.refusal, piece);
   } else {
     piece << "\"kind\":\"steiner\",\"feature\":" << vertex.feature;
@@ -223,6 +224,7 @@ void MeshDocument::write_outsider(Cursor& cursor, TextWriter& piece) const {
   piece << ",\"properties\":{\"kind\":\"node\",\"serial\":" << node.serial;
   write_unit(node.unit, piece);
   piece << ",\"in_mesh\":false";
+  if (node.is_missing) piece << ",\"missing\":true";
   write_refusal(node.refusal, piece);
   piece << "}}";
 }

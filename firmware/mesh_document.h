@@ -10,7 +10,9 @@
 //   "relay"            a point: where one more relay than the Steiner vertices would have to stand
 //   "hole"             a point out of the sensing range, and how far the nearest node is
 //   "missing"          a configured feature that is not in the mesh; no geometry
-// A node that is known and not in the mesh has "in_mesh": false and no id.
+// A node that is known and not in the mesh has "in_mesh": false and no id; one that is missing also
+// "missing": true, with its last place and unit. One that is stale although it answers has
+// "no_fix": true.
 #pragma once
 
 #include "document.h"

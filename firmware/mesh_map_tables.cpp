@@ -35,7 +35,10 @@ constexpr auto header_table = in_sequence(std::to_array<MapRow<HeaderSource>>({
     {"version", 1, "{}, the version of this map", [](const HeaderSource&) { return 1u; }},
     {"state", 1,
      "0 all well; bit 0 partial: a node or feature is not in the mesh; bit 1 stale: a node has not "
-     "answered lately; bit 2 room or budget was too small",
+     "answered lately, or has no fix; bit 2 room or budget was too small; bit 3 missing: a node "
+     "fell "
+     "silent, left the mesh for that and has not come back; bit 4 bus silent: no node of a bus "
+     "answers",
      [](const HeaderSource& source) { return std::uint32_t{source.snapshot.state}; }},
     {"block_registers", 1, "{}", [](const HeaderSource&) { return block_size; }},
     {"blocks_per_unit", 1, "{}", [](const HeaderSource&) { return unit_blocks; }},
@@ -58,7 +61,7 @@ constexpr auto header_table = in_sequence(std::to_array<MapRow<HeaderSource>>({
      "nodes, anchors and features that are kept out, and doubtful answers; the quarantine list has "
      "the reasons",
      [](const HeaderSource& source) { return source.snapshot.quarantined_count; }},
-    {"stale_count", 2, "nodes in the mesh that have not answered lately",
+    {"stale_count", 2, "nodes in the mesh that have not answered lately, or have no fix",
      [](const HeaderSource& source) { return source.snapshot.stale_count; }},
     {"oldest_age_ms", 2, "age of the oldest position in the mesh when this generation was made",
      [](const HeaderSource& source) { return source.snapshot.oldest_age_ms; }},
@@ -166,6 +169,12 @@ constexpr auto header_table = in_sequence(std::to_array<MapRow<HeaderSource>>({
      "0x01020304 to a master that puts 32-bit values together rightly; 0x03040102 shows swapped "
      "words, 0x02010403 swapped bytes, 0x04030201 both",
      [](const HeaderSource&) { return 0x01020304u; }},
+    {"missing_count", 2, "nodes that fell silent, left the mesh for that and have not come back",
+     [](const HeaderSource& source) { return source.snapshot.missing_count; }},
+    {"silent_bus_count", 2, "buses of which no node answers, though some are known there",
+     [](const HeaderSource& source) { return source.snapshot.silent_bus_count; }},
+    {"waiting_count", 2, "nodes that answer and have not told yet where they are",
+     [](const HeaderSource& source) { return source.snapshot.waiting_count; }},
 }));
 
 constexpr auto vertex_table = in_sequence(std::to_array<MapRow<SnapshotVertex>>({

@@ -86,6 +86,8 @@ void write_state(const Context& context, std::uint32_t, TextWriter& piece) {
   flag("partial", snapshot_state::partial);
   flag("stale", snapshot_state::stale);
   flag("budget_hit", snapshot_state::budget_hit);
+  flag("missing", snapshot_state::missing);
+  flag("bus_silent", snapshot_state::bus_silent);
 }
 
 void write_features(const Context& context, std::uint32_t, TextWriter& piece) {
@@ -159,11 +161,36 @@ void write_unit_answer_max(const Context& context, std::uint32_t unit, TextWrite
   piece.seconds(context.poller().counters(unit).answer_time_max) << "\n";
 }
 
+void write_node(const Context& context, std::uint32_t serial, port::Instant since,
+                TextWriter& piece) {
+  piece << context.name << "{serial=\"" << serial << "\"} ";
+  piece.seconds(context.asked_at - since) << "\n";
+}
+
+const NodeRecord& record(const Context& context, std::uint32_t index) {
+  return context.sources.gateway.roster().records()[index];
+}
+
 void write_node_age(const Context& context, std::uint32_t index, TextWriter& piece) {
-  const NodeRecord& node = context.sources.gateway.roster().records()[index];
-  if (!node.is_known()) return;
-  piece << context.name << "{serial=\"" << node.serial << "\"} ";
-  piece.seconds(context.asked_at - node.heard_at) << "\n";
+  const NodeRecord& node = record(context, index);
+  if (node.is_known() && node.has_position()) {
+    write_node(context, node.serial, node.positioned_at, piece);
+  }
+}
+
+void write_node_silence(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const NodeRecord& node = record(context, index);
+  if (node.is_known()) write_node(context, node.serial, node.heard_at, piece);
+}
+
+void write_node_missing(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const NodeRecord& node = record(context, index);
+  if (node.is_missing) write_node(context, node.serial, node.heard_at, piece);
+}
+
+void write_bus_silent(const Context& context, std::uint32_t bus, TextWriter& piece) {
+  bus_labels(context, bus, piece) << (context.sources.gateway.presence().is_silent(bus) ? 1 : 0)
+                                  << "\n";
 }
 
 void write_bus_busy(const Context& context, std::uint32_t bus, TextWriter& piece) {
@@ -193,10 +220,12 @@ constexpr std::array families{
            [](const Context& context, std::uint32_t, TextWriter& piece) {
              plain(context, context.snapshot().generation, piece);
            }},
-    Family{"etcm_state", "gauge",
-           "1 when something is not in the mesh (partial), a node has not answered lately (stale), "
-           "or room or budget was too small (budget_hit).",
-           Scope::gateway, write_state},
+    Family{
+        "etcm_state", "gauge",
+        "1 when something is not in the mesh (partial), a position is not fresh (stale), room or "
+        "budget was too small (budget_hit), a node fell silent and has not come back (missing), "
+        "or no node of a bus answers (bus_silent).",
+        Scope::gateway, write_state},
     Family{"etcm_nodes", "gauge", "Nodes in the mesh.", Scope::gateway,
            [](const Context& context, std::uint32_t, TextWriter& piece) {
              plain(context, context.snapshot().node_count, piece);
@@ -219,10 +248,20 @@ constexpr std::array families{
            [](const Context& context, std::uint32_t, TextWriter& piece) {
              plain(context, context.snapshot().quarantined_count, piece);
            }},
-    Family{"etcm_stale_nodes", "gauge", "Nodes in the mesh that have not answered lately.",
-           Scope::gateway,
+    Family{"etcm_stale_nodes", "gauge",
+           "Nodes in the mesh that have not answered lately, or have no fix.", Scope::gateway,
            [](const Context& context, std::uint32_t, TextWriter& piece) {
              plain(context, context.snapshot().stale_count, piece);
+           }},
+    Family{"etcm_missing_nodes", "gauge",
+           "Nodes that fell silent, left the mesh for that and have not come back.", Scope::gateway,
+           [](const Context& context, std::uint32_t, TextWriter& piece) {
+             plain(context, context.snapshot().missing_count, piece);
+           }},
+    Family{"etcm_waiting_nodes", "gauge", "Nodes that answer and have not told where they are.",
+           Scope::gateway,
+           [](const Context& context, std::uint32_t, TextWriter& piece) {
+             plain(context, context.snapshot().waiting_count, piece);
            }},
     Family{"etcm_long_links", "gauge", "Edges longer than the radio range, if one is set.",
            Scope::gateway,
@@ -287,8 +326,16 @@ constexpr std::array families{
            Scope::unit, write_unit_answer},
     Family{"etcm_unit_answer_longest_seconds", "gauge", "The longest of these.", Scope::unit,
            write_unit_answer_max},
-    Family{"etcm_node_age_seconds", "gauge", "Time since a node's last sound answer.", Scope::node,
-           write_node_age},
+    Family{"etcm_bus_silent", "gauge",
+           "1 when no node of the bus answers, though some are known there.", Scope::bus,
+           write_bus_silent},
+    Family{"etcm_node_age_seconds", "gauge", "Time since a node's last position with a fix.",
+           Scope::node, write_node_age},
+    Family{"etcm_node_silence_seconds", "gauge", "Time since a node's last sound answer.",
+           Scope::node, write_node_silence},
+    Family{"etcm_node_missing_seconds", "gauge",
+           "Of a node that is missing, the time since its last sound answer.", Scope::node,
+           write_node_missing},
 };
 
 }  // namespace

@@ -9,7 +9,9 @@ namespace etcm::firmware {
 std::uint32_t flashes_of(std::uint16_t state, std::uint32_t node_count) {
   if (node_count == 0) return 5;
   if ((state & snapshot_state::budget_hit) != 0) return 4;
-  if ((state & snapshot_state::stale) != 0) return 3;
+  constexpr std::uint16_t silence =
+      snapshot_state::stale | snapshot_state::missing | snapshot_state::bus_silent;
+  if ((state & silence) != 0) return 3;
   if ((state & snapshot_state::partial) != 0) return 2;
   return 1;
 }

@@ -28,8 +28,8 @@ inline constexpr port::Duration watchdog_interval = std::chrono::milliseconds(50
 inline constexpr port::Duration flash = std::chrono::milliseconds(150);
 inline constexpr port::Duration flash_pause = std::chrono::milliseconds(900);
 
-// The number of flashes: 1 all well, 2 partial, 3 stale, 4 room or budget too small, 5 no nodes. Of
-// several the highest.
+// The number of flashes: 1 all well, 2 partial, 3 stale or missing, 4 room or budget too small, 5
+// no nodes. Of several the highest.
 std::uint32_t flashes_of(std::uint16_t snapshot_state, std::uint32_t node_count);
 
 class Panel {

@@ -1,21 +1,28 @@
 #include "roster.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace etcm::firmware {
 
-namespace {
-
-// Nodes without a unit are few, and leave soon: a quarter of the units, and some.
-constexpr std::uint32_t record_count(std::uint32_t unit_count) {
-  return unit_count + unit_count / 4 + 16;
+std::uint32_t count_units(const Settings& settings) {
+  std::uint32_t count = 0;
+  for (const BusSettings& bus : settings.buses) {
+    std::array<bool, 256> is_unit{};
+    for (const std::vector<UnitRange>* const ranges : {&bus.units, &bus.assign, &bus.scan}) {
+      for (const UnitRange range : *ranges) {
+        std::fill(is_unit.begin() + range.first, is_unit.begin() + range.last + 1, true);
+      }
+    }
+    if (!bus.assign.empty()) is_unit[default_unit] = true;
+    count += static_cast<std::uint32_t>(std::count(is_unit.begin(), is_unit.end(), true));
+  }
+  return count;
 }
 
-}  // namespace
-
 Roster::Roster(std::uint32_t unit_count)
-    : records_(record_count(unit_count)),
+    : records_(roster_capacity(unit_count)),
       by_unit_(unit_count, no_slot),
       released_heard_at_(unit_count) {
   by_serial_.reserve(records_.size());
@@ -54,17 +61,21 @@ void Roster::seat(NodeRecord& node, std::uint32_t unit) {
   if (NodeRecord* const before = at(unit); before != nullptr) before->unit = no_unit;
   if (node.unit != no_unit) by_unit_[node.unit] = no_slot;
   by_unit_[unit] = static_cast<std::uint32_t>(&node - records_.data());
-  node.unit = unit;
+  node.unit = node.last_unit = unit;
+}
+
+void Roster::vacate(NodeRecord& node) {
+  if (node.unit == no_unit) return;
+  by_unit_[node.unit] = no_slot;
+  released_heard_at_[node.unit] = node.heard_at;
+  node.unit = no_unit;
 }
 
 void Roster::release(NodeRecord& node) {
   const auto entry = lower_bound(node.serial);
   free_.push_back(entry->slot);
   by_serial_.erase(entry);
-  if (node.unit != no_unit) {
-    by_unit_[node.unit] = no_slot;
-    released_heard_at_[node.unit] = node.heard_at;
-  }
+  vacate(node);
   node = {};
 }
 

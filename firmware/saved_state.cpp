@@ -3,18 +3,27 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "roster.h"
+
 namespace etcm::firmware {
 
 namespace {
 
-enum Kind : std::size_t { buses, nodes, anchors, features, steiner };
+enum Kind : std::size_t { buses, nodes, anchors, features, steiner, missing, kinds };
 
 constexpr std::size_t counts_at = 20;
-constexpr std::size_t head_size = counts_at + 5 * 4;
+constexpr std::size_t head_size = counts_at + kinds * 4;
+// Form 1 has no missing nodes.
+constexpr std::uint32_t oldest_version = 1;
+constexpr std::size_t kinds_of_oldest = missing;
 constexpr std::size_t node_size = 20;
 constexpr std::size_t anchor_size = 8;
 constexpr std::size_t feature_size = 8;
 constexpr std::size_t steiner_size = 20;
+constexpr std::size_t missing_size = node_size + 4;
+constexpr std::uint8_t flag_position = 1;
+// A silence that goes on is as good as another one each hour.
+constexpr std::uint32_t seconds_per_hour = 3600;
 
 // Takes numbers off the front. Past the end they are 0, and is_cut_off() says so.
 class Reader {
@@ -61,6 +70,17 @@ Position take_position(Reader& reader) {
   return position;
 }
 
+SavedNode take_node(Reader& reader, std::uint8_t& flags) {
+  SavedNode node;
+  node.serial = reader.take<std::uint32_t>();
+  node.position = take_position(reader);
+  node.age_ms = reader.take<std::uint32_t>();
+  node.bus = reader.take<std::uint16_t>();
+  node.unit = reader.take<std::uint8_t>();
+  flags = reader.take<std::uint8_t>();
+  return node;
+}
+
 template <class Value, class Key>
 bool has_twins(const std::vector<Value>& values, Key key) {
   using KeyValue = decltype(key(values.front()));
@@ -73,13 +93,15 @@ bool has_twins(const std::vector<Value>& values, Key key) {
 // What the mesh itself does not find when it is given such a state.
 std::string judge(const SavedState& state) {
   if (state.next_generation <= state.generation) return "its generations contradict each other";
-  for (const SavedNode& node : state.nodes) {
+  std::vector<SavedNode> known = state.nodes;
+  for (const SavedMissing& each : state.missing) known.push_back(each.node);
+  for (const SavedNode& node : known) {
     if (node.serial == no_serial) return "a node has no serial";
     if (node.bus != no_saved_bus && node.bus >= state.buses.size()) {
       return "node " + std::to_string(node.serial) + " is on a bus it does not name";
     }
   }
-  if (has_twins(state.nodes, [](const SavedNode& node) { return node.serial; })) {
+  if (has_twins(known, [](const SavedNode& node) { return node.serial; })) {
     return "two nodes have one serial";
   }
   const std::size_t ends = state.nodes.size() + state.anchors.size();
@@ -96,7 +118,7 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
   Reader reader(bytes);
   const auto version = reader.take<std::uint32_t>();
   if (reader.is_cut_off()) return "it is cut off";
-  if (version != saved_state_version) {
+  if (version < oldest_version || version > saved_state_version) {
     return std::string("it is from ") + (version > saved_state_version ? "a newer" : "an older") +
            " gateway (form " + std::to_string(version) + ", this one knows " +
            std::to_string(saved_state_version) + ")";
@@ -104,8 +126,9 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
   state.generation = reader.take<std::uint32_t>();
   state.next_generation = reader.take<std::uint32_t>();
   state.mesh_hash = reader.take<std::uint64_t>();
-  std::uint32_t counts[5];
-  for (std::uint32_t& count : counts) count = reader.take<std::uint32_t>();
+  std::uint32_t counts[kinds] = {};
+  const std::size_t counted = version == oldest_version ? kinds_of_oldest : kinds;
+  for (std::size_t kind = 0; kind < counted; ++kind) counts[kind] = reader.take<std::uint32_t>();
 
   const auto each = [&](Kind kind, std::size_t size_least, auto take) {
     if (!reader.has(counts[kind], size_least)) {
@@ -119,14 +142,8 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
     state.buses.emplace_back(reinterpret_cast<const char*>(name.data()), name.size());
   });
   each(nodes, node_size, [&] {
-    SavedNode node;
-    node.serial = reader.take<std::uint32_t>();
-    node.position = take_position(reader);
-    node.age_ms = reader.take<std::uint32_t>();
-    node.bus = reader.take<std::uint16_t>();
-    node.unit = reader.take<std::uint8_t>();
-    static_cast<void>(reader.take<std::uint8_t>());
-    state.nodes.push_back(node);
+    std::uint8_t flags = 0;
+    state.nodes.push_back(take_node(reader, flags));
   });
   each(anchors, anchor_size, [&] { state.anchors.push_back(take_position(reader)); });
   each(features, feature_size, [&] {
@@ -142,6 +159,13 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
     place.point.y = reader.take<std::int64_t>();
     state.steiner.push_back(place);
   });
+  each(missing, missing_size, [&] {
+    std::uint8_t flags = 0;
+    const SavedNode node = take_node(reader, flags);
+    state.missing.push_back({.node = node,
+                             .has_position = (flags & flag_position) != 0,
+                             .silence_s = reader.take<std::uint32_t>()});
+  });
   if (reader.is_cut_off()) return "it is cut off";
   if (reader.left() != 0) return "it is too long";
   return judge(state);
@@ -152,7 +176,8 @@ std::size_t saved_state_size_max(const Settings& settings) {
   for (const BusSettings& bus : settings.buses) size += 1 + saved_bus_name(bus.name).size();
   // A vertex is a node, an anchor or a Steiner vertex; a feature in the mesh takes a place of its.
   size += settings.mesh.vertices_max * std::max({node_size, anchor_size, steiner_size});
-  return size + settings.mesh.features_max * feature_size;
+  size += settings.mesh.features_max * feature_size;
+  return size + roster_capacity(count_units(settings)) * missing_size;
 }
 
 StateWriter::StateWriter(std::size_t size_max) { bytes_.reserve(size_max); }
@@ -167,7 +192,11 @@ void StateWriter::put(Value value) {
 template <class Value>
 void StateWriter::put_content(Value value) {
   put(value);
-  content_ = (content_ ^ static_cast<std::uint64_t>(value)) * 0x9e3779b97f4a7c15u;
+  mix(static_cast<std::uint64_t>(value));
+}
+
+void StateWriter::mix(std::uint64_t value) {
+  content_ = (content_ ^ value) * 0x9e3779b97f4a7c15u;
   content_ ^= content_ >> 32;
 }
 
@@ -192,13 +221,17 @@ void StateWriter::add_bus(std::string_view name) {
 
 void StateWriter::add(const SavedNode& node) {
   count(nodes);
+  put_node(node, 0);
+}
+
+void StateWriter::put_node(const SavedNode& node, std::uint8_t flags) {
   put_content(node.serial);
   put_content(node.position.x);
   put_content(node.position.y);
   put(node.age_ms);
   put_content(node.bus);
   put_content(node.unit);
-  put(std::uint8_t{0});
+  put_content(flags);
 }
 
 void StateWriter::add(Position anchor) {
@@ -218,6 +251,13 @@ void StateWriter::add(const SteinerPlace& place) {
   put_content(place.feature);
   put_content(place.point.x);
   put_content(place.point.y);
+}
+
+void StateWriter::add(const SavedMissing& each) {
+  count(missing);
+  put_node(each.node, each.has_position ? flag_position : std::uint8_t{0});
+  put(each.silence_s);
+  mix(each.silence_s / seconds_per_hour);
 }
 
 std::span<const std::byte> StateWriter::finish() {

@@ -71,14 +71,14 @@ void ServiceWatch::tell_status(port::Instant now) {
   told_generation_ = gateway_.generation();
   told_missing_ = what_is_missing();
   const Snapshot& snapshot = gateway_.snapshot();
-  std::array<char, 200> text{};
-  const int size =
-      std::snprintf(text.data(), text.size(),
-                    "generation %" PRIu32 ": %" PRIu32 " nodes, %" PRIu32 " stale, %" PRIu32
-                    " refused, %" PRIu32 " of %" PRIu32 " features, %" PRIu32 " Steiner vertices%s",
-                    snapshot.generation, snapshot.node_count, snapshot.stale_count,
-                    snapshot.quarantined_count, snapshot.features_active,
-                    snapshot.features_configured, snapshot.steiner_count, told_missing_.data());
+  std::array<char, 300> text{};
+  const int size = std::snprintf(
+      text.data(), text.size(),
+      "generation %" PRIu32 ": %" PRIu32 " nodes, %" PRIu32 " stale, %" PRIu32 " missing, %" PRIu32
+      " refused, %" PRIu32 " of %" PRIu32 " features, %" PRIu32 " Steiner vertices%s",
+      snapshot.generation, snapshot.node_count, snapshot.stale_count, snapshot.missing_count,
+      snapshot.quarantined_count, snapshot.features_active, snapshot.features_configured,
+      snapshot.steiner_count, told_missing_.data());
   manager_.tell_status({text.data(), static_cast<std::size_t>(size)});
 }
 

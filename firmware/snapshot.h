@@ -13,14 +13,17 @@ namespace etcm::firmware {
 
 namespace snapshot_state {
 inline constexpr std::uint16_t partial = 1u << 0;     // something is not in the mesh that should be
-inline constexpr std::uint16_t stale = 1u << 1;       // a node in the mesh has not answered lately
+inline constexpr std::uint16_t stale = 1u << 1;       // the position of a node is not fresh
 inline constexpr std::uint16_t budget_hit = 1u << 2;  // room or budget was too small for something
+inline constexpr std::uint16_t missing = 1u << 3;     // a node fell silent and has not come back
+inline constexpr std::uint16_t bus_silent = 1u << 4;  // no node of a bus answers
 }  // namespace snapshot_state
 
 // Row i is vertex id i + 1, so a node keeps its row for as long as it is in the mesh.
 struct SnapshotVertex {
   VertexKind kind = VertexKind::none;
   bool stale = false;
+  bool lacks_fix = false;     // stale although its node answers
   bool is_anchor = false;     // a fixed point of the site; to the mesh it is a node
   Refusal refusal{};          // of a node: why the mesh does not have it where it is now
   std::uint32_t serial = 0;   // of a node that is no anchor
@@ -42,9 +45,10 @@ struct SnapshotNeighbour {
 struct SnapshotOutsider {
   std::uint32_t serial = 0;
   std::uint32_t unit = 0;
+  bool is_missing = false;  // its unit is then where it answered last
   bool has_position = false;
   Position position;
-  Refusal refusal;  // none: it has not told where it is
+  Refusal refusal;  // none: it is missing, has not told where it is, or has asked to leave
 };
 
 // A configured feature that is not in the mesh.
@@ -83,6 +87,9 @@ struct Snapshot {
   std::uint32_t features_configured = 0;
   std::uint32_t quarantined_count = 0;  // entries of the quarantine (quarantine.h)
   std::uint32_t stale_count = 0;
+  std::uint32_t waiting_count = 0;  // nodes that answer and have not told where they are
+  std::uint32_t missing_count = 0;  // nodes
+  std::uint32_t silent_bus_count = 0;
   std::uint32_t oldest_age_ms = 0;  // of the position of a node in the mesh, at this generation
   std::uint64_t mesh_hash = 0;
   std::vector<SnapshotVertex> vertices;

@@ -51,12 +51,12 @@ SnapshotTaker::SnapshotTaker(const Settings& settings, std::uint32_t nodes)
 
 const Snapshot& SnapshotTaker::take(std::uint32_t generation, const MeshKeeper& keeper,
                                     const Roster& roster, const Poller& poller,
+                                    const Presence& presence,
                                     std::span<const QuarantineEntry> quarantine,
                                     port::Instant now) {
   const Mesh& mesh = keeper.mesh();
   const FeatureBook& features = keeper.features();
   snapshot_.generation = generation;
-  snapshot_.state = 0;
   snapshot_.anchor_count = keeper.anchors().vacant_count();
   snapshot_.node_count = mesh.node_count() - snapshot_.anchor_count;
   snapshot_.steiner_count = mesh.steiner_count();
@@ -64,20 +64,28 @@ const Snapshot& SnapshotTaker::take(std::uint32_t generation, const MeshKeeper& 
   snapshot_.features_active = features.active_count();
   snapshot_.features_configured = static_cast<std::uint32_t>(features.records().size());
   snapshot_.quarantined_count = static_cast<std::uint32_t>(quarantine.size());
-  snapshot_.stale_count = 0;
+  snapshot_.silent_bus_count = presence.silent_bus_count();
   snapshot_.mesh_hash = mesh.hash();
   copy_mesh(keeper);
   look_at_nodes(roster, now);
   look_at_features(features);
   look_at_quarantine(poller, quarantine, now);
   analyst_.look_at(mesh, features, snapshot_);
-  if (snapshot_.quarantined_count > 0 ||
-      snapshot_.features_active < snapshot_.features_configured) {
-    snapshot_.state |= snapshot_state::partial;
-  }
-  if (snapshot_.stale_count > 0) snapshot_.state |= snapshot_state::stale;
-  if (keeper.is_short_of_room()) snapshot_.state |= snapshot_state::budget_hit;
+  snapshot_.state = state_of(keeper);
   return snapshot_;
+}
+
+std::uint16_t SnapshotTaker::state_of(const MeshKeeper& keeper) const {
+  std::uint16_t state = 0;
+  if (snapshot_.quarantined_count > 0 || snapshot_.waiting_count > 0 ||
+      snapshot_.features_active < snapshot_.features_configured) {
+    state |= snapshot_state::partial;
+  }
+  if (snapshot_.stale_count > 0) state |= snapshot_state::stale;
+  if (keeper.is_short_of_room()) state |= snapshot_state::budget_hit;
+  if (snapshot_.missing_count > 0) state |= snapshot_state::missing;
+  if (snapshot_.silent_bus_count > 0) state |= snapshot_state::bus_silent;
+  return state;
 }
 
 void SnapshotTaker::copy_mesh(const MeshKeeper& keeper) {
@@ -109,26 +117,35 @@ void SnapshotTaker::copy_mesh(const MeshKeeper& keeper) {
 
 void SnapshotTaker::look_at_nodes(const Roster& roster, port::Instant now) {
   snapshot_.outsiders.clear();
+  snapshot_.stale_count = snapshot_.waiting_count = snapshot_.missing_count = 0;
   port::Duration oldest{};
   for (const NodeRecord& node : roster.records()) {
     if (!node.is_known()) continue;
+    if (node.is_missing) ++snapshot_.missing_count;
     if (!node.is_placed()) {
-      snapshot_.outsiders.push_back({.serial = node.serial,
-                                     .unit = node.unit,
-                                     .has_position = node.positioned_at != port::Instant{},
-                                     .position = node.position,
-                                     .refusal = node.refusal});
+      look_at_outsider(node);
       continue;
     }
     oldest = std::max(oldest, now - node.positioned_at);
     SnapshotVertex& vertex = snapshot_.vertices[node.vertex.value - 1u];
     vertex.unit = node.unit;
     vertex.stale = node.stale;
+    vertex.lacks_fix = node.lacks_fix;
     vertex.refusal = node.refusal;
     if (node.stale) ++snapshot_.stale_count;
   }
   snapshot_.oldest_age_ms = static_cast<std::uint32_t>(
       std::min<std::int64_t>(oldest / 1ms, std::numeric_limits<std::uint32_t>::max()));
+}
+
+void SnapshotTaker::look_at_outsider(const NodeRecord& node) {
+  if (node.is_waiting()) ++snapshot_.waiting_count;
+  snapshot_.outsiders.push_back({.serial = node.serial,
+                                 .unit = node.is_missing ? node.last_unit : node.unit,
+                                 .is_missing = node.is_missing,
+                                 .has_position = node.has_position(),
+                                 .position = node.position,
+                                 .refusal = node.refusal});
 }
 
 void SnapshotTaker::look_at_features(const FeatureBook& features) {

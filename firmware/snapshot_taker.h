@@ -12,6 +12,7 @@
 #include "mesh_keeper.h"
 #include "mesh_map.h"
 #include "poller.h"
+#include "presence.h"
 #include "quarantine.h"
 #include "roster.h"
 #include "settings.h"
@@ -35,14 +36,16 @@ class SnapshotTaker {
 
   // Good until the next call.
   const Snapshot& take(std::uint32_t generation, const MeshKeeper& keeper, const Roster& roster,
-                       const Poller& poller, std::span<const QuarantineEntry> quarantine,
-                       port::Instant now);
+                       const Poller& poller, const Presence& presence,
+                       std::span<const QuarantineEntry> quarantine, port::Instant now);
   // The one taken last; empty before.
   const Snapshot& latest() const { return snapshot_; }
 
  private:
   void copy_mesh(const MeshKeeper& keeper);
   void look_at_nodes(const Roster& roster, port::Instant now);
+  void look_at_outsider(const NodeRecord& node);
+  std::uint16_t state_of(const MeshKeeper& keeper) const;
   void look_at_features(const FeatureBook& features);
   void look_at_quarantine(const Poller& poller, std::span<const QuarantineEntry> quarantine,
                           port::Instant now);

@@ -20,13 +20,16 @@ class StateTransfer {
   void write(StateWriter& writer, port::Instant now);
 
   // Makes the roster and the mesh what they were; both are empty before. All nodes are stale, and
-  // heard last `now`: whoever does not answer leaves like anybody else. Where the mesh cannot be
-  // the same (features or room have changed), the nodes join one by one. True where it is the same.
+  // heard last `now`: whoever does not answer leaves like anybody else. Who was missing is so
+  // still. Where the mesh cannot be the same (features or room have changed), the nodes join one by
+  // one. True where it is the same.
   bool restore(const SavedState& saved, std::uint32_t generation, port::Instant now);
 
  private:
-  SavedNode saved_node(std::uint32_t serial, port::Instant now) const;
+  void write_missing(StateWriter& writer, port::Instant now) const;
+  SavedNode saved_node(const NodeRecord& node, port::Instant now) const;
   NodeRecord* restore_node(const SavedState& saved, const SavedNode& node, port::Instant now);
+  void restore_missing(const SavedState& saved, const SavedMissing& missing, port::Instant now);
 
   MeshKeeper& keeper_;
   Roster& roster_;

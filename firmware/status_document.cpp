@@ -1,5 +1,8 @@
 #include "status_document.h"
 
+#include <algorithm>
+#include <array>
+
 #include "health.h"
 
 namespace etcm::firmware {
@@ -9,11 +12,12 @@ namespace {
 using namespace std::chrono_literals;
 
 // Sections of the documents.
-enum : std::uint32_t { opening, counts, quarantine, buses, events, closing };
+enum : std::uint32_t { opening, counts, missing, quarantine, buses, events, closing };
 enum : std::uint32_t { ages_head, ages, ages_tail };
 
-// Nodes that are looked at in one piece.
+// Nodes that are looked at in one piece, and of those so many at the most are written.
 constexpr std::uint32_t age_looks_max = 50;
+constexpr std::uint32_t missing_looks_max = 1000;
 
 const char* word(port::Level level) {
   switch (level) {
@@ -37,14 +41,17 @@ bool StatusDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWrit
       return true;
     case counts:
       write_counts(piece);
-      piece << ",\n\"quarantine\":[";
+      piece << ",\n\"missing\":[";
       cursor.next_section();
+      return true;
+    case missing:
+      write_missing(cursor, asked_at, piece);
       return true;
     case quarantine:
       write_quarantine(cursor, asked_at, piece);
       return true;
     case buses:
-      write_bus(cursor, piece);
+      write_bus(cursor, asked_at, piece);
       return true;
     case events:
       write_event(cursor, asked_at, piece);
@@ -68,7 +75,9 @@ void StatusDocument::write_head(port::Instant asked_at, TextWriter& piece) const
       << ",\"generation\":" << snapshot.generation << ",\"state\":{\"partial\":";
   piece.yes_or_no((snapshot.state & snapshot_state::partial) != 0) << ",\"stale\":";
   piece.yes_or_no((snapshot.state & snapshot_state::stale) != 0) << ",\"budget_hit\":";
-  piece.yes_or_no((snapshot.state & snapshot_state::budget_hit) != 0) << "},\"trouble\":";
+  piece.yes_or_no((snapshot.state & snapshot_state::budget_hit) != 0) << ",\"missing\":";
+  piece.yes_or_no((snapshot.state & snapshot_state::missing) != 0) << ",\"bus_silent\":";
+  piece.yes_or_no((snapshot.state & snapshot_state::bus_silent) != 0) << "},\"trouble\":";
   std::array<char, 512> room;
   TextWriter reason(room);
   is_healthy(sources_, asked_at, reason);
@@ -87,6 +96,8 @@ void StatusDocument::write_counts(TextWriter& piece) const {
         << ",\"features_configured\":" << snapshot.features_configured
         << ",\"quarantined\":" << snapshot.quarantined_count
         << ",\"stale_nodes\":" << snapshot.stale_count
+        << ",\"missing_nodes\":" << snapshot.missing_count
+        << ",\"waiting_nodes\":" << snapshot.waiting_count
         << ",\"vertices_max\":" << sources_.settings.mesh.vertices_max
         << ",\"mesh_changes\":" << times.changes << ",\"mesh_last_us\":" << times.last / 1us
         << ",\"mesh_longest_us\":" << times.longest / 1us
@@ -101,6 +112,32 @@ void StatusDocument::write_counts(TextWriter& piece) const {
         << ",\"readers\":" << sources_.readers.clients;
 }
 
+// One node a piece.
+void StatusDocument::write_missing(Cursor& cursor, port::Instant asked_at,
+                                   TextWriter& piece) const {
+  const std::span<const NodeRecord> nodes = sources_.gateway.roster().records();
+  for (std::uint32_t look = 0; look < missing_looks_max; ++look) {
+    if (cursor.item >= nodes.size()) {
+      piece << "],\n\"quarantine\":[";
+      return cursor.next_section();
+    }
+    const NodeRecord& node = nodes[cursor.item++];
+    if (!node.is_missing) continue;
+    piece << cursor.separator() << "{\"serial\":" << node.serial
+          << ",\"since_ms\":" << (asked_at - node.heard_at) / 1ms;
+    write_unit(node.last_unit, piece);
+    piece << "}";
+    return;
+  }
+}
+
+void StatusDocument::write_unit(std::uint32_t unit, TextWriter& piece) const {
+  if (unit == no_unit) return;
+  const Poller& poller = sources_.gateway.poller();
+  piece << ",\"bus\":";
+  piece.json(bus_label(poller, poller.bus_of(unit))) << ",\"unit\":" << poller.address_of(unit);
+}
+
 void StatusDocument::write_quarantine(Cursor& cursor, port::Instant asked_at,
                                       TextWriter& piece) const {
   const std::span<const QuarantineEntry> entries = sources_.gateway.quarantine();
@@ -112,17 +149,12 @@ void StatusDocument::write_quarantine(Cursor& cursor, port::Instant asked_at,
   piece << cursor.separator() << "{\"since_ms\":" << (asked_at - entry.since) / 1ms;
   if (entry.serial != no_serial) piece << ",\"serial\":" << entry.serial;
   if (entry.feature != 0) piece << ",\"feature\":" << entry.feature;
-  if (entry.unit != no_unit) {
-    const Poller& poller = sources_.gateway.poller();
-    piece << ",\"bus\":";
-    piece.json(bus_label(poller, poller.bus_of(entry.unit)))
-        << ",\"unit\":" << poller.address_of(entry.unit);
-  }
+  write_unit(entry.unit, piece);
   piece << ",\"why\":";
   piece.json(explain(entry)) << "}";
 }
 
-void StatusDocument::write_bus(Cursor& cursor, TextWriter& piece) const {
+void StatusDocument::write_bus(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const {
   const Poller& poller = sources_.gateway.poller();
   if (cursor.item >= poller.bus_count()) {
     piece << "],\n\"events\":[";
@@ -142,7 +174,13 @@ void StatusDocument::write_bus(Cursor& cursor, TextWriter& piece) const {
   piece.json(bus_label(poller, bus))
       << ",\"units\":" << units << ",\"answering\":" << answering << ",\"utilisation\":";
   piece.decimal(use.utilisation, 3) << ",\"efficiency\":";
-  piece.decimal(use.efficiency, 3) << "}";
+  piece.decimal(use.efficiency, 3);
+  const Presence& presence = sources_.gateway.presence();
+  if (presence.is_silent(bus)) {
+    const port::Instant since = std::max(presence.clock().heard_at(bus), sources_.started_at);
+    piece << ",\"silent_ms\":" << (asked_at - since) / 1ms;
+  }
+  piece << "}";
 }
 
 // The newest first.
@@ -174,9 +212,9 @@ bool AgesDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWriter
           return true;
         }
         const NodeRecord& node = nodes[cursor.item++];
-        if (!node.is_known()) continue;
-        piece << cursor.separator() << "[" << node.serial << "," << (asked_at - node.heard_at) / 1ms
-              << "]";
+        if (!node.is_known() || !node.has_position()) continue;
+        piece << cursor.separator() << "[" << node.serial << ","
+              << (asked_at - node.positioned_at) / 1ms << "]";
       }
       return true;
     }

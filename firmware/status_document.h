@@ -6,7 +6,7 @@
 
 namespace etcm::firmware {
 
-// Counts, state, buses and recent events: small, and never the same twice.
+// Counts, state, who is missing, buses and recent events: small, and never the same twice.
 class StatusDocument final : public Document {
  public:
   StatusDocument(const StatusSources& sources, const BusMeter& meter)
@@ -17,14 +17,16 @@ class StatusDocument final : public Document {
   void write_head(port::Instant asked_at, TextWriter& piece) const;
   void write_counts(TextWriter& piece) const;
   void write_quarantine(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
-  void write_bus(Cursor& cursor, TextWriter& piece) const;
+  void write_missing(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
+  void write_unit(std::uint32_t unit, TextWriter& piece) const;
+  void write_bus(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
   void write_event(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
 
   const StatusSources& sources_;
   const BusMeter& meter_;
 };
 
-// The age of each known node's last answer: [[serial, milliseconds], ...].
+// The age of the last position of each node that has told one: [[serial, milliseconds], ...].
 class AgesDocument final : public Document {
  public:
   explicit AgesDocument(const StatusSources& sources) : sources_(sources) {}

@@ -106,7 +106,7 @@ bool WriteBack::wants(const NodeRecord& node, Told& told, Job& job, port::Instan
   } else {
     told.tries = 0;
   }
-  if (node.stale || !poller_.is_sound(node.unit)) {
+  if ((node.stale && !node.lacks_fix) || !poller_.is_sound(node.unit)) {
     job.retry_at = std::min(job.retry_at, now + settings_.poll.interval);
     return false;
   }

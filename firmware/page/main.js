@@ -2,8 +2,8 @@
 import { MeshMap } from "./map.js";
 import { readMesh, setAges } from "./model.js";
 import {
-  countLegend, makeLegend, showBuses, showDetails, showEvents, showNoAnswer, showQuarantine,
-  showStatus,
+  countLegend, makeLegend, showBuses, showDetails, showEvents, showMissing, showNoAnswer,
+  showQuarantine, showStatus,
 } from "./panels.js";
 import { NodeTable } from "./table.js";
 
@@ -52,16 +52,18 @@ async function turn() {
     const newer = readMesh(await ask("mesh.geojson"));
     choice = sameIn(newer, choice);
     mesh = newer;
-    setAges(mesh, await ask("ages.json"), status.stale_after_ms);
+    setAges(mesh, await ask("ages.json"), status);
     map.setMesh(mesh);
   } else {
-    setAges(mesh, await ask("ages.json"), status.stale_after_ms);
+    setAges(mesh, await ask("ages.json"), status);
   }
   document.getElementById("empty").hidden = mesh.bounds !== null;
   showStatus(status);
   showBuses(status);
   showEvents(status);
-  showQuarantine(status.quarantine, (serial) => choose(mesh.bySerial.get(serial) ?? null));
+  const go = (serial) => choose(mesh.bySerial.get(serial) ?? null);
+  showMissing(status.missing, go);
+  showQuarantine(status.quarantine, go);
   countLegend(mesh);
   table.setNodes(mesh.nodes);
   table.setChoice(choice);

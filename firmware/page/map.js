@@ -9,12 +9,13 @@ export const layers = [
   { name: "links", text: "Links too long", on: true },
   { name: "features", text: "Feature edges", on: true },
   { name: "gaps", text: "Barrier gaps", on: true },
-  { name: "missing", text: "Features refused", on: true },
+  { name: "refused", text: "Features refused", on: true },
   { name: "steiner", text: "Relay proposals", on: true },
   { name: "fresh", text: "Fresh", on: true },
   { name: "ageing", text: "Ageing", on: true },
   { name: "stale", text: "Stale", on: true },
   { name: "quarantined", text: "In quarantine", on: true },
+  { name: "missing", text: "Missing", on: true },
 ];
 
 const hitDistance = 14;       // pixels
@@ -86,7 +87,7 @@ export class MeshMap {
     this.colours = { text: colour("text"), dim: colour("dim"), back: colour("map-back"),
       accent: colour("accent") };
     for (const name of ["edge", "feature", "steiner", "fresh", "ageing", "stale", "quarantined",
-      "hole", "link"]) {
+      "missing", "hole", "link"]) {
       this.colours[name] = colour(`map-${name}`);
     }
   }
@@ -105,13 +106,13 @@ export class MeshMap {
     if (this.isOn("links")) this.strokeLines(mesh.longLinks, colours.link, 1.6, [6, 4]);
     if (this.isOn("features")) this.strokeLines(mesh.features, colours.feature, radius > 3 ? 3 : 1.8);
     if (this.isOn("gaps")) this.strokeLines(mesh.gaps, colours.hole, radius > 3 ? 5 : 3);
-    if (this.isOn("missing")) this.drawMissing();
+    if (this.isOn("refused")) this.drawRefused();
     this.drawChoiceLinks();
     if (this.isOn("steiner")) {
       this.drawDiamonds(mesh.steiner, Math.max(2, radius * 0.8));
       this.drawDiamonds(mesh.relays, Math.max(2, radius * 0.8));
     }
-    for (const state of ["fresh", "ageing", "stale", "quarantined"]) {
+    for (const state of ["missing", "fresh", "ageing", "stale", "quarantined"]) {
       if (this.isOn(state)) this.drawNodes(mesh.nodes, state, radius);
     }
     this.drawRing(this.choice, radius + 5, 3);
@@ -157,7 +158,7 @@ export class MeshMap {
     context.globalAlpha = 1;
   }
 
-  drawMissing() {
+  drawRefused() {
     const lines = [];
     // An end is the serial of a node or the place of an anchor.
     const placeOf = (end) => {
@@ -165,7 +166,7 @@ export class MeshMap {
       const node = this.mesh.bySerial.get(end);
       return node?.hasPlace ? [node.x, node.y] : null;
     };
-    for (const feature of this.mesh.missing) {
+    for (const feature of this.mesh.inactive) {
       const from = placeOf(feature.from);
       const to = placeOf(feature.to);
       if (feature.refused && from && to) lines.push([from, to]);
@@ -195,10 +196,10 @@ export class MeshMap {
       if (node.state !== state || !node.hasPlace) continue;
       nodeShape(context, state, view.screenX(node.x), view.screenY(node.y), radius);
     }
-    if (state === "stale") {
+    if (isOutline(state)) {
       context.fillStyle = colours.back;
       context.fill();
-      context.strokeStyle = colours.stale;
+      context.strokeStyle = colours[state];
       context.lineWidth = Math.max(1.5, radius / 2.5);
       context.stroke();
     } else {
@@ -301,7 +302,7 @@ export class MeshMap {
     const context = canvas.getContext("2d");
     context.scale(ratio, ratio);
     const colour = { holes: "hole", edges: "edge", links: "link", features: "feature", gaps: "hole",
-      missing: "quarantined" }[name] ?? name;
+      refused: "quarantined" }[name] ?? name;
     context.strokeStyle = context.fillStyle = this.colours[colour];
     context.lineCap = "round";
     if (name === "holes") {
@@ -309,9 +310,9 @@ export class MeshMap {
       context.beginPath();
       context.arc(13, 8, 7, 0, 2 * Math.PI);
       context.fill();
-    } else if (["edges", "links", "features", "gaps", "missing"].includes(name)) {
+    } else if (["edges", "links", "features", "gaps", "refused"].includes(name)) {
       context.lineWidth = { edges: 1.5, features: 3, gaps: 5 }[name] ?? 2;
-      if (name === "links" || name === "missing") context.setLineDash([5, 4]);
+      if (name === "links" || name === "refused") context.setLineDash([5, 4]);
       context.beginPath();
       context.moveTo(2, 8);
       context.lineTo(24, 8);
@@ -321,7 +322,7 @@ export class MeshMap {
       if (name === "steiner") diamond(context, 13, 8, 5);
       else nodeShape(context, name, 13, 8, 5);
       context.lineWidth = 2;
-      if (name === "stale") context.stroke();
+      if (isOutline(name)) context.stroke();
       else context.fill();
     }
   }
@@ -343,9 +344,16 @@ function diamond(context, x, y, size) {
   context.closePath();
 }
 
+function isOutline(state) { return state === "stale" || state === "missing"; }
+
 // States differ in shape too, for who does not tell their colours apart.
 function nodeShape(context, state, x, y, radius) {
-  if (state === "quarantined") {
+  if (state === "missing") {
+    context.moveTo(x - radius, y - radius);
+    context.lineTo(x + radius, y + radius);
+    context.moveTo(x - radius, y + radius);
+    context.lineTo(x + radius, y - radius);
+  } else if (state === "quarantined") {
     context.rect(x - radius, y - radius, 2 * radius, 2 * radius);
   } else if (state === "ageing") {
     context.moveTo(x, y - radius * 1.25);

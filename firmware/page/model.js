@@ -1,7 +1,8 @@
 // What the gateway said, as the rest of the page wants it. Knows nothing of the screen.
 
-// The states of a node, best first; "waiting" has told no place yet.
-export const nodeStates = ["fresh", "ageing", "stale", "quarantined", "waiting"];
+// The states of a node, best first; "waiting" has told no place yet, "missing" fell silent and left
+// the mesh for that.
+export const nodeStates = ["fresh", "ageing", "stale", "quarantined", "waiting", "missing"];
 
 // Reads mesh.geojson.
 export function readMesh(geojson) {
@@ -19,7 +20,7 @@ export function readMesh(geojson) {
     relays: [],           // beside the Steiner vertices
     holes: [],            // places out of the sensing range
     sensingRange: geojson.sensing_range,
-    missing: [],          // features that are not in the mesh
+    inactive: [],         // features that are not in the mesh
     bounds: null,
   };
   for (const feature of geojson.features) {
@@ -31,7 +32,7 @@ export function readMesh(geojson) {
     else if (kind === "relay") mesh.relays.push(placeOf(feature));
     else if (kind === "hole") mesh.holes.push(placeOf(feature));
     else if (kind === "long_links") mesh.longLinks = feature.geometry.coordinates;
-    else if (kind === "missing") mesh.missing.push(feature.properties);
+    else if (kind === "missing") mesh.inactive.push(feature.properties);
   }
   return mesh;
 }
@@ -72,16 +73,21 @@ function addPoint(mesh, feature) {
   }
 }
 
-// Takes over ages.json, [[serial, milliseconds], ...], and what follows from it.
-export function setAges(mesh, ages, staleAfterMs) {
+// Takes over ages.json, [[serial, milliseconds], ...], who is missing, and what follows from them.
+export function setAges(mesh, ages, status) {
   for (const [serial, ageMs] of ages) {
     const node = mesh.bySerial.get(serial);
     if (node) node.ageMs = ageMs;
   }
-  for (const node of mesh.nodes) node.state = stateOf(node, staleAfterMs);
+  for (const missing of status.missing) {
+    const node = mesh.bySerial.get(missing.serial);
+    if (node) node.missingMs = missing.since_ms;
+  }
+  for (const node of mesh.nodes) node.state = stateOf(node, status.stale_after_ms);
 }
 
 function stateOf(node, staleAfterMs) {
+  if (node.missing) return "missing";
   if (node.refused) return "quarantined";
   if (!node.in_mesh) return "waiting";
   if (node.stale || node.ageMs > staleAfterMs) return "stale";
@@ -97,6 +103,21 @@ export function ageText(ageMs) {
   if (seconds < 7200) return `${Math.round(seconds / 60)} min`;
   return `${Math.round(seconds / 3600)} h`;
 }
+
+const clockTime = new Intl.DateTimeFormat(undefined,
+  { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false });
+const dayAndTime = new Intl.DateTimeFormat(undefined,
+  { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit", hour12: false });
+
+// The time of so long ago; with the day where it was not today.
+export function timeText(ageMs) {
+  const then = new Date(Date.now() - ageMs);
+  const isToday = then.toDateString() === new Date().toDateString();
+  return (isToday ? clockTime : dayAndTime).format(then);
+}
+
+// "14:03:10 (4 min)"
+export function sinceText(ageMs) { return `${timeText(ageMs)} (${ageText(ageMs)})`; }
 
 export function placeText(point) {
   return point.hasPlace ? `${coordinate(point.x)}, ${coordinate(point.y)}` : "–";
@@ -119,12 +140,15 @@ export function nameOf(point) {
 // How things stand, as a word for the colour and a sentence.
 export function stateInWords(status) {
   if (status.trouble) return ["bad", status.trouble];
-  if (status.nodes === 0) return ["warn", "No node in the mesh"];
+  if (status.nodes === 0 && !status.waiting_nodes) return ["warn", "No node in the mesh"];
   const troubles = [];
   if (status.state.budget_hit) troubles.push("room or budget is too small");
   if (status.quarantined > 0) troubles.push(`${status.quarantined} in quarantine`);
   const waiting = status.features_configured - status.features_active;
   if (waiting > 0) troubles.push(`${waiting} of ${status.features_configured} features not in the mesh`);
+  if (status.waiting_nodes > 0) troubles.push(`${status.waiting_nodes} without a fix`);
+  if (status.missing_nodes > 0) troubles.push(`${status.missing_nodes} missing`);
+  for (const bus of status.buses) if (bus.silent_ms !== undefined) troubles.push(`bus ${bus.name} silent`);
   if (status.stale_nodes > 0) troubles.push(`${status.stale_nodes} stale`);
   if (troubles.length === 0) return ["good", "All well"];
   const text = troubles.join(", ");

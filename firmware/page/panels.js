@@ -1,5 +1,7 @@
 // Everything beside the map and the table: counts, details of a point, events, buses, legend.
-import { ageText, nameOf, placeText, stateInWords, whereText } from "./model.js";
+import {
+  ageText, nameOf, placeText, sinceText, stateInWords, timeText, whereText,
+} from "./model.js";
 import { layers } from "./map.js";
 
 const byId = (id) => document.getElementById(id);
@@ -46,9 +48,10 @@ const meterMs = 10000;   // until then nothing has been measured
 export function showBuses(status) {
   byId("buses").replaceChildren(...status.buses.map((bus) => {
     const item = element("li");
-    item.append(element("b", bus.name),
-      element("span", `${bus.answering} of ${bus.units} units answer`,
-        bus.answering === 0 ? "stale" : undefined));
+    item.append(element("b", bus.name), bus.silent_ms === undefined
+      ? element("span", `${bus.answering} of ${bus.units} units answer`,
+        bus.answering === 0 ? "stale" : undefined)
+      : element("span", `silent since ${sinceText(bus.silent_ms)}`, "stale"));
     if (status.uptime_ms > meterMs) {
       item.append(element("span", `in use ${Math.round(bus.utilisation * 100)} %`));
     }
@@ -57,6 +60,29 @@ export function showBuses(status) {
     }
     return item;
   }));
+}
+
+// Who fell silent and left the mesh for that; `go` is called with the serial that was clicked.
+export function showMissing(entries, go) {
+  byId("missing").hidden = entries.length === 0;
+  byId("missing-title").textContent = `Missing (${entries.length})`;
+  const list = byId("missed");
+  const key = entries.map((entry) => entry.serial).join();
+  // The buttons stay while they are the same, so that a click and the focus outlive the times.
+  if (list.dataset.shown !== key) {
+    list.dataset.shown = key;
+    list.replaceChildren(...entries.map((entry) => {
+      const item = element("li");
+      const button = element("button", `Node ${entry.serial}`);
+      button.addEventListener("click", () => go(entry.serial));
+      item.append(button, element("span"));
+      return item;
+    }));
+  }
+  entries.forEach((entry, at) => {
+    const where = entry.bus === undefined ? "" : `unit ${whereText(entry)}, `;
+    list.children[at].lastChild.textContent = `${where}since ${sinceText(entry.since_ms)}`;
+  });
 }
 
 // What the mesh does not take, and why; `go` is called with the serial that was clicked.
@@ -83,9 +109,6 @@ export function showQuarantine(entries, go) {
   }));
 }
 
-const clockTime = new Intl.DateTimeFormat(undefined,
-  { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false });
-
 let newestEvent = 0;
 let eventsOf = "";
 
@@ -95,13 +118,18 @@ export function showEvents(status) {
   if (newest === newestEvent && eventsOf === status.instance) return;
   newestEvent = newest;
   eventsOf = status.instance;
-  const now = Date.now();
   byId("events").replaceChildren(...status.events.map((event) => {
     const item = element("li");
-    item.append(element("time", clockTime.format(now - event.age_ms)),
+    item.append(element("time", timeText(event.age_ms)),
       element("span", event.text, event.level));
     return item;
   }));
+}
+
+function whyText(node) {
+  if (node.missing) return `no answer since ${sinceText(node.missingMs ?? 0)}`;
+  if (node.refused) return node.refused;
+  return node.no_fix ? "it answers, but has no fix" : "";
 }
 
 // The details of a point; null closes them. `go` is called with a neighbour that was clicked.
@@ -112,9 +140,11 @@ export function showDetails(point, mesh, go) {
   const facts = [["Place", placeText(point)], ["Degree", point.degree]];
   if (point.isNode) {
     const state = element("span", point.state, `mark ${point.state}`);
-    facts.unshift(["State", state], ["Last answer", `${ageText(point.ageMs)} ago`],
+    facts.unshift(["State", state],
+      ["Last position", point.ageMs === undefined ? "none" : `${ageText(point.ageMs)} ago`],
       ["Unit, bus", whereText(point)]);
-    if (point.refused) facts.splice(1, 0, ["Why", point.refused]);
+    const why = whyText(point);
+    if (why) facts.splice(1, 0, ["Why", why]);
   } else {
     facts.unshift(["What", "a place for a relay"], ["On feature", point.feature]);
   }
@@ -172,7 +202,7 @@ export function countLegend(mesh) {
     links: mesh.longLinks.length,
     features: mesh.features.length,
     gaps: mesh.gaps.length,
-    missing: mesh.missing.filter((feature) => feature.refused).length,
+    refused: mesh.inactive.filter((feature) => feature.refused).length,
     steiner: mesh.steiner.length + mesh.relays.length,
   };
   for (const node of mesh.nodes) count[node.state] = (count[node.state] ?? 0) + 1;

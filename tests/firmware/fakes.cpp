@@ -192,6 +192,16 @@ void Rig::put_square() {
   put(4, 0, 100);
 }
 
+TwoBuses::TwoBuses() {
+  settings.buses.push_back(settings.buses[0]);
+  settings.buses[1].name = "gate";
+  start_with({&bus, &other});
+}
+
+void TwoBuses::put_other(std::uint8_t unit, std::int32_t x, std::int32_t y) {
+  other.set(unit, {.serial = 2000u + unit, .position = {x, y}, .status = node_status::fix_valid});
+}
+
 FeatureSettings feature(std::uint32_t from, std::uint32_t to) {
   return {.from = from, .to = to, .name = {}, .place = "site.toml:1"};
 }

@@ -168,6 +168,14 @@ struct Rig {
   std::unique_ptr<Gateway> gateway;
 };
 
+// A second bus like the first, named gate, whose unit n is the node with serial 2000 + n.
+struct TwoBuses : Rig {
+  TwoBuses();
+  void put_other(std::uint8_t unit, std::int32_t x, std::int32_t y);
+
+  ScriptedBus other;
+};
+
 FeatureSettings feature(std::uint32_t from, std::uint32_t to);
 
 }  // namespace etcm::firmware

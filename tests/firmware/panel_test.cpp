@@ -169,6 +169,8 @@ TEST(Panel, OfSeveralStatesTheHighestIsShown) {
   EXPECT_EQ(flashes_of(0, 3), 1u);
   EXPECT_EQ(flashes_of(partial, 3), 2u);
   EXPECT_EQ(flashes_of(partial | stale, 3), 3u);
+  EXPECT_EQ(flashes_of(partial | missing, 3), 3u);
+  EXPECT_EQ(flashes_of(bus_silent, 3), 3u);
   EXPECT_EQ(flashes_of(partial | stale | budget_hit, 3), 4u);
   EXPECT_EQ(flashes_of(partial | stale | budget_hit, 0), 5u);
 }

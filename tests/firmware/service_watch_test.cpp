@@ -126,11 +126,12 @@ TEST_F(ServiceWatchTest, TellsHowThingsAreAndNotTooOften) {
   start();
   run(10s);
   ASSERT_FALSE(manager_->statuses.empty());
-  EXPECT_EQ(manager_->statuses.front(),
-            "generation 0: 0 nodes, 0 stale, 0 refused, 0 of 0 features, 0 Steiner vertices");
+  EXPECT_EQ(
+      manager_->statuses.front(),
+      "generation 0: 0 nodes, 0 stale, 0 missing, 0 refused, 0 of 0 features, 0 Steiner vertices");
   EXPECT_EQ(manager_->statuses.back(),
             "generation " + std::to_string(rig_.gateway->generation()) +
-                ": 3 nodes, 0 stale, 0 refused, 0 of 0 features, 0 Steiner vertices");
+                ": 3 nodes, 0 stale, 0 missing, 0 refused, 0 of 0 features, 0 Steiner vertices");
   const std::size_t before = manager_->statuses.size();
   for (int i = 0; i < 100; ++i) {
     rig_.put(1, i, -i);

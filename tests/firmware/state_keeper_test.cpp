@@ -9,6 +9,7 @@
 
 #include "fakes.h"
 #include "memory_store.h"
+#include "roster.h"
 #include "support/allocation_watch.h"
 
 namespace etcm::firmware {
@@ -37,6 +38,11 @@ void write_all(StateWriter& writer) {
   writer.add(Position{position_max, -position_max});
   writer.add(SavedFeature{.from = 0, .to = 3});
   writer.add(SteinerPlace{.feature = 0, .point = {-(std::int64_t{1} << 51), 77}});
+  writer.add(SavedMissing{
+      .node = {.serial = 17, .position = {4, -4}, .age_ms = 99'000, .bus = 1, .unit = 9},
+      .has_position = true,
+      .silence_s = 5'000'000});
+  writer.add(SavedMissing{.node = {.serial = 18}, .silence_s = 31});
 }
 
 std::vector<std::byte> example() {
@@ -66,22 +72,50 @@ TEST(SavedStateForm, SaysAgainWhatWasWritten) {
   EXPECT_EQ(state.features[0].to, 3u);
   ASSERT_EQ(state.steiner.size(), 1u);
   EXPECT_EQ(state.steiner[0].point, (Point{-(std::int64_t{1} << 51), 77}));
+  ASSERT_EQ(state.missing.size(), 2u);
+  EXPECT_EQ(state.missing[0].node.serial, 17u);
+  EXPECT_EQ(state.missing[0].node.position, (Position{4, -4}));
+  EXPECT_EQ(state.missing[0].node.age_ms, 99'000u);
+  EXPECT_EQ(state.missing[0].node.bus, 1);
+  EXPECT_EQ(state.missing[0].node.unit, 9);
+  EXPECT_TRUE(state.missing[0].has_position);
+  EXPECT_EQ(state.missing[0].silence_s, 5'000'000u);
+  EXPECT_FALSE(state.missing[1].has_position);
+}
+
+// What a gateway of the time before nodes could be missing has left on the disk.
+TEST(SavedStateForm, ReadsForm1) {
+  auto bytes = example();
+  bytes[0] = std::byte{1};
+  bytes.erase(bytes.begin() + 40, bytes.begin() + 44);  // the count of missing nodes
+  bytes.resize(bytes.size() - 2 * 24);
+  SavedState state;
+  ASSERT_EQ(decode_state(bytes, state), "");
+  EXPECT_EQ(state.generation, 41u);
+  ASSERT_EQ(state.nodes.size(), 3u);
+  EXPECT_EQ(state.nodes[0].serial, 1001u);
+  ASSERT_EQ(state.steiner.size(), 1u);
+  EXPECT_EQ(state.steiner[0].point, (Point{-(std::int64_t{1} << 51), 77}));
+  EXPECT_TRUE(state.missing.empty());
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_EQ(decode_state(std::span(bytes).first(size), state), "it is cut off") << size;
+  }
 }
 
 TEST(SavedStateForm, IsTheOneItsHeaderDescribes) {
   const auto bytes = example();
-  EXPECT_EQ(bytes.size(), 40u + 5 + 5 + 3 * 20 + 8 + 8 + 20);
+  EXPECT_EQ(bytes.size(), 44u + 5 + 5 + 3 * 20 + 8 + 8 + 20 + 2 * 24);
   const auto at = [&](std::size_t i) { return std::to_integer<unsigned>(bytes[i]); };
-  EXPECT_EQ(at(0), 1u);
+  EXPECT_EQ(at(0), 2u);
   EXPECT_EQ(at(4), 41u);
   EXPECT_EQ(at(8), 99u);
   EXPECT_EQ(at(12), 0xefu);
   EXPECT_EQ(at(19), 0x01u);
-  EXPECT_EQ((std::vector{at(20), at(24), at(28), at(32), at(36)}),
-            (std::vector{2u, 3u, 1u, 1u, 1u}));
-  EXPECT_EQ(at(40), 4u);
-  EXPECT_EQ(at(41), unsigned{'y'});
-  EXPECT_EQ(at(50), 1001u & 0xff);
+  EXPECT_EQ((std::vector{at(20), at(24), at(28), at(32), at(36), at(40)}),
+            (std::vector{2u, 3u, 1u, 1u, 1u, 2u}));
+  EXPECT_EQ(at(44), 4u);
+  EXPECT_EQ(at(45), unsigned{'y'});
+  EXPECT_EQ(at(54), 1001u & 0xff);
 }
 
 TEST(SavedStateForm, RefusesWhatIsCutOffOrTooLong) {
@@ -98,14 +132,14 @@ TEST(SavedStateForm, RefusesWhatIsCutOffOrTooLong) {
 TEST(SavedStateForm, RefusesOtherVersions) {
   auto bytes = example();
   SavedState state;
-  bytes[0] = std::byte{2};
-  EXPECT_EQ(decode_state(bytes, state), "it is from a newer gateway (form 2, this one knows 1)");
+  bytes[0] = std::byte{3};
+  EXPECT_EQ(decode_state(bytes, state), "it is from a newer gateway (form 3, this one knows 2)");
   bytes[0] = std::byte{0};
-  EXPECT_EQ(decode_state(bytes, state), "it is from an older gateway (form 0, this one knows 1)");
+  EXPECT_EQ(decode_state(bytes, state), "it is from an older gateway (form 0, this one knows 2)");
 }
 
 TEST(SavedStateForm, TakesNoMemoryForCountsThatCannotBe) {
-  for (std::size_t count = 20; count < 40; count += 4) {
+  for (std::size_t count = 20; count < 44; count += 4) {
     auto bytes = example();
     for (std::size_t i = 0; i < 4; ++i) bytes[count + i] = std::byte{0xff};
     SavedState state;
@@ -138,6 +172,13 @@ TEST(SavedStateForm, RefusesWhatContradictsItself) {
   writer.add(SavedNode{.serial = 5});
   EXPECT_EQ(decode_state(writer.finish(), state), "two nodes have one serial");
   writer.begin(7, 8, 0);
+  writer.add(SavedNode{.serial = 5});
+  writer.add(SavedMissing{.node = {.serial = 5}});
+  EXPECT_EQ(decode_state(writer.finish(), state), "two nodes have one serial");
+  writer.begin(7, 8, 0);
+  writer.add(SavedMissing{.node = {.serial = 5, .bus = 0}});
+  EXPECT_EQ(decode_state(writer.finish(), state), "node 5 is on a bus it does not name");
+  writer.begin(7, 8, 0);
   writer.add(SavedNode{.serial = 5, .bus = 0});
   EXPECT_EQ(decode_state(writer.finish(), state), "node 5 is on a bus it does not name");
   writer.begin(7, 8, 0);
@@ -151,6 +192,7 @@ TEST(SavedStateForm, RefusesWhatContradictsItself) {
 TEST(SavedStateForm, FitsWhatASettingAllows) {
   Settings settings = settings_with_state();
   settings.buses.front().name = std::string(300, 'n');
+  settings.buses.front().units = {{.first = 1, .last = 200}, {.first = 150, .last = 210}};
   StateWriter writer(saved_state_size_max(settings));
   const test::AllocationWatch watch;
   writer.begin(1, 2, 0);
@@ -158,6 +200,8 @@ TEST(SavedStateForm, FitsWhatASettingAllows) {
   for (std::uint32_t i = 0; i < 50; ++i) writer.add(SavedNode{.serial = i});
   for (std::uint32_t i = 0; i < 10; ++i) writer.add(SavedFeature{.from = i, .to = i + 1});
   for (std::uint32_t i = 0; i < 50; ++i) writer.add(SteinerPlace{});
+  const std::uint32_t known = roster_capacity(count_units(settings));
+  for (std::uint32_t i = 0; i < known; ++i) writer.add(SavedMissing{});
   EXPECT_LE(writer.finish().size(), saved_state_size_max(settings));
   EXPECT_EQ(watch.allocations(), 0u);
 }
@@ -322,7 +366,7 @@ TEST_F(StateKeeperTest, LoadsTheLastElseThePrevious) {
   EXPECT_EQ(log_.lines,
             (std::vector<std::string>{
                 "state: the last copy is not used, it is from a newer gateway (form 9, this one "
-                "knows 1); it is kept as /state/aside-1",
+                "knows 2); it is kept as /state/aside-1",
                 "state: takes the copy before the last"}));
   EXPECT_EQ(store_.aside.size(), 1u);
 }

@@ -235,6 +235,101 @@ TEST_F(StatusPageTest, AgesAreThoseOfTheLastAnswer) {
   EXPECT_LT(std::stoi(found[1]), 300);
 }
 
+TEST_F(StatusPageTest, AgesCountFromTheLastPositionWithAFix) {
+  open_page();
+  put_square();
+  rig_.put(6, 3, 3, 0);  // it has never had one
+  run(1s);
+  rig_.put(5, 50, 40, 0);
+  run(10s);
+  std::smatch found;
+  const std::string ages = get("/ages.json");
+  ASSERT_TRUE(std::regex_search(ages, found, std::regex(R"(\[1005,(\d+)\])"))) << ages;
+  EXPECT_GT(std::stoi(found[1]), 9900);
+  EXPECT_EQ(ages.find("[1006,"), std::string::npos);
+  const std::string mesh = get("/mesh.geojson");
+  EXPECT_EQ(count(mesh, "\"stale\":true,\"no_fix\":true"), 1u) << mesh;
+  const std::string metrics = get("/metrics");
+  EXPECT_EQ(count(metrics, "\netcm_stale_nodes 1\n"), 1u);
+  EXPECT_EQ(count(metrics, "\netcm_waiting_nodes 1\n"), 1u);
+  EXPECT_EQ(count(metrics, "\netcm_node_age_seconds{serial=\"1006\"}"), 0u);
+  ASSERT_TRUE(std::regex_search(
+      metrics, found, std::regex(R"re(etcm_node_age_seconds\{serial="1005"\} ([0-9.]+))re")));
+  EXPECT_GT(std::stod(found[1]), 9.9);
+  ASSERT_TRUE(std::regex_search(
+      metrics, found, std::regex(R"re(etcm_node_silence_seconds\{serial="1005"\} ([0-9.]+))re")));
+  EXPECT_LT(std::stod(found[1]), 0.3);
+  EXPECT_EQ(count(get("/status.json"), "\"waiting_nodes\":1"), 1u);
+}
+
+TEST_F(StatusPageTest, WhoIsMissingIsSaidEverywhere) {
+  open_page();
+  put_square();
+  run(1s);
+  EXPECT_EQ(count(get("/status.json"), "\"missing\":[],"), 1u);
+  rig_.bus.silence(5);
+  run(9900ms);
+  const std::string status = get("/status.json");
+  EXPECT_TRUE(is_sound_json(status)) << status;
+  EXPECT_EQ(count(status, "\"missing_nodes\":1"), 1u) << status;
+  EXPECT_EQ(count(status, "\"missing\":true,\"bus_silent\":false"), 1u);
+  EXPECT_TRUE(std::regex_search(
+      status,
+      std::regex(R"re("missing":\[\{"serial":1005,"since_ms":99\d\d,"bus":"yard","unit":5\}\])re")))
+      << status;
+  EXPECT_EQ(count(status, "\"trouble\":\"1 node is missing: node 1005, unit 5 of yard; look"), 1u);
+  const std::string mesh = get("/mesh.geojson");
+  EXPECT_TRUE(is_sound_json(mesh)) << mesh;
+  EXPECT_EQ(count(mesh,
+                  "\"coordinates\":[50,40]},\"properties\":{\"kind\":\"node\",\"serial\":1005,"
+                  "\"bus\":\"yard\",\"unit\":5,\"in_mesh\":false,\"missing\":true}"),
+            1u)
+      << mesh;
+  const std::string metrics = get("/metrics");
+  EXPECT_EQ(count(metrics, "\netcm_missing_nodes 1\n"), 1u);
+  EXPECT_EQ(count(metrics, "\netcm_node_missing_seconds{serial=\"1005\"} 9.9"), 1u);
+  EXPECT_EQ(count(metrics, "\netcm_state{flag=\"missing\"} 1\n"), 1u);
+  EXPECT_EQ(
+      get("/healthz"),
+      "1 node is missing: node 1005, unit 5 of yard; look at its power and address, or dismiss "
+      "it by a reload\n");
+  EXPECT_EQ(answer_.status, port::web_status::unavailable);
+  rig_.bus.silence(4);
+  run(9900ms);
+  EXPECT_EQ(get("/healthz").find("2 nodes are missing: node 1005, unit 5 of yard, and 1 more; "),
+            0u);
+  put_square();
+  run(1s);
+  EXPECT_EQ(get("/healthz"), "ok\n");
+  EXPECT_EQ(count(get("/metrics"), "\netcm_missing_nodes 0\n"), 1u);
+}
+
+TEST_F(StatusPageTest, ABusThatIsSilentIsSaidSinceWhen) {
+  open_page();
+  put_square();
+  run(1s);
+  EXPECT_EQ(count(get("/status.json"), "silent_ms"), 0u);
+  rig_.bus.link_up = false;
+  run(1900ms);
+  EXPECT_EQ(get("/healthz"), "ok\n") << "it may come back at once";
+  const std::string status = get("/status.json");
+  EXPECT_TRUE(is_sound_json(status)) << status;
+  EXPECT_TRUE(std::regex_search(status, std::regex(R"("silent_ms":19\d\d\})"))) << status;
+  EXPECT_EQ(count(status, "\"bus_silent\":true"), 1u);
+  const std::string metrics = get("/metrics");
+  EXPECT_EQ(count(metrics, "\netcm_bus_silent{bus=\"yard\"} 1\n"), 1u);
+  EXPECT_EQ(count(metrics, "\netcm_state{flag=\"bus_silent\"} 1\n"), 1u);
+}
+
+TEST_F(StatusPageTest, APauseOfTheGatewayIsNoIllness) {
+  open_page();
+  put_square();
+  run(1s);
+  rig_.clock.pass(1h);
+  run(100ms);
+  EXPECT_EQ(get("/healthz"), "ok\n");
+}
+
 TEST_F(StatusPageTest, MetricsAreWhatPrometheusReads) {
   open_page();
   put_square();

@@ -101,7 +101,7 @@ class OnAMachine(ProgramCase):
         self.start_nodes("--listen", "127.0.0.1:1500")
         self.wait_for_mesh(nodes=3, state=0)
         wait_for("3 nodes in what systemd shows", lambda: re.search(
-            "3 nodes, 0 stale, 0 refused", self.property_of_service("StatusText")))
+            "3 nodes, 0 stale, 0 missing, 0 refused", self.property_of_service("StatusText")))
         # Exposure at most 2.0, in tenths.
         self.run_there("systemd-analyze", "security", "--no-pager", "--threshold=20", SERVICE)
         status = self.run_there("cat", f"/proc/{self.process()}/status")

@@ -11,6 +11,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 import unittest
 import urllib.error
 import urllib.request
@@ -101,6 +102,9 @@ interval = "100ms"
         return found
 
 
+THREE = ["0,1,join,0,0", "0,2,join,1000,-5", "0,3,join,400,700"]
+
+
 class AgainstNodes(GatewayCase):
     def test_nodes_join_move_fall_silent_and_leave(self):
         buses = self.start_nodes(["0,1,join,0,0", "0,2,join,1000,-5", "0,3,join,400,700",
@@ -113,8 +117,40 @@ class AgainstNodes(GatewayCase):
         gateway.wait_for_line(r"node 3 moved from \(400, 700\) to \(450, 750\)")
         gateway.wait_for_line(r"node 4 left \(on its own request\)")
         gateway.wait_for_line(r"node 1 left \(silent\)")
-        self.wait_for_header(nodes=2, features=0, state=1)
+        gateway.wait_for_line(r"node 1 is missing: unit 1 of ")
+        # Partial, for the feature waits, and missing.
+        self.wait_for_header(nodes=2, features=0, state=1 + 8)
         self.assertEqual(self.vertices(), {2: (1000, -5), 3: (450, 750)})
+        gateway.process.send_signal(signal.SIGHUP)
+        gateway.wait_for_line(r"node 1 is no longer missed: dismissed by the reload")
+        self.wait_for_header(nodes=2, state=1)
+
+    def test_a_gateway_that_was_stopped_expels_nobody(self):
+        gateway = self.start_gateway(self.start_nodes(THREE), leave_after="2s")
+        self.wait_for_header(nodes=3, state=0)
+        gateway.process.send_signal(signal.SIGSTOP)
+        time.sleep(8)
+        gateway.process.send_signal(signal.SIGCONT)
+        # What it does on a signal it does after it has looked for who is silent.
+        gateway.process.send_signal(signal.SIGHUP)
+        gateway.wait_for_line("is read again")
+        self.wait_for_header(nodes=3, state=0)
+        for nobody in ("left", "is missing", ": silent"):
+            self.assertNotIn(nobody, gateway.log())
+
+    def test_a_bus_that_is_silent_expels_nobody(self):
+        gateway = self.start_gateway(self.start_nodes(THREE), leave_after="2s")
+        self.wait_for_header(nodes=3, state=0)
+        nodes = self.programs[0].process
+        nodes.send_signal(signal.SIGSTOP)
+        gateway.wait_for_line(r"bus \S+: silent for \d+ s, none of its 3 nodes answers")
+        time.sleep(6)
+        self.wait_for_header(nodes=3, state=2 + 16)
+        nodes.send_signal(signal.SIGCONT)
+        gateway.wait_for_line(r"bus \S+: answers again, after \d+ s")
+        self.wait_for_header(nodes=3, state=0)
+        for nobody in ("left", "is missing"):
+            self.assertNotIn(nobody, gateway.log())
 
     def test_sigterm_ends_it_with_complete_files(self):
         buses = self.start_nodes([f"0,{n},join,{n * n % 97},{n * 7 % 101}" for n in range(1, 31)])
@@ -259,10 +295,10 @@ class AgainstPymodbus(GatewayCase):
         gateway = self.start_gateway([(f"127.0.0.1:{port}", "1-2")])
         self.wait_for_header(nodes=2)
         peer.stop(signal.SIGKILL)
-        self.wait_for_header(nodes=0)
+        self.wait_for_header(nodes=2, state=2 + 16)
         self.start_peer(port, "1,0,0", "2,100,50")
         self.wait_for_header(nodes=2, state=0)
-        gateway.wait_for_line(r"node 2 joined at \(100, 50\)")
+        gateway.wait_for_line(r"node 2 moved from \(.*\) to \(100, 50\)")
 
 
     def test_an_independent_client_learns_who_the_gateway_is(self):
@@ -355,10 +391,10 @@ class OnASerialLine(GatewayCase):
         self.wait_for_header(nodes=3)
         nodes.stop(signal.SIGKILL)
         gateway.wait_for_line(r"cable: .*; trying again")
-        self.wait_for_header(nodes=0)
+        self.wait_for_header(nodes=3, state=2 + 16)
         self.start_line(["0,1,join,0,0", "0,2,join,90,0", "0,3,join,0,95"], name="again")
         self.wait_for_header(nodes=3, state=0)
-        gateway.wait_for_line(r"node 3 joined at \(0, 95\)")
+        gateway.wait_for_line(r"node 3 moved from \(0, 90\) to \(0, 95\)")
 
     def test_a_line_has_one_master(self):
         path, _ = self.start_line(["0,1,join,0,0"])

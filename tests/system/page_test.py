@@ -156,6 +156,45 @@ class InABrowser(PageCase):
         self.assertEqual([entry for entry in self.browser.get_log("browser")
                           if entry["level"] == "SEVERE"], [])
 
+    def test_who_is_missing_is_shown_until_it_is_dismissed(self):
+        gateway = self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,1000,1000",
+                                   "0,4,join,0,1000", "0,5,join,500,500", "4000,5,silent,,"])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        gateway.wait_for_line(r"node 5 is missing: unit 5 of")
+        self.wait_for_text("#state", r"^1 node is missing: node 5, unit 5 of 127\.0\.0\.1:\d+")
+        self.wait_for_text("#counts", r"Nodes\s*4")
+        self.wait_for_text("#missing-title", r"^Missing \(1\)$")
+        self.wait_for_text("#missed", r"Node 5unit 5, \S+, since \d\d:\d\d:\d\d \(")
+        self.wait_for_text("#legend", r"Missing\s*1")
+        self.assertRegex(self.text("#nodes-title"), r"\(5\)")
+        # It is where it stood last, and the list leads there.
+        self.find("#missed button").click()
+        self.wait_for_text("#details-title", r"^Node 5$")
+        self.wait_for_text("#facts", r"(?s)missing.*no answer since \d\d:\d\d:\d\d.*500, 500")
+        self.screenshot("missing")
+        with self.assertRaises(urllib.error.HTTPError) as ill:
+            self.get("/healthz")
+        self.assertEqual(ill.exception.code, 503)
+        self.assertIn(b"1 node is missing: node 5", ill.exception.read())
+        gateway.process.send_signal(signal.SIGHUP)
+        self.wait_for_text("#state", r"^All well$")
+        wait_for("no list", lambda: not self.find("#missing").is_displayed())
+        self.assertEqual(self.get("/healthz"), b"ok\n")
+
+    def test_a_bus_that_is_silent_is_shown_since_when(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700"])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#state", r"^All well$")
+        self.programs[0].process.send_signal(signal.SIGSTOP)
+        self.wait_for_text("#buses", r"silent since \d\d:\d\d:\d\d \(")
+        self.wait_for_text("#state", r"^Bus \S+ silent, 3 stale$|no unit has answered for")
+        self.screenshot("silent")
+        self.programs[0].process.send_signal(signal.SIGCONT)
+        self.wait_for_text("#state", r"^All well$")
+        self.assertRegex(self.text("#counts"), r"Nodes\s*3")
+
     def test_a_click_outlives_what_changes_under_it(self):
         self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700"])
         self.size(1280, 800)

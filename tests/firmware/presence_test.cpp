@@ -1,0 +1,284 @@
+// Whose silence counts: neither that of a whole bus nor that of a gateway that did not run. And
+// whose position is fresh.
+#include "presence.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+
+#include "fakes.h"
+#include "silence.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint16_t silent_bus = snapshot_state::stale | snapshot_state::bus_silent;
+
+TEST(BusSilence, AnUnpluggedBusExpelsNobodyAndIsSaidOnce) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  for (std::uint8_t unit = 1; unit <= 4; ++unit) rig.bus.silence(unit);
+  rig.run(long_silence);
+  expect_nobody_left(rig);
+  EXPECT_EQ(rig.server.header("node_count"), 4u);
+  EXPECT_EQ(rig.server.header("stale_count"), 4u);
+  EXPECT_EQ(rig.server.header("silent_bus_count"), 1u);
+  EXPECT_EQ(rig.server.header("missing_count"), 0u);
+  EXPECT_EQ(rig.server.header("state"), silent_bus);
+  EXPECT_EQ(rig.log.count("bus yard: silent for 1 s, none of its 4 nodes answers"), 1u)
+      << logged(rig);
+  rig.put_square();
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("state"), 0u);
+  EXPECT_EQ(rig.log.count("bus yard: answers again, after 300 s"), 1u) << logged(rig);
+}
+
+TEST(BusSilence, NeitherDoesALinkThatIsLost) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  rig.bus.link_up = false;
+  rig.run(long_silence);
+  expect_nobody_left(rig);
+  EXPECT_EQ(rig.server.header("state"), silent_bus);
+  rig.bus.link_up = true;
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("state"), 0u);
+}
+
+// A converter whose line is cut answers for each unit.
+TEST(BusSilence, NorAConverterThatHasNobodyBehindIt) {
+  for (const std::uint8_t exception : {std::uint8_t{0x0a}, std::uint8_t{0x0b}}) {
+    Rig rig;
+    rig.put_square();
+    rig.run(1s);
+    for (std::uint8_t unit = 1; unit <= 20; ++unit) {
+      rig.bus.set_result(unit, port::BusResult::exception, exception);
+    }
+    rig.run(long_silence);
+    expect_nobody_left(rig);
+    EXPECT_EQ(rig.server.header("state"), silent_bus);
+  }
+}
+
+// Or it answers what it has in its memory.
+TEST(BusSilence, NorOneThatAnswersWithZeros) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  for (std::uint8_t unit = 1; unit <= 20; ++unit) rig.bus.set_registers(unit, NodeRegisters{});
+  rig.run(long_silence);
+  expect_nobody_left(rig);
+  EXPECT_EQ(rig.server.header("state"), silent_bus);
+}
+
+TEST(BusSilence, ABusWithASingleNodeKeepsIt) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.run(1s);
+  rig.bus.silence(1);
+  rig.run(long_silence);
+  expect_nobody_left(rig);
+  EXPECT_EQ(rig.mesh.node_count(), 1u);
+  EXPECT_EQ(rig.server.header("state"), silent_bus);
+}
+
+TEST(BusSilence, TheLastOfABusStays) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  for (std::uint8_t unit = 1; unit <= 4; ++unit) {
+    rig.bus.silence(unit);
+    rig.run(10s);
+  }
+  EXPECT_EQ(rig.mesh.node_count(), 1u);
+  EXPECT_EQ(rig.server.header("missing_count"), 3u);
+  EXPECT_EQ(rig.server.header("state"), silent_bus | snapshot_state::missing);
+}
+
+TEST(BusSilence, WhoWasSilentAlreadyHasItsWholeTimeAnew) {
+  for (const port::Duration outage : std::array<port::Duration, 3>{2s, 10s, 5min}) {
+    Rig rig;
+    rig.put_square();
+    rig.run(1s);
+    rig.bus.silence(1);
+    rig.run(2800ms);
+    for (std::uint8_t unit = 2; unit <= 4; ++unit) rig.bus.silence(unit);
+    rig.run(outage);
+    rig.put_square();
+    rig.bus.silence(1);
+    rig.run(2800ms);
+    expect_nobody_left(rig);
+    rig.run(500ms);
+    EXPECT_EQ(rig.log.count("node 1001 is missing"), 1u) << logged(rig);
+    EXPECT_EQ(rig.server.header("missing_count"), 1u);
+  }
+}
+
+TEST(BusSilence, AFewLostAnswersOfAllAreNoSilenceOfAny) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  // The bus is away for less than it takes to call it silent, again and again.
+  for (int i = 0; i < 100; ++i) {
+    rig.bus.link_up = false;
+    rig.run(900ms);
+    rig.bus.link_up = true;
+    rig.run(300ms);
+  }
+  expect_nobody_left(rig);
+  EXPECT_EQ(rig.log.count("bus yard: silent"), 0u) << logged(rig);
+}
+
+TEST(BusSilence, OfABusThatComesBackInPartTheRestIsMissing) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  for (std::uint8_t unit = 1; unit <= 4; ++unit) rig.bus.silence(unit);
+  rig.run(long_silence);
+  rig.put(2, 100, 0);
+  rig.put(4, 0, 100);
+  rig.run(2900ms);
+  expect_nobody_left(rig);
+  EXPECT_EQ(rig.server.header("state"), snapshot_state::stale);
+  rig.run(500ms);
+  EXPECT_EQ(rig.mesh.node_count(), 2u);
+  EXPECT_EQ(rig.server.header("state"), snapshot_state::missing);
+  EXPECT_EQ(rig.log.count("node 1001 is missing: unit 1 of yard, silent for 303 s"), 1u)
+      << logged(rig);
+}
+
+TEST(BusSilence, EachBusIsJudgedForItself) {
+  TwoBuses rig;
+  rig.put_square();
+  for (std::uint8_t unit = 1; unit <= 3; ++unit) rig.put_other(unit, 300 + unit * unit, 7 * unit);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("node_count"), 7u);
+  for (std::uint8_t unit = 1; unit <= 4; ++unit) rig.bus.silence(unit);
+  rig.other.silence(2);
+  rig.run(10s);
+  EXPECT_EQ(rig.server.header("node_count"), 6u);
+  EXPECT_EQ(rig.server.header("stale_count"), 4u);
+  EXPECT_EQ(rig.server.header("missing_count"), 1u);
+  EXPECT_EQ(rig.log.count("node 2002 is missing: unit 2 of gate"), 1u) << logged(rig);
+  EXPECT_EQ(rig.log.count("bus yard: silent"), 1u);
+  EXPECT_EQ(rig.log.count("bus gate: silent"), 0u);
+  rig.other.link_up = false;
+  rig.run(10s);
+  EXPECT_EQ(rig.server.header("node_count"), 6u);
+  EXPECT_EQ(rig.server.header("silent_bus_count"), 2u);
+}
+
+TEST(BusSilence, ABusWhoseOnlyNodeAskedToLeaveIsNot) {
+  Rig rig;
+  rig.put(1, 0, 0);
+  rig.run(1s);
+  rig.put(1, 0, 0, node_status::leaving);
+  rig.run(1s);
+  rig.bus.silence(1);
+  rig.run(10s);
+  expect_nobody_left(rig);
+  EXPECT_EQ(rig.server.header("state"), 0u);
+  EXPECT_EQ(rig.gateway->roster().records()[0].is_known(), false);
+}
+
+TEST(GatewayPause, ExpelsNobody) {
+  for (const port::Duration pause : std::array<port::Duration, 4>{2s, 4s, 8s, 5min}) {
+    Rig rig;
+    rig.put_square();
+    rig.run(1s);
+    rig.bus.silence(1);  // who answers no more has answered just before
+    rig.run(2s);
+    rig.clock.pass(pause);
+    rig.run(800ms);
+    expect_nobody_left(rig);
+    EXPECT_EQ(rig.log.count("bus yard: silent"), 0u) << logged(rig);
+    EXPECT_EQ(rig.server.header("stale_count"), 1u);
+    rig.run(3s);
+    EXPECT_EQ(rig.log.count("node 1001 is missing"), 1u) << "it is silent for itself";
+    EXPECT_EQ(rig.server.header("node_count"), 3u);
+  }
+}
+
+TEST(GatewayPause, ThatComesAgainAndAgainExpelsNobody) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  for (int i = 0; i < 200; ++i) {
+    rig.clock.pass(8s);
+    rig.run(200ms);
+  }
+  expect_nobody_left(rig);
+  EXPECT_EQ(rig.server.header("state"), 0u);
+}
+
+TEST(GatewayPause, WhileABusIsSilentAddsNothing) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  for (std::uint8_t unit = 1; unit <= 4; ++unit) rig.bus.silence(unit);
+  rig.run(10s);
+  rig.clock.pass(1h);
+  rig.run(10s);
+  rig.put_square();
+  rig.run(1s);
+  expect_nobody_left(rig);
+  EXPECT_EQ(rig.server.header("state"), 0u);
+}
+
+// What is not fresh must not be said to be, whoever's fault it is.
+TEST(GatewayPause, MakesPositionsStaleUntilTheNodesAnswer) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  for (std::uint8_t unit = 1; unit <= 4; ++unit) rig.bus.silence(unit);
+  rig.clock.pass(8s);
+  rig.run(300ms);
+  EXPECT_EQ(rig.server.header("stale_count"), 4u);
+  EXPECT_GE(rig.server.header("oldest_age_ms"), 8000u);
+  rig.put_square();
+  rig.run(300ms);
+  EXPECT_EQ(rig.server.header("stale_count"), 0u);
+}
+
+TEST(WithoutAFix, APositionGrowsOldAndIsShownSo) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  rig.put(1, 0, 0, 0);
+  rig.run(30s);
+  EXPECT_EQ(rig.server.header("node_count"), 4u) << "it answers, so it stays";
+  EXPECT_EQ(rig.server.header("stale_count"), 1u);
+  EXPECT_EQ(rig.server.header("state"), snapshot_state::stale);
+  expect_nobody_left(rig);
+  const auto& vertices = rig.gateway->snapshot().vertices;
+  EXPECT_EQ(std::count_if(vertices.begin(), vertices.end(),
+                          [](const SnapshotVertex& vertex) { return vertex.lacks_fix; }),
+            1);
+  rig.put(6, 20, 30);  // another generation
+  rig.run(500ms);
+  EXPECT_GE(rig.server.header("oldest_age_ms"), 30'000u);
+  rig.put(1, 0, 0);
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("state"), 0u);
+  EXPECT_LE(rig.server.header("oldest_age_ms"), 500u);
+}
+
+TEST(WithoutAFix, ASilentNodeThatAnswersIsNotFreshYet) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  rig.bus.silence(1);
+  rig.run(2s);
+  EXPECT_EQ(rig.server.header("stale_count"), 1u);
+  rig.put(1, 0, 0, 0);
+  rig.run(2s);
+  EXPECT_EQ(rig.server.header("stale_count"), 1u);
+}
+
+}  // namespace
+}  // namespace etcm::firmware
