@@ -8,9 +8,6 @@ namespace etcm::firmware {
 
 namespace {
 
-// A planar graph of n vertices has less than 3n edges, and each stands in two lists.
-constexpr std::uint32_t neighbours_per_vertex_max = 6;
-
 static_assert(generation_registers + block_vertices * vertex_registers <= block_size);
 static_assert(generation_registers + block_neighbours * neighbour_registers <= block_size);
 static_assert(generation_registers + block_relays * relay_registers <= block_size);
@@ -19,10 +16,6 @@ static_assert(generation_registers + block_gaps * gap_registers <= block_size);
 static_assert(generation_registers + block_long_links * long_link_registers <= block_size);
 static_assert(generation_registers + block_quarantined * quarantined_registers <= block_size);
 static_assert(registers_per_unit <= 65536);
-
-constexpr std::uint32_t blocks_for(std::uint64_t count, std::uint32_t per_block) {
-  return static_cast<std::uint32_t>((count + per_block - 1) / per_block);
-}
 
 template <typename Source>
 void put(std::span<std::uint16_t> registers, const MapRow<Source>& row, const Source& source) {
@@ -85,19 +78,6 @@ MeshMapLayout mesh_map_layout(const MeshMapCapacity& capacity) {
           .gaps = blocks(capacity.gaps, block_gaps),
           .long_links = blocks(capacity.long_links, block_long_links),
           .quarantine = blocks(capacity.quarantined, block_quarantined)};
-}
-
-std::uint32_t mesh_map_vertices_max() {
-  constexpr std::uint32_t list_max = analysis_list_max;
-  constexpr std::uint64_t lists =
-      blocks_for(list_max, block_relays) + blocks_for(list_max, block_holes) +
-      blocks_for(list_max, block_gaps) + blocks_for(list_max, block_long_links) +
-      blocks_for(quarantine_listed_max, block_quarantined);
-  // One block is the header, and either table may waste a part of its last one.
-  constexpr std::uint64_t blocks = std::uint64_t{units_max} * unit_blocks - 3 - lists;
-  constexpr std::uint64_t per_vertex =
-      block_neighbours + neighbours_per_vertex_max * block_vertices;
-  return static_cast<std::uint32_t>(blocks * block_vertices * block_neighbours / per_vertex);
 }
 
 void encode_mesh(const Snapshot& snapshot, const MeshMapCapacity& capacity,

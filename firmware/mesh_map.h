@@ -64,8 +64,23 @@ struct MeshMapLayout {
 };
 MeshMapLayout mesh_map_layout(const MeshMapCapacity& capacity);
 
+constexpr std::uint32_t blocks_for(std::uint64_t count, std::uint32_t per_block) {
+  return static_cast<std::uint32_t>((count + per_block - 1) / per_block);
+}
+
 // The most vertices the units can hold, beside the longest lists.
-std::uint32_t mesh_map_vertices_max();
+constexpr std::uint32_t mesh_map_vertices_max() {
+  constexpr std::uint32_t list_max = analysis_list_max;
+  constexpr std::uint64_t lists =
+      blocks_for(list_max, block_relays) + blocks_for(list_max, block_holes) +
+      blocks_for(list_max, block_gaps) + blocks_for(list_max, block_long_links) +
+      blocks_for(quarantine_listed_max, block_quarantined);
+  // One block is the header, and either table may waste a part of its last one.
+  constexpr std::uint64_t blocks = std::uint64_t{units_max} * unit_blocks - 3 - lists;
+  constexpr std::uint64_t per_vertex =
+      block_neighbours + neighbours_per_vertex_max * block_vertices;
+  return static_cast<std::uint32_t>(blocks * block_vertices * block_neighbours / per_vertex);
+}
 
 // REQUIRES: no list of the snapshot is longer than its capacity.
 // Into an image that is empty or of the same configuration; then it takes no memory.

@@ -62,6 +62,9 @@ struct SnapshotMissingFeature {
 // Of the quarantine (quarantine.h) this many at most are listed; the count beside them is of all.
 inline constexpr std::uint32_t quarantine_listed_max = 1000;
 
+// A planar graph of n vertices has less than 3n edges, and each stands in two lists.
+inline constexpr std::uint32_t neighbours_per_vertex_max = 6;
+
 enum class QuarantineKind : std::uint8_t { none, node, feature, anchor, answer };
 
 struct SnapshotQuarantined {

@@ -8,14 +8,7 @@
 
 namespace etcm::firmware {
 
-namespace {
-
 using namespace std::chrono_literals;
-
-// A planar graph of n vertices has less than 3n edges, and each stands in two lists.
-constexpr std::size_t neighbours_per_vertex_max = 6;
-
-}  // namespace
 
 MeshMapCapacity map_capacity(const Settings& settings) {
   const auto analysis = [](std::uint32_t range) {
@@ -36,7 +29,7 @@ MeshMapCapacity map_capacity(const Settings& settings) {
 
 void reserve(Snapshot& snapshot, const Settings& settings, std::uint32_t nodes) {
   snapshot.vertices.reserve(settings.mesh.vertices_max);
-  snapshot.neighbours.reserve(neighbours_per_vertex_max * settings.mesh.vertices_max);
+  snapshot.neighbours.reserve(std::size_t{neighbours_per_vertex_max} * settings.mesh.vertices_max);
   snapshot.outsiders.reserve(nodes);
   snapshot.missing_features.reserve(settings.mesh.features_max);
   snapshot.quarantine.reserve(map_capacity(settings).quarantined);
