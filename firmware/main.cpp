@@ -38,6 +38,7 @@
 #include "saved_state.h"
 #include "service_watch.h"
 #include "settings.h"
+#include "settings_text.h"
 #include "status_page.h"
 #ifdef ETCM_WITH_GPIO
 #include "gpio/gpio_lines.h"
@@ -342,12 +343,20 @@ int main(int argc, char** argv) {
   std::string config;
   bool check_config = false;
   bool register_map = false;
+  bool settings_file = false;
+  bool settings_table = false;
   auto* config_option = app.add_option("--config", config, "settings, a TOML file");
   auto* check_option = app.add_flag("--check-config", check_config, "check the settings and end");
   auto* map_option = app.add_flag("--register-map", register_map,
                                   "print the tables of the registers it serves, and end");
+  auto* settings_option = app.add_flag(
+      "--settings", settings_file, "print a settings file with every key and its default, and end");
+  auto* table_option =
+      app.add_flag("--settings-table", settings_table, "print the table of the settings, and end");
   check_option->needs(config_option);
-  map_option->excludes(config_option);
+  for (CLI::Option* option : {map_option, settings_option, table_option}) {
+    option->excludes(config_option);
+  }
   app.set_version_flag("--version", ETCM_VERSION, "print the version and end");
   try {
     app.parse(argc, argv);
@@ -355,10 +364,10 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? EXIT_SUCCESS : exit_bad_settings;
   }
 
-  if (register_map) {
-    std::fputs(firmware::describe_mesh_map().c_str(), stdout);
-    return EXIT_SUCCESS;
-  }
+  if (register_map) std::fputs(firmware::describe_mesh_map().c_str(), stdout);
+  if (settings_file) std::fputs(firmware::print_settings().c_str(), stdout);
+  if (settings_table) std::fputs(firmware::describe_settings().c_str(), stdout);
+  if (register_map || settings_file || settings_table) return EXIT_SUCCESS;
   if (config.empty()) {
     std::fputs("--config is missing; give the path of the settings, such as --config site.toml\n",
                stderr);

@@ -3,119 +3,80 @@
 #include <algorithm>
 #include <cstddef>
 #include <exception>
-#include <type_traits>
-#include <variant>
+#include <string_view>
 
 #include "configuration.h"
+#include "settings_keys.h"
 
 namespace etcm::firmware {
 
 namespace {
 
-bool is_same(const std::optional<LineSettings>& a, const std::optional<LineSettings>& b) {
-  if (!a || !b) return a.has_value() == b.has_value();
-  return a->place == b->place && a->is_active_low == b->is_active_low;
+// Takes over what can change at once, and adds what cannot to `fixed`.
+void take_over_table(const KeyTable& table, Settings& current, Settings& next,
+                     std::vector<std::string>& fixed) {
+  if (table.is_there != nullptr && table.is_there(current) != table.is_there(next)) {
+    fixed.push_back(heading_of(table));
+    return;
+  }
+  if (table.is_there != nullptr && !table.is_there(current)) return;
+  for (const Key& key : table.keys) {
+    if (is_same_value(key.type, &current, &next)) continue;
+    if (key.effect == Effect::at_once) {
+      copy_value(key.type, &next, &current);
+    } else {
+      fixed.push_back(path_of(table, key));
+    }
+  }
 }
 
-bool is_same(const UnitRange& a, const UnitRange& b) {
-  return a.first == b.first && a.last == b.last;
+// Whether the file of `b` says anything else for the key than that of `a`.
+bool is_changed(const Key& key, BusSettings& a, BusSettings& b) {
+  if (!is_key_of(key, kind_of(b))) return false;
+  // Of a link of another kind the link alone is told, not what only such a link has.
+  if (!is_key_of(key, kind_of(a))) return key.standard.kind == Standard::Kind::conditional;
+  // Nor is a name that only follows the link.
+  const bool has_names = a.name != link_name(a) || b.name != link_name(b);
+  return !is_same_value(key.type, &a, &b) && (has_names || std::string_view(key.name) != "name");
 }
 
-bool is_same(const std::vector<UnitRange>& a, const std::vector<UnitRange>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const UnitRange& x, const UnitRange& y) { return is_same(x, y); });
+// The buses are taken over together: where one of them has to wait for a restart, all do.
+void take_over_buses(Settings& current, Settings& next, std::vector<std::string>& fixed) {
+  const KeyTable& table = key_table("bus");
+  if (current.buses.size() != next.buses.size()) {
+    fixed.push_back(heading_of(table));
+    return;
+  }
+  bool must_wait = false;
+  std::vector<std::string> changed;
+  for (const Key& key : table.keys) {
+    bool is_same = true;
+    for (std::size_t i = 0; i < next.buses.size(); ++i) {
+      is_same = is_same && !is_changed(key, current.buses[i], next.buses[i]);
+    }
+    if (is_same) continue;
+    changed.push_back(path_of(table, key));
+    must_wait = must_wait || key.effect == Effect::restart;
+  }
+  const auto has_same_slow = [](const BusSettings& a, const BusSettings& b) {
+    return a.unit_timeouts == b.unit_timeouts;
+  };
+  if (!std::equal(current.buses.begin(), current.buses.end(), next.buses.begin(), has_same_slow)) {
+    changed.push_back(heading_of(key_table("bus.slow")));
+  }
+  if (must_wait) {
+    fixed.insert(fixed.end(), changed.begin(), changed.end());
+    return;
+  }
+  for (std::size_t i = 0; i < next.buses.size(); ++i) {
+    for (const Key& key : table.keys) {
+      if (key.effect == Effect::at_once && is_key_of(key, kind_of(next.buses[i]))) {
+        copy_value(key.type, &next.buses[i], &current.buses[i]);
+      }
+    }
+    current.buses[i].unit_timeouts = next.buses[i].unit_timeouts;
+  }
 }
-
-bool is_same(const port::SocketAddress& a, const port::SocketAddress& b) {
-  return a.host == b.host && a.port == b.port;
-}
-
-bool is_same(const port::SerialLine& a, const port::SerialLine& b) {
-  return a.path == b.path && a.baud == b.baud && a.parity == b.parity &&
-         a.stop_bits == b.stop_bits && a.direction == b.direction;
-}
-
-// But for the timeouts, which can change.
-bool is_same(const BusSettings& a, const BusSettings& b) {
-  const bool is_same_link = std::visit(
-      [](const auto& left, const auto& right) {
-        if constexpr (std::is_same_v<decltype(left), decltype(right)>) return is_same(left, right);
-        return false;
-      },
-      a.link, b.link);
-  return is_same_link && a.name == b.name && a.word_order == b.word_order && a.quiet == b.quiet &&
-         a.outstanding_max == b.outstanding_max && is_same(a.send_enable, b.send_enable) &&
-         is_same(a.units, b.units) && is_same(a.assign, b.assign) && is_same(a.scan, b.scan) &&
-         a.scan_budget == b.scan_budget;
-}
-
-bool is_same_buses(const Settings& a, const Settings& b) {
-  return std::equal(a.buses.begin(), a.buses.end(), b.buses.begin(), b.buses.end(),
-                    [](const BusSettings& x, const BusSettings& y) { return is_same(x, y); });
-}
-
-// What is decided once, when the gateway starts.
-struct FixedKey {
-  const char* name;
-  bool (*is_same)(const Settings& a, const Settings& b);
-};
-
-constexpr FixedKey fixed_keys[] = {
-    {"[mesh] vertices_max",
-     [](const Settings& a, const Settings& b) {
-       return a.mesh.vertices_max == b.mesh.vertices_max;
-     }},
-    {"[mesh] features_max",
-     [](const Settings& a, const Settings& b) {
-       return a.mesh.features_max == b.mesh.features_max;
-     }},
-    {"[mesh] steiner_max",
-     [](const Settings& a, const Settings& b) { return a.mesh.steiner_max == b.mesh.steiner_max; }},
-    {"[mesh] steps_max",
-     [](const Settings& a, const Settings& b) { return a.mesh.steps_max == b.mesh.steps_max; }},
-    {"[mesh] policy",
-     [](const Settings& a, const Settings& b) { return a.mesh.policy == b.mesh.policy; }},
-    {"[[bus]], but for its timeouts", is_same_buses},
-    {"[server] listen",
-     [](const Settings& a, const Settings& b) {
-       return is_same(a.server.listen, b.server.listen);
-     }},
-    {"[server] clients_max",
-     [](const Settings& a, const Settings& b) {
-       return a.server.clients_max == b.server.clients_max;
-     }},
-    {"[http], but for allow",
-     [](const Settings& a, const Settings& b) {
-       if (!a.http || !b.http) return a.http.has_value() == b.http.has_value();
-       return is_same(a.http->listen, b.http->listen) && a.http->clients_max == b.http->clients_max;
-     }},
-    {"[files] folder and name",
-     [](const Settings& a, const Settings& b) {
-       if (!a.files || !b.files) return a.files.has_value() == b.files.has_value();
-       return a.files->folder == b.files->folder && a.files->name == b.files->name;
-     }},
-    {"[state]",
-     [](const Settings& a, const Settings& b) {
-       if (!a.state || !b.state) return a.state.has_value() == b.state.has_value();
-       return a.state->folder == b.state->folder && a.state->interval == b.state->interval;
-     }},
-    {"[write_back]",
-     [](const Settings& a, const Settings& b) {
-       return a.write_back.is_enabled == b.write_back.is_enabled;
-     }},
-    {"[gpio]",
-     [](const Settings& a, const Settings& b) {
-       return is_same(a.gpio.alert, b.gpio.alert) &&
-              is_same(a.gpio.join_button, b.gpio.join_button) &&
-              is_same(a.gpio.status_led, b.gpio.status_led) &&
-              is_same(a.gpio.watchdog, b.gpio.watchdog) && a.gpio.debounce == b.gpio.debounce;
-     }},
-    {"[analysis]",
-     [](const Settings& a, const Settings& b) {
-       return a.analysis.radio_range == b.analysis.radio_range &&
-              a.analysis.sensing_range == b.analysis.sensing_range;
-     }},
-};
 
 void tell(const std::vector<std::string>& mistakes, const std::string& path, port::Log& log) {
   const std::size_t told = std::min(mistakes.size(), reload_mistakes_max);
@@ -129,20 +90,12 @@ void tell(const std::vector<std::string>& mistakes, const std::string& path, por
 
 std::vector<std::string> take_over(Settings& current, const Settings& next) {
   std::vector<std::string> fixed;
-  for (const FixedKey& key : fixed_keys) {
-    if (!key.is_same(current, next)) fixed.emplace_back(key.name);
+  Settings taken = next;
+  for (const KeyTable& table : key_tables()) {
+    if (table.kind != KeyTable::Kind::list) take_over_table(table, current, taken, fixed);
   }
-  current.poll = next.poll;
-  if (is_same_buses(current, next)) {
-    for (std::size_t i = 0; i < next.buses.size(); ++i) {
-      current.buses[i].timeout = next.buses[i].timeout;
-      current.buses[i].unit_timeouts = next.buses[i].unit_timeouts;
-    }
-  }
-  if (current.files && next.files) current.files->interval = next.files->interval;
-  current.server.allow = next.server.allow;
-  if (current.http && next.http) current.http->allow = next.http->allow;
-  current.site = next.site;
+  take_over_buses(current, taken, fixed);
+  current.site.place = next.site.place;
   current.features = next.features;
   current.anchors = next.anchors;
   current.domain = next.domain;

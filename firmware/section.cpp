@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <string_view>
 
 namespace etcm::firmware {
 
 namespace {
-
-using namespace std::chrono_literals;
-
-constexpr port::Duration duration_max = 24h;
 
 std::string place_of(const std::string& file, const toml::node& node) {
   return file + ":" + std::to_string(node.source().begin.line);
@@ -59,77 +56,6 @@ void Section::require(const std::string& key, const std::string& example) {
   if (find(key) == nullptr) {
     mistake(table_, in_section("'" + key + "' is missing") + "; add it, such as " + example);
   }
-}
-
-void Section::read(const std::string& key, std::string& value, const std::string& example) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return;
-  if (const auto found = node->value_exact<std::string>(); found && !found->empty()) {
-    value = *found;
-  } else {
-    mistake(*node, "'" + key + "' must be a text; write it as " + example);
-  }
-}
-
-void Section::read(const std::string& key, port::SocketAddress& value) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return;
-  const auto text = node->value_exact<std::string>();
-  const auto found = text ? port::parse_socket_address(*text) : std::nullopt;
-  if (found) {
-    value = *found;
-  } else {
-    mistake(*node, "'" + key + "' is no address; write it as \"127.0.0.1:502\"");
-  }
-}
-
-void Section::read(const std::string& key, port::Duration& value, port::Duration least) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return;
-  const auto text = node->value_exact<std::string>();
-  const auto found = text ? parse_duration(*text) : std::nullopt;
-  if (!found) {
-    mistake(*node, "'" + key + "' is no duration; write it as \"500ms\", \"2s\" or \"5min\"");
-  } else if (*found > duration_max) {
-    mistake(*node, "'" + key + "' is longer than a day; give less");
-  } else if (*found < least) {
-    mistake(*node,
-            "'" + key + "' is too short; give at least \"" + std::to_string(least / 1ms) + "ms\"");
-  } else {
-    value = *found;
-  }
-}
-
-void Section::read(const std::string& key, std::uint32_t& value, std::uint32_t least,
-                   std::uint32_t most) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return;
-  const auto found = node->value_exact<std::int64_t>();
-  if (found && *found >= least && *found <= most) {
-    value = static_cast<std::uint32_t>(*found);
-  } else {
-    mistake(*node, "'" + key + "' is out of range; give a whole number from " +
-                       std::to_string(least) + " to " + std::to_string(most));
-  }
-}
-
-void Section::read(const std::string& key, bool& value) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return;
-  if (const auto found = node->value_exact<bool>()) {
-    value = *found;
-  } else {
-    mistake(*node, "'" + key + "' must be true or false; write it as " + key + " = true");
-  }
-}
-
-void Section::read(const std::string& key, std::optional<LineSettings>& value) {
-  if (find(key) == nullptr) return;
-  LineSettings line;
-  read(key, line.place, key + " = \"LINE_NAME\"");
-  line.is_active_low = line.place.starts_with('!');
-  if (line.is_active_low) line.place.erase(0, 1);
-  value = line;
 }
 
 void Section::each(const std::string& key, const std::function<void(Section&)>& each_table) {

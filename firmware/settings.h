@@ -1,4 +1,5 @@
-// What the operator decided: the configuration file, read and checked as a whole.
+// What the operator decided: the configuration file, read and checked as a whole. Which keys there
+// are, their ranges and defaults, is the table of settings_keys.h.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +18,20 @@
 
 namespace etcm::firmware {
 
+inline constexpr std::uint8_t unit_max = 247;
+
+// Units 1 to unit_max.
 struct UnitRange {
   std::uint8_t first = 0;
   std::uint8_t last = 0;
+  friend constexpr bool operator==(const UnitRange&, const UnitRange&) = default;
 };
 
 // A digital line: its name or CHIP:OFFSET.
 struct LineSettings {
   std::string place;
   bool is_active_low = false;
+  friend bool operator==(const LineSettings&, const LineSettings&) = default;
 };
 
 struct GpioSettings {
@@ -39,6 +45,7 @@ struct GpioSettings {
 struct UnitTimeout {
   UnitRange units;
   port::Duration timeout{};
+  friend constexpr bool operator==(const UnitTimeout&, const UnitTimeout&) = default;
 };
 
 struct BusSettings {
@@ -56,13 +63,16 @@ struct BusSettings {
   std::optional<LineSettings> send_enable;  // switches the transceiver of a serial line
 };
 
+// What the bus is named that has no name of its own: the address or the path.
+std::string link_name(const BusSettings& bus);
+
 // How long this unit of the bus may take to answer.
 port::Duration timeout_of(const BusSettings& bus, std::uint8_t unit);
 
 struct PollSettings {
   port::Duration interval{};
   port::Duration timeout{};
-  std::uint32_t outstanding_max = 4;
+  std::uint32_t outstanding_max = 0;
   port::Duration absent_interval{};  // the longest pause between two questions to a silent unit
   port::Duration stale_after{};
   port::Duration leave_after{};
@@ -90,25 +100,29 @@ enum class PolyNodes : std::uint8_t { serials, anchors };
 
 // Lengths in 10^-9 of what the site file counts in, so that decimals are exact.
 inline constexpr std::int64_t site_nano = 1'000'000'000;
+struct SiteOrigin {
+  std::int64_t x = 0;
+  std::int64_t y = 0;
+  friend constexpr bool operator==(const SiteOrigin&, const SiteOrigin&) = default;
+};
 struct SiteSettings {
   std::string path;  // empty: there is none
   std::string place;
   PolyNodes poly_nodes = PolyNodes::serials;
   std::int64_t unit = site_nano;  // of a unit of the mesh
-  std::int64_t origin_x = 0;      // of the mesh's (0, 0)
-  std::int64_t origin_y = 0;
-  bool round = false;  // to the nearest unit
+  SiteOrigin origin;              // the mesh's (0, 0)
+  bool round = false;             // to the nearest unit
 };
 
 struct ServerSettings {
   port::SocketAddress listen;
-  std::vector<port::Network> allow{port::this_machine};  // who may connect
+  std::vector<port::Network> allow{};  // who may connect
   std::uint32_t clients_max = 0;
 };
 
 struct HttpSettings {
   port::SocketAddress listen;
-  std::vector<port::Network> allow{port::this_machine};  // who may look
+  std::vector<port::Network> allow{};  // who may look
   std::uint32_t clients_max = 0;
 };
 
@@ -151,11 +165,5 @@ struct Settings {
 // `mistakes`; the settings are good for use only when there are none. Relative paths in the file
 // start from its folder.
 Settings read_settings(const std::string& path, std::vector<std::string>& mistakes);
-
-// "500ms", "2s", "5min"; nothing for anything else.
-std::optional<port::Duration> parse_duration(const std::string& text);
-
-// "1-60" or "7" or "1-3,9".
-std::optional<std::vector<UnitRange>> parse_units(const std::string& text);
 
 }  // namespace etcm::firmware

@@ -59,8 +59,8 @@ std::int32_t SiteGrid::coordinate(std::size_t line, const std::string& where, co
 Position SiteGrid::place(std::size_t line, const std::string& where, const Decimal& x,
                          const Decimal& y) const {
   const bool may_be_degrees = is_degree(x, 180) && is_degree(y, 90);
-  return {coordinate(line, where, "x", x, settings_.origin_x, may_be_degrees),
-          coordinate(line, where, "y", y, settings_.origin_y, may_be_degrees)};
+  return {coordinate(line, where, "x", x, settings_.origin.x, may_be_degrees),
+          coordinate(line, where, "y", y, settings_.origin.y, may_be_degrees)};
 }
 
 Point SiteGrid::near(const Decimal& x, const Decimal& y) const {
@@ -72,7 +72,7 @@ Point SiteGrid::near(const Decimal& x, const Decimal& y) const {
         std::clamp(units, -double{position_max}, double{position_max}) *
         static_cast<double>(subunits_per_unit));
   };
-  return {one(x, settings_.origin_x), one(y, settings_.origin_y)};
+  return {one(x, settings_.origin.x), one(y, settings_.origin.y)};
 }
 
 void read_site(Settings& settings, std::vector<std::string>& mistakes) {

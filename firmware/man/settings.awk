@@ -1,5 +1,5 @@
-# Makes the manual page of the settings from the table of the operating guide, which is the only
-# place where they stand: awk -f settings.awk README.md > gateway.toml.5
+# Makes the manual page of the settings from the operating guide, whose table is that of
+# settings_keys.cpp (a test compares them): awk -f settings.awk README.md > gateway.toml.5
 
 # What troff would take for a request, or mdoc for more than text.
 function escaped(text) {
@@ -77,13 +77,18 @@ inside && /^## / { inside = 0 }
   split(row, cell, "|")
   for (i in cell) gsub(/\001/, "|", cell[i])
   key = running(trimmed(cell[2])); unit = running(trimmed(cell[3]))
-  standard = running(trimmed(cell[4])); meaning = running(trimmed(cell[5]))
+  standard = running(trimmed(cell[4])); reload = trimmed(cell[5])
+  meaning = running(trimmed(cell[6]))
   ++rows
   is_paragraph = 0
   if (cell[2] ~ /\*\*/) {
     close_list()
     print ".Ss " key
-    if (standard != "") say("Given: " standard ".")
+    if (standard == "required") {
+      say("Required.")
+    } else if (standard != "") {
+      say((cell[2] ~ /\[\[/ ? "Given: " : "Without it: ") standard ".")
+    }
     say(meaning == "" ? "" : toupper(substr(meaning, 1, 1)) substr(meaning, 2) ".")
     next
   }
@@ -95,6 +100,7 @@ inside && /^## / { inside = 0 }
   } else {
     say("Default: " (standard == "" ? "none" : standard) ".")
   }
+  say(reload == "at once" ? "Changes at a reload." : "Needs a restart.")
   next
 }
 {

@@ -62,12 +62,13 @@ TEST_F(Reload, WhatCannotIsSaid) {
   for (const auto& [from, to, key] :
        {std::tuple{"vertices_max = 50", "vertices_max = 60", "[mesh] vertices_max"},
         {"features_max = 9", "features_max = 10", "[mesh] features_max"},
-        {"127.0.0.1:502", "127.0.0.1:503", "[[bus]], but for its timeouts"},
-        {"1-3", "1-4", "[[bus]], but for its timeouts"},
-        {"tcp = \"127.0.0.1:502\"", "rtu = \"/dev/ttyS0\"", "[[bus]], but for its timeouts"},
+        {"127.0.0.1:502", "127.0.0.1:503", "[[bus]] tcp"},
+        {"1-3", "1-4", "[[bus]] units"},
+        {"tcp = \"127.0.0.1:502\"", "rtu = \"/dev/ttyS0\"", "[[bus]] rtu"},
+        {"[[feature]]", "[[bus]]\ntcp = \"127.0.0.1:503\"\nunits = \"1\"\n[[feature]]", "[[bus]]"},
         {"[poll]", "[server]\nlisten = \"127.0.0.1:99\"\n[poll]", "[server] listen"},
-        {"[poll]", "[files]\nfolder = \"x\"\n[poll]", "[files] folder and name"},
-        {"[poll]", "[gpio]\nstatus_led = \"LED\"\n[poll]", "[gpio]"}}) {
+        {"[poll]", "[files]\nfolder = \"x\"\n[poll]", "[files]"},
+        {"[poll]", "[gpio]\nstatus_led = \"LED\"\n[poll]", "[gpio] status_led"}}) {
     const Settings before = settings_;
     EXPECT_TRUE(reload_with(with(from, to)));
     EXPECT_EQ(log_.count(std::string("needs a restart: ") + key), 1u) << key;

@@ -420,6 +420,22 @@ class CommandLine(GatewayCase):
         self.assertIn("site.toml:8: 'unit' is unknown in [[bus]]; did you mean 'units'?", done.stderr)
         self.assertIn("no.poly", done.stderr)
 
+    def test_the_settings_it_prints_are_good_as_they_stand(self):
+        printed = self.run_gateway("--settings")
+        self.assertEqual(printed.returncode, 0, printed.stderr)
+        (self.folder / "site.toml").write_text(printed.stdout)
+        done = self.run_gateway("--config", "site.toml", "--check-config")
+        self.assertEqual((done.returncode, done.stdout), (0, "site.toml: good\n"), done.stderr)
+
+    def test_the_manual_page_has_each_key_of_the_settings(self):
+        table = self.run_gateway("--settings-table").stdout
+        man = HERE.parents[1] / "firmware/man"
+        page = subprocess.run(["awk", "-f", man / "settings.awk", man.parent / "README.md"],
+                              capture_output=True, text=True, timeout=PATIENCE_S, check=True).stdout
+        keys = re.findall(r"^\| (?:\*\*)?`([^`]+)`", table, re.M)
+        self.assertGreater(len(keys), 50)
+        self.assertEqual(re.findall(r"^\.(?:Ss|It) \\fB([^\\]+)\\fR", page, re.M), keys)
+
     def test_wrong_settings_are_errors_of_the_log_too(self):
         (self.folder / "site.toml").write_text("[mesh]\nvertices_max = 9\n")
         done = self.run_gateway("--config", "site.toml")

@@ -14,8 +14,8 @@ struct Measurement {
   std::uint32_t added = 0;
   std::uint32_t added_after_pruning = 0;
   // The fastest of some repeats, which no other program on the machine has slowed down: the nodes
-  // Processor time, the least of some repeats: the nodes alone, and what nodes and features together
-  // take beyond that.
+  // Processor time, the least of some repeats: the nodes alone, and what nodes and features
+  // together take beyond that.
   double delaunay_us = 0;
   double features_us = 0;
   double edge_ratio = 0;    // AAR: mean of shortest over longest edge

@@ -13,6 +13,7 @@ namespace etcm::port {
 struct SocketAddress {
   std::uint32_t host = 0;  // 127.0.0.1 is 0x7f000001
   std::uint16_t port = 0;
+  friend constexpr bool operator==(const SocketAddress&, const SocketAddress&) = default;
 };
 
 // Reads "127.0.0.1:502"; nothing where that is no numeric address with a port.

@@ -1,0 +1,304 @@
+// The table of keys: what is printed from it can be read, a reload goes by it, and no document
+// lacks a key.
+#include "settings_keys.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "configuration.h"
+#include "reload.h"
+#include "settings_text.h"
+#include "support/scratch_folder.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+// print_settings() with every key in use. Keys stand behind a '#', words behind "# ".
+std::vector<std::string> lines_in_use() {
+  std::istringstream text(print_settings());
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) {
+    if (line.starts_with('#') && !line.starts_with("# ")) line.erase(0, 1);
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+// Where the first line of the key is.
+std::size_t find_line(const std::vector<std::string>& lines, const KeyTable& table,
+                      const Key& key) {
+  std::string heading;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i].starts_with('[')) heading = lines[i];
+    if (heading == heading_of(table) && lines[i].starts_with(std::string(key.name) + " = ")) {
+      return i;
+    }
+  }
+  ADD_FAILURE() << path_of(table, key) << " is not printed";
+  return 0;
+}
+
+// Another value than the one there is.
+struct ChangeValue {
+  Target target;
+
+  void operator()(const DurationType& type) const { add(type.field, port::Duration(1ms)); }
+  void operator()(const CountType& type) const {
+    const std::uint32_t value = type.field.get(target);
+    type.field.set(target, value < type.most ? value + 1 : value - 1);
+  }
+  void operator()(const ChoiceType& type) const {
+    type.field.set(target, (type.field.get(target) + 1) % type.words.size());
+  }
+  void operator()(const BaudType& type) const { add(type.field, std::uint32_t{1}); }
+  void operator()(const FlagType& type) const { type.field.set(target, !type.field.get(target)); }
+  void operator()(const TextType& type) const { add(type.field, std::string("x")); }
+  void operator()(const PathType& type) const { add(type.field, std::string("x")); }
+  void operator()(const AddressType& type) const {
+    port::SocketAddress value = type.field.get(target);
+    ++value.port;
+    type.field.set(target, value);
+  }
+  void operator()(const NetworksType& type) const { type.field.set(target, {port::everybody}); }
+  void operator()(const UnitsType& type) const { type.field.set(target, {{200, 201}}); }
+  void operator()(const BoardLineType& type) const {
+    type.field.set(target, LineSettings{.place = "OTHER", .is_active_low = true});
+  }
+  void operator()(const ScaleType& type) const { add(type.field, std::int64_t{1}); }
+  void operator()(const OriginType& type) const {
+    type.field.set(target, {.x = type.field.get(target).x, .y = 7});
+  }
+
+  template <class Value>
+  void add(const Field<Value>& field, const Value& more) const {
+    field.set(target, static_cast<Value>(field.get(target) + more));
+  }
+};
+
+class SettingsKeys : public testing::Test {
+ protected:
+  Settings read(const std::string& text) {
+    mistakes_.clear();
+    return read_settings(folder_.write("site.toml", text), mistakes_);
+  }
+  // What the key is read into, in settings of lines_in_use(). The printed bus of a serial port is
+  // the second one.
+  Target target_of(Settings& settings, const KeyTable& table, const Key& key) {
+    const std::string_view name = table.name;
+    if (name == "bus") return &settings.buses.at(key.bus == BusKind::rtu ? 1 : 0);
+    if (name == "feature") return &settings.features.front();
+    if (name == "bus.slow") return &slow_;
+    return &settings;
+  }
+  template <class Work>
+  static void for_each_key(const Work& work) {
+    for (const KeyTable& table : key_tables()) {
+      for (const Key& key : table.keys) work(table, key);
+    }
+  }
+  bool has_mistake(const std::string& part) const {
+    return std::any_of(mistakes_.begin(), mistakes_.end(), [&](const std::string& mistake) {
+      return mistake.find(part) != std::string::npos;
+    });
+  }
+
+  test::ScratchFolder folder_;
+  std::vector<std::string> mistakes_;
+  SlowUnits slow_{.units = {{7, 7}}, .timeout = 500ms};
+};
+
+TEST_F(SettingsKeys, TheOperatingGuideHasThem) {
+  std::ifstream file(ETCM_OPERATING_GUIDE);
+  ASSERT_TRUE(file) << ETCM_OPERATING_GUIDE;
+  std::stringstream text;
+  text << file.rdbuf();
+  EXPECT_NE(text.str().find("\n\n" + describe_settings() + "\n"), std::string::npos)
+      << "put the output of `etcm-gateway --settings-table` into firmware/README.md";
+}
+
+TEST_F(SettingsKeys, HaveNamesAndWordsOfTheirOwn) {
+  std::set<std::string> seen;
+  for_each_key([&](const KeyTable& table, const Key& key) {
+    const std::string path = path_of(table, key);
+    EXPECT_TRUE(seen.insert(path).second) << path << " is there twice";
+    const std::string text = key.text;
+    EXPECT_FALSE(text.empty()) << path;
+    EXPECT_EQ(text.find('|'), std::string::npos) << path << ": the guide is a table";
+    EXPECT_FALSE(text.ends_with('.')) << path << ": who prints it ends the sentence";
+    EXPECT_EQ(std::count(text.begin(), text.end(), '`') % 2, 0) << path;
+  });
+}
+
+TEST_F(SettingsKeys, WhatIsPrintedIsGoodAsItStandsAndChangesNoDefault) {
+  const std::string path = folder_.write("printed.toml", print_settings());
+  Settings printed = read_configuration(path, mistakes_);
+  EXPECT_TRUE(mistakes_.empty()) << testing::PrintToString(mistakes_);
+  Settings least =
+      read("[mesh]\nvertices_max = 1000\n[[bus]]\ntcp = \"127.0.0.1:502\"\nunits = \"1-60\"\n");
+  EXPECT_TRUE(take_over(printed, least).empty());
+  EXPECT_TRUE(printed.site.path.empty());
+  EXPECT_TRUE(printed.features.empty());
+  for_each_key([&](const KeyTable& table, const Key& key) {
+    if (table.kind == KeyTable::Kind::always) {
+      EXPECT_TRUE(is_same_value(key.type, &printed, &least)) << path_of(table, key);
+    }
+  });
+}
+
+TEST_F(SettingsKeys, EveryLineThatIsPrintedIsGood) {
+  const std::vector<std::string> lines = lines_in_use();
+  const Settings settings = read(joined(lines));
+  EXPECT_TRUE(mistakes_.empty()) << testing::PrintToString(mistakes_);
+  EXPECT_EQ(settings.buses.size(), 2u);
+  EXPECT_EQ(settings.buses.front().unit_timeouts.size(), 1u);
+  EXPECT_EQ(settings.features.size(), 1u);
+  EXPECT_TRUE(settings.http && settings.files && settings.state);
+  for_each_key([&](const KeyTable& table, const Key& key) {
+    EXPECT_EQ(lines[find_line(lines, table, key)],
+              std::string(key.name) + " = " + key.standard.toml);
+  });
+}
+
+// No two rows lead to the same value, and none to nowhere.
+TEST_F(SettingsKeys, EachLeadsToAValueOfItsOwn) {
+  const std::string text = joined(lines_in_use());
+  for_each_key([&](const KeyTable& table, const Key& key) {
+    Settings settings = read(text);
+    Settings same = settings;
+    const SlowUnits slow = slow_;
+    std::visit(ChangeValue{target_of(settings, table, key)}, key.type);
+    SlowUnits changed_slow = slow_;
+    for_each_key([&](const KeyTable& other_table, const Key& other) {
+      slow_ = changed_slow;
+      const Target changed = target_of(settings, other_table, other);
+      SlowUnits old_slow = slow;
+      const Target old = std::holds_alternative<SlowUnits*>(changed)
+                             ? Target(&old_slow)
+                             : target_of(same, other_table, other);
+      EXPECT_EQ(is_same_value(other.type, old, changed), &other != &key)
+          << path_of(table, key) << " changes " << path_of(other_table, other);
+    });
+    slow_ = slow;
+  });
+}
+
+TEST_F(SettingsKeys, AReloadTakesEachOverOrNamesIt) {
+  const std::string text = joined(lines_in_use());
+  for_each_key([&](const KeyTable& table, const Key& key) {
+    if (std::string_view(table.name) == "bus.slow") return;
+    Settings current = read(text);
+    Settings next = current;
+    std::visit(ChangeValue{target_of(next, table, key)}, key.type);
+    const std::vector<std::string> fixed = take_over(current, next);
+    const bool is_taken = key.effect == Effect::at_once;
+    EXPECT_EQ(is_same_value(key.type, target_of(current, table, key), target_of(next, table, key)),
+              is_taken)
+        << path_of(table, key);
+    const std::vector<std::string> expected =
+        is_taken ? std::vector<std::string>{} : std::vector<std::string>{path_of(table, key)};
+    EXPECT_EQ(fixed, expected);
+  });
+}
+
+TEST_F(SettingsKeys, AReloadTakesTheSlowUnitsOfABusOverAsTheTableSays) {
+  for (const Key& key : key_table("bus.slow").keys) EXPECT_EQ(key.effect, Effect::at_once);
+  Settings current = read(joined(lines_in_use()));
+  Settings next = current;
+  next.buses[0].unit_timeouts = {{.units = {8, 9}, .timeout = 1s}};
+  EXPECT_TRUE(take_over(current, next).empty());
+  EXPECT_EQ(current.buses[0].unit_timeouts, next.buses[0].unit_timeouts);
+}
+
+// One bus that has to wait holds all of them up, so each that differs is named.
+TEST_F(SettingsKeys, BusesAreTakenOverTogetherOrNotAtAll) {
+  Settings current = read(joined(lines_in_use()));
+  Settings next = current;
+  next.buses[0].units = {{1, 9}};
+  next.buses[1].timeout += 1ms;
+  next.buses[1].unit_timeouts = {{.units = {8, 9}, .timeout = 1s}};
+  EXPECT_EQ(take_over(current, next),
+            (std::vector<std::string>{"[[bus]] units", "[[bus]] timeout", "[[bus.slow]]"}));
+  EXPECT_NE(current.buses[1].timeout, next.buses[1].timeout);
+  EXPECT_TRUE(current.buses[1].unit_timeouts.empty());
+}
+
+TEST_F(SettingsKeys, ATableThatComesOrGoesWaitsForTheRestart) {
+  const Settings all = read(joined(lines_in_use()));
+  const Settings least = read(print_settings());
+  Settings current = least;
+  current.buses = all.buses;
+  const std::vector<std::string> fixed = take_over(current, all);
+  for (const char* heading : {"[http]", "[files]", "[state]"}) {
+    EXPECT_EQ(std::count(fixed.begin(), fixed.end(), heading), 1) << heading;
+  }
+  EXPECT_FALSE(current.http || current.files || current.state);
+}
+
+TEST_F(SettingsKeys, AWrongValueOfEachIsNamedWithItsLineAndCure) {
+  for_each_key([&](const KeyTable& table, const Key& key) {
+    std::vector<std::string> lines = lines_in_use();
+    const std::size_t at = find_line(lines, table, key);
+    lines[at] = std::string(key.name) + " = [{}]";
+    read(joined(lines));
+    const std::string begin =
+        folder_.path("site.toml") + ":" + std::to_string(at + 1) + ": '" + key.name + "' ";
+    const auto found =
+        std::find_if(mistakes_.begin(), mistakes_.end(),
+                     [&](const std::string& mistake) { return mistake.starts_with(begin); });
+    ASSERT_NE(found, mistakes_.end()) << path_of(table, key) << testing::PrintToString(mistakes_);
+    EXPECT_NE(found->find("; "), std::string::npos) << *found;
+  });
+}
+
+TEST_F(SettingsKeys, OneThatIsRequiredIsMissed) {
+  for_each_key([&](const KeyTable& table, const Key& key) {
+    if (key.standard.kind != Standard::Kind::required) return;
+    std::vector<std::string> lines = lines_in_use();
+    lines[find_line(lines, table, key)] = "";
+    read(joined(lines));
+    EXPECT_TRUE(has_mistake("'" + std::string(key.name) + "' is missing in " + heading_of(table) +
+                            "; add it, such as " + key.name + " = " + key.standard.toml))
+        << path_of(table, key) << testing::PrintToString(mistakes_);
+  });
+}
+
+TEST_F(SettingsKeys, RangesHoldAtBothEnds) {
+  for_each_key([&](const KeyTable& table, const Key& key) {
+    const auto is_out = [&](const std::string& value) {
+      std::vector<std::string> lines = lines_in_use();
+      lines[find_line(lines, table, key)] = std::string(key.name) + " = " + value;
+      read(joined(lines));
+      return has_mistake("'" + std::string(key.name) + "' is ");
+    };
+    if (const auto* const count = std::get_if<CountType>(&key.type)) {
+      EXPECT_TRUE(is_out(std::to_string(std::int64_t{count->least} - 1))) << path_of(table, key);
+      EXPECT_FALSE(is_out(std::to_string(count->least))) << path_of(table, key);
+      EXPECT_FALSE(is_out(std::to_string(count->most))) << path_of(table, key);
+      EXPECT_TRUE(is_out(std::to_string(std::int64_t{count->most} + 1))) << path_of(table, key);
+    }
+    if (const auto* const duration = std::get_if<DurationType>(&key.type)) {
+      const auto text = [](port::Duration value) {
+        return "\"" + std::to_string(value / 1ms) + "ms\"";
+      };
+      EXPECT_TRUE(is_out(text(duration->least - 1ms))) << path_of(table, key);
+      EXPECT_FALSE(is_out(text(duration->least))) << path_of(table, key);
+      EXPECT_FALSE(is_out(text(24h))) << path_of(table, key);
+      EXPECT_TRUE(is_out(text(24h + 1ms))) << path_of(table, key);
+    }
+  });
+}
+
+}  // namespace
+}  // namespace etcm::firmware
