@@ -58,7 +58,7 @@ class Auditor {
     const std::uint32_t n = nodes + steiner;
     const bool good = nodes == m_.node_count && steiner == m_.steiner_count &&
                       topo_.triangle_count() == (n < 2 ? 0 : 2 * n - 2) &&
-                      (n != 1 || !m_.lone.is_none());
+                      (n == 1) == !m_.lone.is_none();
     return good ? Audit{} : broken(Rule::counts, {});
   }
 
