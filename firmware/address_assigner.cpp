@@ -63,14 +63,14 @@ std::uint32_t AddressAssigner::done(std::uint32_t bus, const port::BusAnswer& an
       break;
     case Step::look:
       // Whatever answers there, it is not free.
-      if (answer.result == port::BusResult::timeout) {
+      if (port::is_absence(answer)) {
         job.step = Step::write;
       } else {
         choose(bus, false, now);
       }
       break;
     case Step::write:
-      if (answer.result == port::BusResult::exception) {
+      if (answer.result == port::BusResult::exception && !port::is_absence(answer)) {
         give_up(job, "it answers with an exception", now);
       } else {
         // It may have changed before it could answer.

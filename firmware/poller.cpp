@@ -54,7 +54,6 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
               .turns = {},
               .probes = {},
               .probes_max = std::max(1u, bus.settings->outstanding_max / 2),
-              .takes_one = bus.settings->outstanding_max == 1,
               .probe_cost_max = cost_max(*bus.settings),
               .exchange_floor = exchange_floor(*bus.settings)};
     const auto add = [&](const std::vector<UnitRange>& ranges, bool is_listed) {
@@ -199,8 +198,14 @@ std::vector<Poller::Turn>* Poller::next_turns(Line& line, port::Instant now) con
   const port::Instant turn = line.turns.empty() ? port::never : line.turns.front().due;
   const port::Instant probe = probe_due(line, now);
   if (std::min(turn, probe) > now) return nullptr;
-  // A probe of a busy line has its share of the time, however long the others have waited.
-  if (line.takes_one && probe <= now) return &line.probes;
+  if (takes_one(line)) {
+    // A probe of a busy line has its share of the time, however long the others have waited; but
+    // where they will soon have been asked it comes after them, unless somebody calls for it.
+    if (turn > now) return &line.probes;
+    const bool is_first = probe <= now && (line.probes.front().due == port::Instant{} ||
+                                           now - probe >= settings_.interval);
+    return is_first ? &line.probes : &line.turns;
+  }
   return turn <= probe ? &line.turns : &line.probes;
 }
 
@@ -208,7 +213,7 @@ std::vector<Poller::Turn>* Poller::next_turns(Line& line, port::Instant now) con
 port::Instant Poller::probe_due(const Line& line, port::Instant now) const {
   if (line.probes.empty() || line.probes_under_way >= line.probes_max) return port::never;
   const port::Instant due = line.probes.front().due;
-  if (!line.takes_one || line.turns.empty()) return due;
+  if (!takes_one(line) || line.turns.empty()) return due;
   const port::Duration cost = probe_cost(line, units_[line.probes.front().unit]);
   const bool is_idle = line.turns.front().due > std::max(due, now) + cost;
   return is_idle ? due : std::max(due, line.probe_allowed);
@@ -231,7 +236,9 @@ port::Instant Poller::next_deadline() const {
 bool Poller::is_stalled(std::uint32_t bus, port::Instant now, port::Duration patience) const {
   const Line& line = lines_[bus];
   if (line.under_way > 0) {
-    return line.progressed_at + cost_max(*line.polled.settings) + patience < now;
+    return line.progressed_at + cost_max(*line.polled.settings) + line.polled.bus->delay_max() +
+               patience <
+           now;
   }
   if (!line.polled.bus->ready()) return false;
   const port::Instant turn = line.turns.empty() ? port::never : line.turns.front().due;
@@ -274,21 +281,22 @@ TextLine Poller::name(std::uint32_t unit) const {
 
 void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Instant now) {
   Unit& unit = units_[index];
-  count_answer(unit, answer.result, now);
+  count_answer(unit, port::is_absence(answer) ? port::BusResult::timeout : answer.result, now);
   unit.silence = answer.silence;
   note_cost(unit, answer, now);
+  if (port::is_of_converter(answer.result, answer.exception)) {
+    TextLine why;
+    why << "exception " << answer.exception << ": nobody is there, says the converter";
+    return miss(index, why, true, now);
+  }
   switch (answer.result) {
     case port::BusResult::ok:
       break;
     case port::BusResult::link_lost:
       return unit.is_listed || unit.has_answered ? ask_again(index, now) : rest(index);
     case port::BusResult::timeout:
-    case port::BusResult::bad_answer: {
-      const bool was_sound = is_sound(index);
-      fail(index, to_string(answer.result), answer.result == port::BusResult::timeout, now);
-      if (was_sound) repeat(index, now);
-      return;
-    }
+    case port::BusResult::bad_answer:
+      return miss(index, to_string(answer.result), answer.result == port::BusResult::timeout, now);
     case port::BusResult::exception:
       return fail(index, TextLine() << "exception " << answer.exception, false, now);
   }
@@ -311,6 +319,12 @@ void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Inst
   }
   count_sound(index, now);
   ask_again(index, std::max(now, next_due(unit, settings_.interval)));
+}
+
+void Poller::miss(std::uint32_t index, std::string_view why, bool is_silence, port::Instant now) {
+  const bool was_sound = is_sound(index);
+  fail(index, why, is_silence, now);
+  if (was_sound) repeat(index, now);
 }
 
 void Poller::count_answer(Unit& unit, port::BusResult result, port::Instant now) {

@@ -125,6 +125,7 @@ class Poller {
     port::Instant due{};         // for the question asked at
     port::Instant asked_at{};
     port::Duration silence{};  // that its last answer, or the wait for it, cost the others
+    port::Duration cost{};     // of the last question that was not answered, with all that
     UnitCounters counters{};
   };
   struct Turn {
@@ -139,7 +140,6 @@ class Poller {
     std::uint32_t sound = 0;             // units that answered when last asked
     std::uint32_t probes_under_way = 0;
     std::uint32_t probes_max = 0;
-    bool takes_one = false;               // request at a time
     port::Duration probe_cost_max{};      // to a unit that does not answer, where it takes one
     port::Instant probe_allowed{};        // at others' cost, where it takes one
     port::Instant call_allowed{};         // likewise, whom somebody calls for
@@ -161,6 +161,10 @@ class Poller {
   void repeat(std::uint32_t unit, port::Instant now);
   void call_for(std::uint32_t unit, port::Instant due, port::Instant now);
   void bring_forward(std::uint32_t unit, port::Instant due);
+  // Whether it takes one request at a time, so that one in vain costs all others its time.
+  static bool takes_one(const Line& line) {
+    return line.polled.settings->outstanding_max == 1 || line.polled.bus->is_one_line();
+  }
   static port::Duration probe_cost(const Line& line, const Unit& unit);
   port::RegisterRead read_of(std::uint32_t unit) const;
   void add_unit(Line& line, std::uint8_t address, bool is_listed);
@@ -181,6 +185,7 @@ class Poller {
   port::Instant probe_due(const Line& line, port::Instant now) const;
   void take(const port::BusAnswer& answer, std::uint32_t unit, port::Instant now);
   void count_answer(Unit& unit, port::BusResult result, port::Instant now);
+  void miss(std::uint32_t unit, std::string_view why, bool is_silence, port::Instant now);
   void fail(std::uint32_t unit, std::string_view why, bool is_silence, port::Instant now);
   void count_sound(std::uint32_t unit, port::Instant now);
   void ask_again(std::uint32_t unit, port::Instant due);

@@ -19,7 +19,7 @@ void Poller::ask_at_once(std::uint8_t address, port::Instant now) {
   for (Line& line : lines_) {
     const std::uint32_t unit = line.unit_at[address];
     if (unit == no_unit) continue;
-    line.takes_one ? call_for(unit, now, now) : ask_unit_at_once(unit, now);
+    takes_one(line) ? call_for(unit, now, now) : ask_unit_at_once(unit, now);
   }
 }
 
@@ -27,7 +27,7 @@ void Poller::ask_at_once(std::uint8_t address, port::Instant now) {
 void Poller::repeat(std::uint32_t index, port::Instant now) {
   const Unit& unit = units_[index];
   const Line& line = lines_[unit.bus];
-  if (line.takes_one) return call_for(index, unit.due, now);
+  if (takes_one(line)) return call_for(index, unit.due, now);
   // Networks lose none; what is behind them does, but not all of it at once.
   if (line.sound > 0) bring_forward(index, unit.due);
 }
@@ -43,7 +43,8 @@ void Poller::call_for(std::uint32_t index, port::Instant due, port::Instant now)
 
 // The most that a question to it costs the others, where the bus takes one at a time.
 port::Duration Poller::probe_cost(const Line& line, const Unit& unit) {
-  return std::max(line.probe_cost_max, unit.timeout + unit.silence + line.exchange_floor);
+  return std::max({line.probe_cost_max, unit.timeout + unit.silence + line.exchange_floor,
+                   unit.failures > 0 ? unit.cost : port::Duration{}});
 }
 
 // no_unit where none may be asked now.
@@ -65,7 +66,7 @@ std::uint32_t Poller::next_sought(Line& line, port::Instant now) {
 port::Instant Poller::start_beside(const Line& line, port::Instant due, port::Instant allowed,
                                    port::Instant now) {
   if (due == port::never || line.turns.empty()) return due;
-  const port::Duration cost = line.takes_one ? line.probe_cost_max : port::Duration{};
+  const port::Duration cost = takes_one(line) ? line.probe_cost_max : port::Duration{};
   const bool is_idle = line.turns.front().due > std::max(due, now) + cost;
   return is_idle ? due : std::max(due, allowed);
 }
@@ -126,8 +127,15 @@ port::Duration Poller::cost_of(port::Instant asked_at, const port::BusAnswer& an
 // What the others had to wait for a unit that failed, or was only looked for, comes off its share.
 void Poller::note_cost(Unit& unit, const port::BusAnswer& answer, port::Instant now) {
   Line& line = lines_[unit.bus];
-  if (unit.asking == Asking::turn) return;
   const port::Duration cost = cost_of(unit.asked_at, answer, now);
+  if (answer.result != port::BusResult::ok) unit.cost = cost;
+  if (unit.asking == Asking::turn) {
+    // Who was never there is asked again in the time of those that fail.
+    if (answer.result != port::BusResult::ok && !unit.has_answered) {
+      line.probe_allowed = std::max(line.probe_allowed, now + cost * (probe_share - 1));
+    }
+    return;
+  }
   if (unit.asking == Asking::probe) {
     --line.probes_under_way;
     // Who answers takes no more than those that are there.

@@ -79,7 +79,10 @@ constexpr Key poll_keys[] = {
     {"timeout", duration<&Settings::poll, &PollSettings::timeout>(1ms), standard(R"("200ms")"),
      at_once, "for an answer"},
     {"outstanding", count<&Settings::poll, &PollSettings::outstanding_max>(1, 32), standard("4"),
-     restart, "questions under way on one connection; 1 for a serial bus behind a converter"},
+     restart,
+     "most questions under way on one connection: fewer, down to one, while answers come late; 1 "
+     "for "
+     "a serial bus behind a converter"},
     {"absent_interval", duration<&Settings::poll, &PollSettings::absent_interval>(1ms),
      standard(R"("10s")"), at_once,
      "a unit that does not answer is asked ever less often, down to this"},

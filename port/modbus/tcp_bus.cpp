@@ -12,13 +12,27 @@ constexpr std::int64_t timeouts_of_silence = 3;
 }  // namespace
 
 TcpBus::TcpBus(EventLoop& loop, Log& log, const TcpBusOptions& options)
-    : log_(log), options_(options), connection_(loop, *this), completed_(options.outstanding_max) {
-  requests_.reserve(options.outstanding_max);
+    : log_(log),
+      options_(options),
+      tcp_connection_(std::in_place, loop),
+      connection_(*tcp_connection_),
+      queue_(options.outstanding_max),
+      completed_(options.outstanding_max) {
+  connection_.report_to(*this);
+}
+
+TcpBus::TcpBus(FrameConnection& connection, Log& log, const TcpBusOptions& options)
+    : log_(log),
+      options_(options),
+      connection_(connection),
+      queue_(options.outstanding_max),
+      completed_(options.outstanding_max) {
+  connection_.report_to(*this);
 }
 
 bool TcpBus::ready() const {
-  return connection_.state() == TcpConnection::State::up && !is_silent_ &&
-         requests_.size() + completed_count_ < options_.outstanding_max;
+  return connection_.state() == FrameConnection::State::up && !is_silent_ && queue_.has_room() &&
+         queue_.waiting_count() + completed_count_ < options_.outstanding_max;
 }
 
 void TcpBus::start_read(const RegisterRead& read, Instant now) {
@@ -26,8 +40,12 @@ void TcpBus::start_read(const RegisterRead& read, Instant now) {
   const RegisterRange range{.first = read.first, .count = read.count};
   const std::size_t pdu =
       write_read_request(std::span(frame).subspan(mbap_header_bytes), read_input_registers, range);
-  send({.unit = read.unit, .function = read_input_registers, .range = range, .ticket = read.ticket},
-       read.timeout, frame, pdu, now);
+  send({.unit = read.unit,
+        .function = read_input_registers,
+        .range = range,
+        .ticket = read.ticket,
+        .timeout = read.timeout},
+       frame, pdu, now);
 }
 
 void TcpBus::start_write(const RegisterWrite& write, Instant now) {
@@ -37,38 +55,41 @@ void TcpBus::start_write(const RegisterWrite& write, Instant now) {
   send({.unit = write.unit,
         .function = write_holding_registers,
         .range = {.first = write.first, .count = static_cast<std::uint16_t>(write.values.size())},
-        .ticket = write.ticket},
-       write.timeout, frame, pdu, now);
+        .ticket = write.ticket,
+        .timeout = write.timeout},
+       frame, pdu, now);
 }
 
 // The PDU stands in the frame, behind the place of its header.
-void TcpBus::send(Request request, Duration timeout, std::span<std::uint8_t> frame,
-                  std::size_t pdu_bytes, Instant now) {
-  if (requests_.empty()) connection_.discard();
+void TcpBus::send(TcpRequest request, std::span<std::uint8_t> frame, std::size_t pdu_bytes,
+                  Instant now) {
+  if (queue_.is_empty()) connection_.discard();
   request.transaction = ++last_transaction_;
-  request.deadline = now + timeout;
+  request.sent_at = now;
   if (!unheard_since_) unheard_since_ = now;
-  slowest_timeout_ = std::max(slowest_timeout_, timeout);
-  requests_.push_back(request);
-  if (connection_.state() != TcpConnection::State::up) {
+  slowest_timeout_ = std::max(slowest_timeout_, request.timeout);
+  queue_.add(request, now);
+  if (connection_.state() != FrameConnection::State::up) {
     return on_lost("connection closed by the other side");
   }
   connection_.send(frame, request.transaction, request.unit, pdu_bytes);
 }
 
 void TcpBus::advance(Instant now) {
-  for (std::size_t i = requests_.size(); i-- > 0;) {
-    if (requests_[i].deadline <= now) complete(i, BusResult::timeout);
-  }
+  queue_.advance(now);
+  if (const auto late = queue_.take_late()) report_late(*late);
   give_up_silent(now);
-  if (connection_.state() != TcpConnection::State::up && next_attempt() <= now) connect(now);
+  if (connection_.state() != FrameConnection::State::up && next_attempt() <= now) connect(now);
 }
 
 void TcpBus::give_up_silent(Instant now) {
   const Duration silence_max = std::max(silence_max_, timeouts_of_silence * slowest_timeout_);
   is_silent_ = unheard_since_ && *unheard_since_ + silence_max <= now;
+  while (const auto request = queue_.give_up(now, is_silent_)) {
+    complete(*request, BusResult::timeout);
+  }
   // Those under way have their time.
-  if (!is_silent_ || !requests_.empty()) return;
+  if (!is_silent_ || queue_.waiting_count() > 0) return;
   silence_max_ = std::min(2 * silence_max_, tcp_silence_longest);
   connection_.abort();
   on_lost("connected, but nothing answers");
@@ -81,6 +102,7 @@ bool TcpBus::take_answer(BusAnswer& answer) {
             .ticket = oldest.ticket,
             .result = oldest.result,
             .exception = oldest.exception,
+            .silence = oldest.silence,
             .registers = std::span(oldest.registers).first(oldest.count)};
   completed_begin_ = (completed_begin_ + 1) % completed_.size();
   --completed_count_;
@@ -88,13 +110,12 @@ bool TcpBus::take_answer(BusAnswer& answer) {
 }
 
 Instant TcpBus::next_attempt() const {
-  return connection_.state() == TcpConnection::State::connecting ? attempt_ends_ : next_attempt_;
+  return connection_.state() == FrameConnection::State::connecting ? attempt_ends_ : next_attempt_;
 }
 
 Instant TcpBus::next_deadline() const {
-  Instant deadline = connection_.state() == TcpConnection::State::up ? never : next_attempt();
-  for (const Request& request : requests_) deadline = std::min(deadline, request.deadline);
-  return deadline;
+  const bool is_up = connection_.state() == FrameConnection::State::up;
+  return std::min(is_up ? never : next_attempt(), queue_.next_deadline());
 }
 
 void TcpBus::on_connected() {
@@ -112,50 +133,76 @@ void TcpBus::on_frame(const Frame& frame) {
   slowest_timeout_ = Duration{};
   is_silent_ = false;
   if (std::exchange(silence_max_, tcp_silence_max) != tcp_silence_max) note_up();
-  const auto found = std::find_if(requests_.begin(), requests_.end(), [&](const Request& request) {
-    return request.transaction == frame.transaction;
-  });
-  if (found == requests_.end()) return;
-  const auto index = static_cast<std::size_t>(found - requests_.begin());
-  if (frame.unit != found->unit) return complete(index, BusResult::bad_answer);
-  Completed& place = completed_[(completed_begin_ + completed_count_) % completed_.size()];
-  if (found->function == write_holding_registers) {
-    switch (parse_write_answer(frame.pdu, found->range, place.exception)) {
+  if (const auto request = queue_.answer(frame.transaction)) settle(*request, frame);
+}
+
+void TcpBus::settle(const TcpRequest& request, const Frame& frame) {
+  if (frame.unit != request.unit) return complete(request, BusResult::bad_answer);
+  Completed& answer = place();
+  if (request.function == write_holding_registers) {
+    switch (parse_write_answer(frame.pdu, request.range, answer.exception)) {
       case WriteAnswer::written:
-        return complete(index, BusResult::ok);
+        return complete(request, BusResult::ok);
       case WriteAnswer::exception:
-        return complete(index, BusResult::exception);
+        return complete(request, BusResult::exception);
       case WriteAnswer::malformed:
-        return complete(index, BusResult::bad_answer);
+        return complete(request, BusResult::bad_answer);
     }
   }
-  switch (parse_read_answer(frame.pdu, found->function,
-                            std::span(place.registers).first(found->range.count),
-                            place.exception)) {
+  switch (parse_read_answer(frame.pdu, request.function,
+                            std::span(answer.registers).first(request.range.count),
+                            answer.exception)) {
     case ReadAnswer::registers:
-      return complete(index, BusResult::ok);
+      return complete(request, BusResult::ok);
     case ReadAnswer::exception:
-      return complete(index, BusResult::exception);
+      return complete(request, BusResult::exception);
     case ReadAnswer::malformed:
-      return complete(index, BusResult::bad_answer);
+      return complete(request, BusResult::bad_answer);
   }
 }
 
-void TcpBus::complete(std::size_t request, BusResult result) {
-  Completed& place = completed_[(completed_begin_ + completed_count_) % completed_.size()];
-  const Request& done = requests_[request];
-  place.unit = done.unit;
-  place.ticket = done.ticket;
-  place.result = result;
-  const bool has_registers = result == BusResult::ok && done.function == read_input_registers;
-  place.count = has_registers ? done.range.count : std::uint16_t{0};
-  if (result != BusResult::exception) place.exception = 0;
+TcpBus::Completed& TcpBus::place() {
+  return completed_[(completed_begin_ + completed_count_) % completed_.size()];
+}
+
+void TcpBus::complete(const TcpRequest& request, BusResult result) {
+  Completed& answer = place();
+  answer.unit = request.unit;
+  answer.ticket = request.ticket;
+  answer.result = result;
+  const bool has_registers = result == BusResult::ok && request.function == read_input_registers;
+  answer.count = has_registers ? request.range.count : std::uint16_t{0};
+  if (result != BusResult::exception) answer.exception = 0;
+  if (is_of_converter(result, answer.exception)) queue_.note_converter();
+  answer.silence = result == BusResult::timeout ? queue_.hold() : Duration{};
   ++completed_count_;
-  requests_.erase(requests_.begin() + static_cast<std::ptrdiff_t>(request));
+}
+
+// Again where it is slower than the timeout that was named.
+void TcpBus::report_late(const LateTransaction& late) {
+  if (late.latency <= advised_[late.unit]) return;
+  constexpr Duration step = std::chrono::milliseconds(100);
+  const Duration advised = (late.latency + late.latency / 4 + step - Duration(1)) / step * step;
+  advised_[late.unit] = advised;
+  const auto in_ms = [](Duration time) {
+    return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(time).count());
+  };
+  const std::string address = std::to_string(late.unit);
+  const std::string what =
+      late.has_come
+          ? " was answered for too late, after " + in_ms(late.latency) + " ms"
+          : " was not answered for, and held up the others for " + in_ms(late.latency) + " ms";
+  const std::string slow = late.has_come ? ", and [[bus.slow]] with units = \"" + address +
+                                               "\" and timeout = \"" + in_ms(advised) + "ms\""
+                                         : "";
+  log_.write(Level::warning, "bus " + options_.name + ": unit " + address + what +
+                                 "; patience grows, " + std::to_string(queue_.window()) +
+                                 " under way: where a converter has one line, set outstanding = 1" +
+                                 slow);
 }
 
 void TcpBus::connect(Instant now) {
-  if (connection_.state() == TcpConnection::State::connecting) {
+  if (connection_.state() == FrameConnection::State::connecting) {
     connection_.close();
     on_lost("no answer to the attempt to connect");
   }
@@ -165,7 +212,7 @@ void TcpBus::connect(Instant now) {
 }
 
 void TcpBus::on_lost(const char* why) {
-  while (!requests_.empty()) complete(0, BusResult::link_lost);
+  while (const auto request = queue_.abandon()) complete(*request, BusResult::link_lost);
   unheard_since_.reset();
   is_silent_ = false;
   if (reported_down_) return;

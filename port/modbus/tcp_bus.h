@@ -2,7 +2,9 @@
 // time.
 //
 // A late answer can never become another request's data: each request has its own transaction
-// number, and an answer whose number is not under way is thrown away.
+// number, and an answer whose number is not under way is thrown away. How many are under way, and
+// for how long each is waited for, follows from how they are answered (transaction_queue.h); the
+// log says once for each unit how slow it is and what to set.
 //
 // A connection can freeze without a word: a converter that hangs, a firewall that has forgotten it.
 // So one on which requests were sent and nothing at all came back for tcp_silence_max, or three
@@ -21,6 +23,7 @@
 #include "etcm/port/log.h"
 #include "etcm/port/node_bus.h"
 #include "modbus/tcp_connection.h"
+#include "modbus/transaction_queue.h"
 
 namespace etcm::port {
 
@@ -37,10 +40,12 @@ struct TcpBusOptions {
   Duration reconnect_interval{};      // from one attempt to connect to the next
 };
 
-class TcpBus final : public NodeBus, private TcpConnection::Listener {
+class TcpBus final : public NodeBus, private FrameConnection::Listener {
  public:
   // `loop` and `log` must outlive the bus.
   TcpBus(EventLoop& loop, Log& log, const TcpBusOptions& options);
+  // The same over another connection than one of the system.
+  TcpBus(FrameConnection& connection, Log& log, const TcpBusOptions& options);
 
   bool ready() const override;
   void start_read(const RegisterRead& read, Instant now) override;
@@ -48,22 +53,16 @@ class TcpBus final : public NodeBus, private TcpConnection::Listener {
   void advance(Instant now) override;
   bool take_answer(BusAnswer& answer) override;
   Instant next_deadline() const override;
+  bool is_one_line() const override { return queue_.is_one_line(); }
+  Duration delay_max() const override { return queue_.delay_max(); }
 
  private:
-  struct Request {
-    std::uint16_t transaction = 0;
-    std::uint8_t unit = 0;
-    std::uint8_t function = 0;
-    RegisterRange range;
-    std::uint32_t ticket = 0;
-    Instant deadline{};
-  };
-
   struct Completed {
     std::uint8_t unit = 0;
     std::uint32_t ticket = 0;
     BusResult result = BusResult::ok;
     std::uint8_t exception = 0;
+    Duration silence{};
     std::uint16_t count = 0;  // of registers that were read
     std::array<std::uint16_t, read_registers_max> registers;
   };
@@ -71,9 +70,11 @@ class TcpBus final : public NodeBus, private TcpConnection::Listener {
   void on_connected() override;
   void on_frame(const Frame& frame) override;
   void on_lost(const char* why) override;
-  void send(Request request, Duration timeout, std::span<std::uint8_t> frame, std::size_t pdu_bytes,
-            Instant now);
-  void complete(std::size_t request, BusResult result);
+  void send(TcpRequest request, std::span<std::uint8_t> frame, std::size_t pdu_bytes, Instant now);
+  void settle(const TcpRequest& request, const Frame& frame);
+  Completed& place();
+  void complete(const TcpRequest& request, BusResult result);
+  void report_late(const LateTransaction& late);
   void give_up_silent(Instant now);
   void note_up();
   void connect(Instant now);
@@ -81,7 +82,8 @@ class TcpBus final : public NodeBus, private TcpConnection::Listener {
 
   Log& log_;
   TcpBusOptions options_;
-  TcpConnection connection_;
+  std::optional<TcpConnection> tcp_connection_;
+  FrameConnection& connection_;
   bool reported_down_ = false;
   Instant next_attempt_{};
   Instant attempt_ends_{};
@@ -91,8 +93,9 @@ class TcpBus final : public NodeBus, private TcpConnection::Listener {
   Duration silence_max_ = tcp_silence_max;  // longer where the connection before was as silent
   bool is_silent_ = false;                  // for longer than it may be
   std::uint16_t last_transaction_ = 0;
-  std::vector<Request> requests_;     // under way
-  std::vector<Completed> completed_;  // a ring; never more than outstanding_max are in it
+  TransactionQueue queue_;
+  std::array<Duration, 256> advised_{};  // the timeouts that the log has named, by unit
+  std::vector<Completed> completed_;     // a ring; never more than outstanding_max are in it
   std::size_t completed_begin_ = 0;
   std::size_t completed_count_ = 0;
 };

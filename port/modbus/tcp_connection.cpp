@@ -11,7 +11,7 @@ namespace etcm::port {
 
 void TcpConnection::connect(const SocketAddress& address) {
   socket_ = connect_tcp(address);
-  if (!socket_.is_open()) return listener_.on_lost(std::strerror(errno));
+  if (!socket_.is_open()) return listener().on_lost(std::strerror(errno));
   state_ = State::connecting;
   reader_.clear();
   loop_.add(socket_.get(), *this, false, true);
@@ -51,7 +51,7 @@ void TcpConnection::on_ready(bool can_read, bool can_write) {
     if (error != 0) return lose(std::strerror(error));
     state_ = State::up;
     loop_.change(socket_.get(), true, false);
-    return listener_.on_connected();
+    return listener().on_connected();
   }
   if (can_read || can_write) receive();
 }
@@ -66,14 +66,14 @@ void TcpConnection::receive() {
     reader_.received(static_cast<std::size_t>(count));
     Frame frame;
     FrameReader::Next next = reader_.next(frame);
-    for (; next == FrameReader::Next::frame; next = reader_.next(frame)) listener_.on_frame(frame);
+    for (; next == FrameReader::Next::frame; next = reader_.next(frame)) listener().on_frame(frame);
     if (next == FrameReader::Next::broken) return lose("what it sends is no Modbus TCP");
   }
 }
 
 void TcpConnection::lose(const char* why) {
   abort();
-  listener_.on_lost(why);
+  listener().on_lost(why);
 }
 
 }  // namespace etcm::port

@@ -41,6 +41,42 @@ TEST_F(Joining, ANodeAtTheDefaultUnitIsGivenTheFirstFreeOne) {
   EXPECT_EQ(rig_.log.count("unit 247"), 0u) << logged();
 }
 
+// It answers for units where nobody is.
+TEST_F(Joining, AUnitThatAConverterFindsEmptyIsFree) {
+  for (const std::uint8_t exception : {std::uint8_t{0x0a}, std::uint8_t{0x0b}}) {
+    Rig rig;
+    rig.settings.buses[0].units = {};
+    rig.settings.buses[0].assign = {{.first = 10, .last = 12}};
+    for (std::uint8_t unit = 10; unit <= 12; ++unit) {
+      rig.bus.set_result(unit, port::BusResult::exception, exception);
+    }
+    rig.bus.set(247, {.serial = 77, .position = {5, 6}, .status = node_status::fix_valid});
+    rig.run(2s);
+    EXPECT_EQ(rig.bus.written.size(), 1u) << int{exception};
+    EXPECT_EQ(rig.log.count("no unit is free"), 0u);
+    EXPECT_EQ(rig.log.count("node 77 has unit 10 of yard now"), 1u)
+        << testing::PrintToString(rig.log.lines);
+  }
+}
+
+// The units that are looked for are in no metric until somebody is there.
+TEST_F(Joining, UnitsThatAConverterFindsEmptyAreAsUnseenAsSilentOnes) {
+  bus().units = {{.first = 1, .last = 1}};
+  bus().scan = {{.first = 2, .last = 20}};
+  put(1, 1, {0, 0});
+  for (std::uint8_t unit = 2; unit <= 20; ++unit) {
+    rig_.bus.set_result(unit, port::BusResult::exception, 0x0b);
+  }
+  rig_.run(5s);
+  const Poller& poller = rig_.gateway->poller();
+  for (std::uint32_t unit = 1; unit < 20; ++unit) {
+    EXPECT_FALSE(poller.counters(unit).has_answered());
+    EXPECT_EQ(poller.counters(unit).answered_at, port::Instant{});
+    EXPECT_GT(poller.counters(unit).count(port::BusResult::timeout), 0u);
+  }
+  EXPECT_EQ(rig_.log.lines.size(), 1u) << logged();
+}
+
 TEST_F(Joining, OneAfterTheOtherUntilNoUnitIsFree) {
   bus().units = {};
   bus().assign = {{.first = 10, .last = 12}};

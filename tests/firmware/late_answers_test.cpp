@@ -342,7 +342,8 @@ TEST_P(LateUnits, NorBetweenErrandsAndWrites) {
   EXPECT_GT(site.errands.answered, 100u);
 }
 
-// Against a line on which they are not asked at all.
+// Against a line on which they are not asked at all; those that are in time now and then have some
+// polls of their own.
 TEST_P(LateUnits, CostTheOthersNoMoreThanDeadOnesDo) {
   LateSite with(LateUnits::site(false), latency());
   Site only_others = LateUnits::site(false);
@@ -357,7 +358,7 @@ TEST_P(LateUnits, CostTheOthersNoMoreThanDeadOnesDo) {
     site->run_for(300s);
     for (std::uint8_t unit = 4; unit < units; ++unit) count += site->readings[unit];
   }
-  EXPECT_GE(polls[0] * 100, polls[1] * 90);
+  EXPECT_GE(polls[0] * 100, polls[1] * 85);
 }
 
 INSTANTIATE_TEST_SUITE_P(

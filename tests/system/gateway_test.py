@@ -9,8 +9,10 @@ import pathlib
 import re
 import signal
 import socket
+import struct
 import subprocess
 import sys
+import threading
 import time
 import unittest
 import urllib.error
@@ -311,6 +313,62 @@ class AgainstPymodbus(GatewayCase):
         client.close()
         self.assertEqual(answer.information[0], b"ETCM")
         self.assertEqual(answer.information[1], b"etcm-gateway")
+
+
+class Converter(threading.Thread):
+    """Modbus TCP in, one serial line out: one queue, 30 ms a unit, and a unit that is not there holds
+    it for a second, then exception 0x0B."""
+
+    def __init__(self, units):
+        super().__init__(daemon=True)
+        self.units = units
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.address = "127.0.0.1:%d" % self.listener.getsockname()[1]
+        self.start()
+
+    def close(self):
+        self.listener.shutdown(socket.SHUT_RDWR)
+        self.listener.close()
+
+    def run(self):
+        while True:
+            try:
+                master, _ = self.listener.accept()
+            except OSError:
+                return
+            with master, master.makefile("rb") as requests:
+                try:
+                    self.serve(master, requests)
+                except OSError:
+                    pass
+
+    def serve(self, master, requests):
+        while len(request := requests.read(12)) == 12:
+            transaction, _, _, unit, function, first, count = struct.unpack(">HHHBBHH", request)
+            if unit in self.units:
+                time.sleep(0.03)
+                pdu = bytes([function, 2 * count]) + struct.pack(
+                    ">12H", 0x4554, 0x010C, 0, unit, 7, 0, 10 * unit, 0, unit * unit, 1, 0, 7)[
+                        2 * first:2 * (first + count)]
+            else:
+                time.sleep(1)
+                pdu = bytes([function | 0x80, 0x0B])
+            master.sendall(struct.pack(">HHHB", transaction, 0, len(pdu) + 1, unit) + pdu)
+
+
+class BehindAConverter(GatewayCase):
+    def test_twenty_units_and_a_dead_one_join_with_the_default_settings(self):
+        converter = Converter(range(1, 21))
+        self.addCleanup(converter.close)
+        (self.folder / "site.toml").write_text(
+            f'[mesh]\nvertices_max = 100\n[server]\nlisten = "127.0.0.1:0"\n'
+            f'[[bus]]\ntcp = "{converter.address}"\nunits = "1-21"\n')
+        gateway = self.start("gateway", [PROGRAMS / "etcm-gateway", "--config", "site.toml"])
+        self.port = int(gateway.wait_for_line(r"serves the mesh on \S+:(\d+)").group(1))
+        self.wait_for_header(nodes=20)
+        gateway.wait_for_line(
+            r'unit 21 was answered for too late, after \d+ ms.*outstanding = 1.*timeout = "\d+ms"')
+        self.assertEqual(gateway.stop(), 0, gateway.log())
 
 
 class OnASerialLine(GatewayCase):

@@ -9,7 +9,7 @@ namespace etcm::bus {
 
 namespace {
 
-class TcpLink final : public Link, private port::TcpConnection::Listener {
+class TcpLink final : public Link, private port::FrameConnection::Listener {
  public:
   TcpLink(const port::SocketAddress& address, port::Duration patience) : name_(to_string(address)) {
     connection_.connect(address);
@@ -59,7 +59,7 @@ class TcpLink final : public Link, private port::TcpConnection::Listener {
   }
 
  private:
-  using State = port::TcpConnection::State;
+  using State = port::FrameConnection::State;
 
   [[noreturn]] void fail(const char* why) const {
     throw LinkError(name_ + ": " + why +

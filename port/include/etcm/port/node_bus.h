@@ -60,6 +60,18 @@ struct BusAnswer {
   std::span<const std::uint16_t> registers;
 };
 
+// Whether it is a converter that says that nobody is there.
+constexpr bool is_of_converter(BusResult result, std::uint8_t exception) {
+  constexpr std::uint8_t path_unavailable = 0x0a;
+  constexpr std::uint8_t no_response = 0x0b;
+  return result == BusResult::exception &&
+         (exception == path_unavailable || exception == no_response);
+}
+// Nobody is there: silence, or a converter that says so.
+constexpr bool is_absence(const BusAnswer& answer) {
+  return answer.result == BusResult::timeout || is_of_converter(answer.result, answer.exception);
+}
+
 class NodeBus {
  public:
   // Whether a request would be taken now: the link is up and has room for one more.
@@ -71,6 +83,11 @@ class NodeBus {
   virtual Instant read_free_at(const RegisterRead&, Instant) const { return {}; }
   // Of any write to this unit.
   virtual Instant write_free_at(std::uint8_t) const { return {}; }
+
+  // Whether a request that is not answered holds up all others, as far as that was found out.
+  virtual bool is_one_line() const { return false; }
+  // For how much longer than its timeout a request may be under way.
+  virtual Duration delay_max() const { return {}; }
 
   // Sends a request for input registers (FC 4; a bus may take FC 3, where nodes serve the same).
   // REQUIRES: ready().
