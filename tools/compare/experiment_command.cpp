@@ -17,7 +17,7 @@ namespace {
 struct ExperimentOptions {
   std::string folder;
   ExperimentPlan plan{.sizes = standard_sizes()};
-  double limit_s = 20;
+  double limit_s = 60;
   bool no_figures = false;
 };
 

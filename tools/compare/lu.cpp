@@ -1,6 +1,6 @@
 // Lu, Wu, Zhou, reconstructed: the full text is not to be had, and the ETCM paper tells what came
-// out but not how. Of the rules that were tried the first one here fits what it tells: one point
-// for every two triangles that the missing piece crosses, evenly spaced, and again on what is still
+// out but not how. Of the rules that were tried the first one here fits what it tells: two equal
+// parts for every three triangles that the missing piece crosses, and again on what is still
 // missing. The others are kept to be run.
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,11 @@ void split_evenly(const MissingPiece& piece, std::int64_t parts, Places& places)
   }
 }
 
-void half_as_many_as_crossed(const MissingPiece& piece, Places& places) {
+void two_for_three_crossed(const MissingPiece& piece, Places& places) {
+  split_evenly(piece, std::max(2u, 2 * crossed_triangle_count(piece) / 3), places);
+}
+
+void one_for_two_crossed(const MissingPiece& piece, Places& places) {
   split_evenly(piece, crossed_triangle_count(piece) / 2 + 1, places);
 }
 
@@ -123,7 +127,10 @@ void furthest_from_vertices(const MissingPiece& piece, Places& places) {
 }  // namespace
 
 Attempt run_lu(const inputs::Graph& graph, Depth depth) {
-  return run_rival(graph, {.split = half_as_many_as_crossed}, depth);
+  return run_rival(graph, {.split = two_for_three_crossed}, depth);
+}
+Attempt run_lu_half(const inputs::Graph& graph, Depth depth) {
+  return run_rival(graph, {.split = one_for_two_crossed}, depth);
 }
 Attempt run_lu_each(const inputs::Graph& graph, Depth depth) {
   return run_rival(graph, {.split = as_many_as_crossed}, depth);

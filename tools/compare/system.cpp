@@ -21,6 +21,7 @@ constexpr std::array systems{
 
 constexpr std::array readings{
     System{"tsai-one", "Tsai, one crossing at a time", run_tsai_one},
+    System{"lu-half", "Lu, evenly, a point for every two triangles crossed", run_lu_half},
     System{"lu-each", "Lu, evenly, a part for each triangle crossed", run_lu_each},
     System{"lu-spacing", "Lu, evenly, at the local spacing", run_lu_spacing},
     System{"lu-gap", "Lu, between the circles of the ends", run_lu_gap},

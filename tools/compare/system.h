@@ -39,6 +39,7 @@ Attempt run_tsai(const inputs::Graph& graph, Depth depth);
 Attempt run_tsai_one(const inputs::Graph& graph, Depth depth);
 // lu.cpp: Lu, Wu, Zhou 1997, [13]; what else was tried for it.
 Attempt run_lu(const inputs::Graph& graph, Depth depth);
+Attempt run_lu_half(const inputs::Graph& graph, Depth depth);
 Attempt run_lu_each(const inputs::Graph& graph, Depth depth);
 Attempt run_lu_spacing(const inputs::Graph& graph, Depth depth);
 Attempt run_lu_gap(const inputs::Graph& graph, Depth depth);

@@ -70,17 +70,19 @@ TEST(Systems, WeiStartsAtTheEndThatWasGivenFirst) {
   EXPECT_NE(forth, back);
 }
 
-// Four triangles in the way: two points for them, at thirds.
-TEST(Systems, LuTakesOnePointForEveryTwoTrianglesEvenly) {
-  const inputs::Graph graph = one_feature({{200, 100}, {200, -44}, {800, 100}, {800, -100}});
+// Six triangles in the way, one at each end and two between each two of three gates: four parts.
+TEST(Systems, LuMakesTwoEqualPartsForEveryThreeTriangles) {
+  const inputs::Graph graph =
+      one_feature({{200, 50}, {200, -50}, {520, 60}, {520, -50}, {800, 50}, {800, -60}});
   const std::vector<Point> points = added_points(run_lu(graph, Depth::whole));
-  ASSERT_GE(points.size(), 2u);
+  ASSERT_GE(points.size(), 3u);
   const auto has = [&](double x) {
     return std::any_of(points.begin(), points.end(),
                        [&](const Point& point) { return std::abs(units(point.x) - x) < one_step; });
   };
-  EXPECT_TRUE(has(1000.0 / 3));
-  EXPECT_TRUE(has(2000.0 / 3));
+  EXPECT_TRUE(has(250));
+  EXPECT_TRUE(has(500));
+  EXPECT_TRUE(has(750));
 }
 
 TEST(Systems, DiametralLeavesNoVertexInADiametralCircle) {
