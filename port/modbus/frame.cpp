@@ -17,8 +17,6 @@ static_assert(write_registers_max == MODBUS_MAX_WRITE_REGISTERS);
 
 namespace {
 
-constexpr std::uint8_t exception_bit = 0x80;
-
 // Function, first register, count and the count of the bytes that follow.
 constexpr std::size_t write_request_head = 6;
 

@@ -16,6 +16,8 @@ namespace etcm::port {
 inline constexpr std::uint8_t read_holding_registers = 3;
 inline constexpr std::uint8_t read_input_registers = 4;
 inline constexpr std::uint8_t write_holding_registers = 16;
+// Set in the function of an answer that is an exception.
+inline constexpr std::uint8_t exception_bit = 0x80;
 
 inline constexpr std::size_t pdu_bytes_max = 253;
 inline constexpr std::size_t mbap_header_bytes = 7;

@@ -6,8 +6,6 @@ namespace etcm::port {
 
 namespace {
 
-constexpr std::uint8_t exception_bit = 0x80;
-
 bool is_write(const RtuQuestion& question) { return question.function == write_holding_registers; }
 
 // REQUIRES: the PDU is of the question's function.

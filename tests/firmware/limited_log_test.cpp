@@ -170,9 +170,9 @@ class ManySubjects : public testing::TestWithParam<int> {
 
 TEST_P(ManySubjects, WriteNoMoreThanTheBoundOfTheirPatternAndNoneIsLost) {
   const auto hour = [&] {
-    for (int i = 0; i < 120; ++i) {
+    for (int i = 0; i < 30; ++i) {
       move_all();
-      clock_.pass(30s);
+      clock_.pass(2min);
     }
   };
   const test::AllocationWatch watch;
@@ -198,7 +198,7 @@ TEST_P(ManySubjects, HideNoOtherTrouble) {
   EXPECT_TRUE(alarm()) << "at once";
   // It comes and goes: that is noise as well, whatever the others do.
   const std::uint64_t before = counted_.written;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 60; ++i) {
     move_all();
     alarm();
     clock_.pass(1s);

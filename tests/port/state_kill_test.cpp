@@ -47,14 +47,14 @@ class KilledSave : public testing::Test {
     for (unsigned long stop = 0; stop < stops; ++stop) {
       SCOPED_TRACE(testing::Message() << "killed at stop " << stop << " of " << stops);
       kills += attempt(prepare, stop).was_killed;
-      ASSERT_TRUE(old.empty() || !has_links_ || is_last_sound()) << "there is no `state`";
+      ASSERT_TRUE(old.empty() || !keeps_last_ || is_last_sound()) << "there is no `state`";
       const std::string first = found_in(folder_->path("s"));
       ASSERT_TRUE(first == old || first == text_) << '"' << first << '"';
       (first == old ? seen_old : seen_new) = true;
       for (unsigned long again = 0; killed_twice; ++again) {
         attempt(prepare, stop);
         const Traced second = save_killed_at(again, "newer");
-        ASSERT_TRUE(!has_links_ || first.empty() || is_last_sound()) << "again at " << again;
+        ASSERT_TRUE(!keeps_last_ || first.empty() || is_last_sound()) << "again at " << again;
         const std::string found = found_in(folder_->path("s"));
         ASSERT_TRUE(found == first || found == "newer") << '"' << found << "\", again at " << again;
         if (!second.was_killed) break;
@@ -79,8 +79,9 @@ class KilledSave : public testing::Test {
     // Everything the process does by itself is done before.
     StateFile file(folder_->path("s"));
     const std::vector<std::byte> bytes = bytes_of(text);
-    return run_killed_at(kill_at, [&] {
-      if (!has_links_) forbid_call(SYS_linkat, EPERM);
+    const bool has_links = has_links_;
+    return run_killed_at(kill_at, [&bytes, &file, has_links] {
+      if (!has_links) forbid_call(SYS_linkat, EPERM);
       static_cast<void>(file.save(bytes));
     });
   }
@@ -92,7 +93,8 @@ class KilledSave : public testing::Test {
     return StateFile(folder_->path("s")).load(Copy::last, bytes, why) == StateFile::Found::sound;
   }
 
-  bool has_links_ = true;
+  bool has_links_ = true;   // the disk
+  bool keeps_last_ = true;  // it was there when the save began, and links keep it there
   std::unique_ptr<ScratchFolder> folder_;
   std::string text_ = "new";
 };
@@ -126,11 +128,21 @@ TEST_F(KilledSave, OfMoreThanOnePage) {
 
 // Such as vfat. There a moment has `state.previous` alone, which the next start takes.
 TEST_F(KilledSave, OnADiskWithoutLinks) {
-  has_links_ = false;
+  has_links_ = keeps_last_ = false;
   expect_survival(
       [](const std::string& folder) {
         save_in(folder, "oldest");
         save_in(folder, "old");
+      },
+      "old", false);
+}
+
+TEST_F(KilledSave, ThatFindsThePreviousAlone) {
+  keeps_last_ = false;
+  expect_survival(
+      [](const std::string& folder) {
+        save_in(folder, "old");
+        std::filesystem::rename(folder + "/state", folder + "/state.previous");
       },
       "old", true);
 }

@@ -263,7 +263,7 @@ TEST_F(WebServerTest, WithoutDescriptorsItNeitherSpinsNorStays) {
   KeptLog log;
   // A sanitizer that meets a type for the first time needs a pipe, for which nothing will be left.
   static_cast<Log&>(log).write(Level::info, "");
-  log.lines.clear();
+  turn();
   server_.allow({everybody}, log);
   for (const bool has_client : {false, true}) {
     SCOPED_TRACE(has_client);
