@@ -48,8 +48,6 @@ do for [figure in "2 3 4 5"] {
   if (number == 5) {
     set nonlinear y via symlog(y) inverse symexp(y)
     set ytics (-1, -0.1, -0.01, 0, 0.01, 0.1, 1)
-    set yrange [*<-0.002:*]
-    set xzeroaxis lt 1 lc rgb "#555555"
   }
   set multiplot
   do for [row=1:rows] {
@@ -58,6 +56,11 @@ do for [figure in "2 3 4 5"] {
     ratio = row == 1 ? "shortest / longest edge" : "inradius / circumradius"
     what = number == 2 ? "points added" : number == 3 ? "ms to insert the features" : \
            number == 4 ? "AAR, " . ratio : "AAR gained per 1000 points, " . ratio
+    if (number == 5) {
+      # Down to 0 at least, and a little beyond what there is.
+      stats data skip 1 using (good(column(c)) * factor) nooutput
+      set yrange [1.5 * (STATS_min < -near ? STATS_min : -near) : 1.5 * STATS_max]
+    }
     set tmargin at screen 1 - (row - 1 + 0.08) / rows
     set bmargin at screen 1 - (row - 1 + 0.86) / rows
     do for [length in "long short"] {
