@@ -43,8 +43,12 @@ class Link {
  public:
   virtual ~Link() = default;
 
-  // Asks the unit and waits, for the answer to begin within `timeout`. Throws LinkError,
-  // Interrupted.
+  // Whether it can be asked at once: on a line whose answers carry no number, what is answered like
+  // a question that was waited for in vain is not asked before that answer can come no more.
+  virtual bool may_ask(std::uint8_t, std::span<const std::uint8_t>) const { return true; }
+
+  // Asks the unit, as soon as it may, and waits, for the answer to begin within `timeout`. Throws
+  // LinkError, Interrupted.
   virtual Reply ask(std::uint8_t unit, std::span<const std::uint8_t> request,
                     port::Duration timeout) = 0;
 

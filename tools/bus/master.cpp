@@ -84,6 +84,12 @@ Reply Master::ask(std::uint8_t unit, std::span<const std::uint8_t> request) {
   return reply;
 }
 
+bool Master::may_read(std::uint8_t unit, std::uint8_t function, port::RegisterRange range) const {
+  std::array<std::uint8_t, port::pdu_bytes_max> request;
+  const std::size_t size = port::write_read_request(request, function, range);
+  return link_.may_ask(unit, std::span(request).first(size));
+}
+
 std::optional<Trouble> Master::read(std::uint8_t unit, std::uint8_t function, std::uint16_t first,
                                     std::span<std::uint16_t> registers) {
   std::array<std::uint8_t, port::pdu_bytes_max> request;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "link.h"
+#include "modbus/frame.h"
 
 namespace etcm::bus {
 
@@ -46,6 +47,9 @@ class Master {
   Master(Link& link, port::Duration timeout) : link_(link), timeout_(timeout) {}
 
   Link& link() { return link_; }
+
+  // Whether that can be asked at once (link.h).
+  bool may_read(std::uint8_t unit, std::uint8_t function, port::RegisterRange range) const;
 
   // Reads 1 to 125 registers with FC 3 or FC 4 into `registers`, which gives the count.
   std::optional<Trouble> read(std::uint8_t unit, std::uint8_t function, std::uint16_t first,

@@ -19,16 +19,40 @@ constexpr std::array<std::pair<std::uint16_t, const char*>, 5> status_words{{
     {firmware::node_status::leaving, "leaving"},
 }};
 
+// A way to ask a stranger, as the gateway has them.
+struct Way {
+  std::uint8_t function = port::read_input_registers;
+  std::uint16_t left_out = 0;
+};
+
+// The first that is free; else the first of all, which waits.
+Way free_way(const Master& master, std::uint8_t unit) {
+  for (std::uint16_t left_out = 0; left_out <= firmware::stranger_register_spare; ++left_out) {
+    const port::RegisterRange range{
+        .first = static_cast<std::uint16_t>(firmware::node_register_first + left_out),
+        .count = static_cast<std::uint16_t>(firmware::node_register_count - left_out)};
+    for (const std::uint8_t function : {port::read_input_registers, port::read_holding_registers}) {
+      if (master.may_read(unit, function, range)) {
+        return {.function = function, .left_out = left_out};
+      }
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 NodeAnswer ask_node(Master& master, std::uint8_t unit, firmware::WordOrder order) {
   NodeAnswer answer;
   for (int reads = 0; reads < torn_reads_max; ++reads) {
-    firmware::NodeRegisters registers{};
-    answer.trouble =
-        master.read(unit, port::read_input_registers, firmware::node_register_first, registers);
+    const Way way = free_way(master, unit);
+    firmware::NodeRegisters buffer{};
+    const auto registers = std::span(buffer).subspan(way.left_out);
+    answer.trouble = master.read(
+        unit, way.function,
+        static_cast<std::uint16_t>(firmware::node_register_first + way.left_out), registers);
     if (answer.trouble) return answer;
-    answer.fault = decode_node(registers, order, answer.reading);
+    answer.fault = decode_node(registers, order, answer.reading, way.left_out);
     if (answer.fault != firmware::ReadingFault::torn) break;
   }
   return answer;

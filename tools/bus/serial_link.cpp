@@ -1,9 +1,10 @@
-// Modbus RTU. What is said in rtu_bus.h about late answers holds here too; with one question at a
-// time and a person who waits, a longer silence after a wait in vain is cheap.
+// Modbus RTU. What is said in rtu_bus.h about late answers holds here too: whoever can asks in
+// another way (may_ask), else it is waited until the earlier answer can come no more.
 #include <algorithm>
 #include <array>
 
 #include "link.h"
+#include "modbus/owed_answers.h"
 #include "modbus/rtu_serial_line.h"
 
 namespace etcm::bus {
@@ -29,6 +30,30 @@ const char* to_string(port::Parity parity) {
   return "";
 }
 
+// What another answer must not look like.
+port::RtuQuestion question_of(std::span<const std::uint8_t> request) {
+  constexpr std::size_t range_bytes = 5;
+  port::RtuQuestion question{.function = request[0], .range = {}};
+  if (request.size() < range_bytes) return question;
+  const auto load = [&](std::size_t at) {
+    return static_cast<std::uint16_t>(request[at] << 8 | request[at + 1]);
+  };
+  question.range = {.first = load(1), .count = load(3)};
+  return question;
+}
+
+bool is_read(const port::RtuQuestion& question) {
+  return question.function == port::read_holding_registers ||
+         question.function == port::read_input_registers;
+}
+
+// Of reads an answer of another length is another's.
+bool may_answer(std::span<const std::uint8_t> pdu, const port::RtuQuestion& question) {
+  return (pdu[0] & 0x7f) == question.function &&
+         (!is_read(question) || (pdu[0] & port::exception_bit) != 0 ||
+          pdu.size() == 2u + 2u * question.range.count);
+}
+
 class SerialLink final : public Link {
  public:
   explicit SerialLink(const port::SerialLine& line)
@@ -42,10 +67,22 @@ class SerialLink final : public Link {
     if (!line_.open(why)) throw LinkError(line.path + ": " + why);
   }
 
+  bool may_ask(std::uint8_t unit, std::span<const std::uint8_t> request) const override {
+    return owed_[unit].free_at(question_of(request)) <= waiter_.now();
+  }
+
   Reply ask(std::uint8_t unit, std::span<const std::uint8_t> request,
             port::Duration timeout) override {
+    const port::RtuQuestion question = question_of(request);
+    port::OwedAnswers& owed = owed_[unit];
+    while (!may_ask(unit, request)) {
+      listen(owed.free_at(question));
+      take_late();
+    }
     wait_for_silence();
+    take_late();
     line_.discard();
+    owed.forget(question);
     const port::Instant sent_at = send(unit, request);
     const port::Instant unanswered_at = sent_at + timeout;
     const port::Instant at_latest =
@@ -53,10 +90,16 @@ class SerialLink final : public Link {
     bool has_heard = false;
     while (true) {
       while (const auto found = line_.next_answer()) {
-        if (found->unit == unit && (found->pdu[0] & 0x7f) == request[0]) {
+        if (found->unit == unit && may_answer(found->pdu, question)) {
           silent_until_ = last_heard_ + silence_;
+          const bool is_exception = (found->pdu[0] & port::exception_bit) != 0;
+          if (is_exception && owed.owed_until(question.function) > waiter_.now()) {
+            // It may be for the earlier question.
+            owed.add(question, sent_at, waiter_.now() + port::late_answer_max);
+          }
           return {.outcome = Outcome::answer, .pdu = found->pdu, .took = last_heard_ - sent_at};
         }
+        static_cast<void>(owed_[found->unit].take(found->pdu, waiter_.now()));
         line_.drop(*found);
       }
       const port::Instant until =
@@ -66,6 +109,8 @@ class SerialLink final : public Link {
       has_heard = listen(until) || has_heard;
     }
     silent_until_ = waiter_.now() + quiet;
+    // Nobody answers a broadcast.
+    if (unit != 0) owed.add(question, sent_at, waiter_.now() + port::late_answer_max);
     return {.outcome = has_heard ? Outcome::garbled : Outcome::silence, .pdu = {}};
   }
 
@@ -82,6 +127,14 @@ class SerialLink final : public Link {
   }
 
  private:
+  // Notes what comes that nobody waits for.
+  void take_late() {
+    while (const auto found = line_.next_answer()) {
+      static_cast<void>(owed_[found->unit].take(found->pdu, waiter_.now()));
+      line_.drop(*found);
+    }
+  }
+
   // A line on which somebody always speaks is asked nevertheless, after a while.
   void wait_for_silence() {
     const port::Instant at_latest = waiter_.now() + 10 * quiet;
@@ -121,6 +174,7 @@ class SerialLink final : public Link {
   port::RtuSerialLine line_;
   port::Instant silent_until_{};
   port::Instant last_heard_{};
+  std::array<port::OwedAnswers, 256> owed_{};
 };
 
 }  // namespace

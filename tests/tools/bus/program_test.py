@@ -127,6 +127,11 @@ class Poll(BusCase):
         self.assertRegex(last[0], r"^ +1 +70001 +100 +-5 +\d+\.\d s +\d+\.\d ms +\d+\.\d ms +3 +0  fix$")
         self.assertRegex(last[3], r"^ +4 .* 3 +3  no answer$")
 
+    def test_a_late_answer_is_not_shown_as_the_next_ones(self):
+        device = self.start_line(["0,7,join,100,0", "0,7,late,2100,"])
+        done = self.bus("poll", "-a", "1", "-l", "250", "-n", "12", *device, code=1)
+        self.assertRegex(done.stdout.strip().splitlines()[-1], r"^ +1 +- +- .* 12 +12  ")
+
     def test_nobody_is_no_success(self):
         self.assertIn("no position node answered",
                       self.bus("poll", "-n", "1", "-a", "9", *self.start_tcp(THREE), code=1).stderr)
