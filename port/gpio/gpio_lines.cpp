@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -51,37 +52,73 @@ class GpioLines::Input final : private EventHandler {
   bool has_moved_ = false;
 };
 
+GpioLines::Place::Place(LineRequest wanted) : request(std::move(wanted)) {}
+GpioLines::Place::Place(Place&&) noexcept = default;
+GpioLines::Place::~Place() = default;
+
 GpioLines::GpioLines(EventLoop& loop, Log& log, std::span<const LineRequest> requests,
-                     Duration debounce) {
-  for (const LineRequest& request : requests) {
-    lines_.push_back(std::make_unique<GpioLine>(request));
-    inputs_.push_back(
-        request.use == LineUse::input
-            ? std::make_unique<Input>(loop, log, *lines_.back(), request.place, debounce)
-            : nullptr);
-    has_input_ = has_input_ || request.use == LineUse::input;
-  }
+                     Duration debounce)
+    : loop_(loop), log_(log), debounce_(debounce) {
+  for (const LineRequest& request : requests) try_to_open(places_.emplace_back(request));
 }
 
 GpioLines::~GpioLines() = default;
 
-bool GpioLines::is_active(Line input) const { return inputs_[input.index]->debounce().level(); }
+void GpioLines::try_to_open(Place& place) {
+  try {
+    place.line = std::make_unique<GpioLine>(place.request);
+  } catch (const std::runtime_error& error) {
+    if (std::exchange(place.is_told, true)) return;
+    log_.write(Level::error, std::string(error.what()) + "; goes on without it, and tries again");
+    return;
+  }
+  if (place.request.use == LineUse::input) {
+    place.input = std::make_unique<Input>(loop_, log_, *place.line, place.request.place, debounce_);
+  }
+  if (place.is_told) log_.write(Level::info, "gpio line " + place.request.place + " is there");
+}
 
-void GpioLines::set_active(Line output, bool active) { lines_[output.index]->set_active(active); }
+bool GpioLines::is_any_missing() const {
+  return std::any_of(places_.begin(), places_.end(),
+                     [](const Place& place) { return place.line == nullptr; });
+}
+
+bool GpioLines::has_input() const {
+  return std::any_of(places_.begin(), places_.end(),
+                     [](const Place& place) { return place.input != nullptr; });
+}
+
+bool GpioLines::is_active(Line input) const {
+  const Place& place = places_[input.index];
+  return place.input != nullptr && place.input->debounce().level();
+}
+
+void GpioLines::set_active(Line output, bool active) {
+  const Place& place = places_[output.index];
+  if (place.line != nullptr) place.line->set_active(active);
+}
 
 void GpioLines::advance(Instant now) {
+  if (retry_at_ <= now) {
+    retry_at_ = now + retry_interval;
+    for (Place& place : places_) {
+      if (place.line == nullptr) try_to_open(place);
+    }
+  }
   const bool reads_all = reread_at_ <= now;
   if (reads_all) reread_at_ = now + reread_interval;
-  for (const auto& input : inputs_) {
+  for (const Place& place : places_) {
+    Input* const input = place.input.get();
     if (input == nullptr) continue;
     if (reads_all || input->has_moved() || input->debounce().settles_at() <= now) input->read(now);
   }
 }
 
 Instant GpioLines::next_deadline() const {
-  Instant deadline = has_input_ ? reread_at_ : never;
-  for (const auto& input : inputs_) {
-    if (input != nullptr) deadline = std::min(deadline, input->debounce().settles_at());
+  Instant deadline = has_input() ? reread_at_ : never;
+  if (is_any_missing()) deadline = std::min(deadline, retry_at_);
+  for (const Place& place : places_) {
+    if (place.input != nullptr) deadline = std::min(deadline, place.input->debounce().settles_at());
   }
   return deadline;
 }

@@ -1,4 +1,6 @@
-// DigitalIo with libgpiod: all lines are requested once, and given back inactive.
+// DigitalIo with libgpiod: lines are requested at the start, and given back inactive. One that is
+// not there, or that another program has, is inactive, switches nothing and is tried again; the log
+// has a line.
 //
 // Inputs are levels: an event only says that it is time to read the line, so that no lost event
 // matters; and they are read every `reread_interval` in any case. An input that goes away with its
@@ -20,9 +22,10 @@ namespace etcm::port {
 class GpioLines final : public DigitalIo {
  public:
   static constexpr Duration reread_interval = std::chrono::seconds(1);
+  // Looking for a line opens each chip.
+  static constexpr Duration retry_interval = std::chrono::seconds(10);
 
-  // Line{i} is requests[i]. Throws std::runtime_error (see gpio_line.h). `loop` and `log` must
-  // outlive this.
+  // Line{i} is requests[i]. `loop` and `log` must outlive this.
   GpioLines(EventLoop& loop, Log& log, std::span<const LineRequest> requests, Duration debounce);
   ~GpioLines();
   GpioLines(const GpioLines&) = delete;
@@ -35,11 +38,27 @@ class GpioLines final : public DigitalIo {
 
  private:
   class Input;
+  struct Place {
+    explicit Place(LineRequest wanted);
+    Place(Place&&) noexcept;
+    ~Place();
 
-  std::vector<std::unique_ptr<GpioLine>> lines_;
-  std::vector<std::unique_ptr<Input>> inputs_;  // by line; null for an output
-  bool has_input_ = false;
+    LineRequest request;
+    std::unique_ptr<GpioLine> line;  // null while it cannot be had
+    std::unique_ptr<Input> input;    // null for an output, and without a line
+    bool is_told = false;            // that it cannot be had
+  };
+
+  void try_to_open(Place& place);
+  bool is_any_missing() const;
+  bool has_input() const;
+
+  EventLoop& loop_;
+  Log& log_;
+  const Duration debounce_;
+  std::vector<Place> places_;  // by line
   Instant reread_at_{};
+  Instant retry_at_{};
 };
 
 }  // namespace etcm::port

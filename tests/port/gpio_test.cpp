@@ -3,6 +3,10 @@
 
 #include "gpio/debounce.h"
 #include "gpio/line_place.h"
+#ifdef ETCM_WITH_GPIO
+#include "gpio/gpio_lines.h"
+#include "peer.h"
+#endif
 
 namespace etcm::port {
 namespace {
@@ -54,6 +58,29 @@ TEST(Debounce, WithoutAPeriodEachLevelCounts) {
   input.sample(true, true, start);
   EXPECT_TRUE(input.level());
 }
+
+#ifdef ETCM_WITH_GPIO
+TEST(GpioLines, ThatAreNotThereCostNothingAndAreTriedAgain) {
+  EventLoop loop;
+  KeptLog log;
+  const std::vector<LineRequest> requests{{.place = "ETCM-NO-SUCH-ALERT", .use = LineUse::input},
+                                          {.place = "ETCM-NO-SUCH-LED", .use = LineUse::output}};
+  GpioLines lines(loop, log, requests, 20ms);
+  ASSERT_EQ(log.lines.size(), 2u);
+  EXPECT_EQ(log.lines[1],
+            "gpio line ETCM-NO-SUCH-LED was not found; gpioinfo lists the lines there are and "
+            "their names; goes on without it, and tries again");
+  EXPECT_FALSE(lines.is_active(Line{0}));
+  lines.set_active(Line{1}, true);
+  Instant now = start;
+  for (int i = 0; i < 5; ++i) {
+    lines.advance(now);
+    EXPECT_EQ(lines.next_deadline(), now + GpioLines::retry_interval);
+    now = lines.next_deadline();
+  }
+  EXPECT_EQ(log.lines.size(), 2u) << "said once";
+}
+#endif
 
 TEST(LinePlace, IsANameOrAChipAndAnOffset) {
   EXPECT_FALSE(parse_chip_offset("ALERT"));
