@@ -184,6 +184,25 @@ TEST(Missing, IsWhomTheMeshCannotDoWithoutToo) {
   EXPECT_EQ(rig.server.header("state"), 0u);
 }
 
+TEST(Missing, IsNotWhoAskedToLeaveAndCouldNot) {
+  Rig rig({feature(1001, 1003), feature(1002, 1004)});
+  rig.put_square();
+  rig.put(5, 50, 50);
+  rig.run(1s);
+  rig.put(5, 50, 50, node_status::fix_valid | node_status::leaving);
+  rig.run(1s);
+  ASSERT_EQ(rig.log.count("node 1005 cannot leave"), 1u) << logged(rig);
+  rig.bus.silence(5);
+  rig.run(10s);
+  EXPECT_EQ(rig.server.header("missing_count"), 0u) << logged(rig);
+  // It goes as soon as the mesh can do without it.
+  rig.bus.silence(1);
+  rig.run(10s);
+  EXPECT_EQ(rig.log.count("node 1005 left"), 1u);
+  EXPECT_EQ(rig.server.header("missing_count"), 1u);
+  EXPECT_EQ(rig.server.header("node_count"), 3u);
+}
+
 // Sixteen nodes more than there are units, and a quarter, are known; then the one that has been
 // missing for longest is given up for one that answers.
 TEST(Missing, GivesWayToThoseWhoAnswerWhereThereIsNoRoom) {

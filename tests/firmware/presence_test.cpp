@@ -134,6 +134,24 @@ TEST(BusSilence, AFewLostAnswersOfAllAreNoSilenceOfAny) {
   EXPECT_EQ(rig.log.count("bus yard: silent"), 0u) << logged(rig);
 }
 
+// A leave_after little longer than it takes to call the bus silent: an outage that is not called so
+// must not count either.
+TEST(BusSilence, AShortOneIsAddedToNobodysOwn) {
+  Rig rig;
+  rig.settings.poll.leave_after = 1500ms;
+  rig.put_square();
+  rig.run(1s);
+  rig.bus.silence(1);
+  rig.run(800ms);
+  rig.bus.link_up = false;
+  rig.run(900ms);
+  rig.bus.link_up = true;
+  rig.run(300ms);
+  expect_nobody_left(rig);
+  rig.run(1s);
+  EXPECT_EQ(rig.log.count("node 1001 is missing"), 1u) << logged(rig);
+}
+
 TEST(BusSilence, OfABusThatComesBackInPartTheRestIsMissing) {
   Rig rig;
   rig.put_square();
