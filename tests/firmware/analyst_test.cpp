@@ -1,5 +1,5 @@
 // What a generation tells an operator, from the settings to the registers.
-#include "analyst.h"
+#include "firmware/publish/analyst.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 
 #include "drawing.h"
 #include "fakes.h"
-#include "gateway.h"
-#include "mesh_map.h"
+#include "firmware/gateway/gateway.h"
+#include "firmware/publish/mesh_map.h"
 
 namespace etcm::firmware {
 namespace {

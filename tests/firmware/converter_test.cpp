@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "fakes.h"
+#include "firmware/polling/poller.h"
+#include "firmware/protocol/node_map.h"
 #include "modbus/replies.h"
 #include "modbus/tcp_bus.h"
-#include "node_map.h"
-#include "poller.h"
 
 namespace etcm::firmware {
 namespace {

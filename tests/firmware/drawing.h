@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "settings.h"
+#include "firmware/config/settings.h"
 
 namespace etcm::firmware {
 

@@ -4,8 +4,8 @@
 #include <stdexcept>
 
 #include "etcm/config.h"
-#include "mesh_map_tables.h"
-#include "words.h"
+#include "firmware/protocol/words.h"
+#include "firmware/publish/mesh_map_tables.h"
 
 namespace etcm::firmware {
 

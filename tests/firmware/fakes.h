@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "etcm/mesh.h"
-#include "gateway.h"
-#include "node_map.h"
-#include "settings.h"
+#include "firmware/config/settings.h"
+#include "firmware/gateway/gateway.h"
+#include "firmware/protocol/node_map.h"
 
 namespace etcm::firmware {
 

@@ -1,5 +1,5 @@
 // The published files: when they are written, and what a bad disk costs.
-#include "files_keeper.h"
+#include "firmware/persist/files_keeper.h"
 
 #include <gtest/gtest.h>
 

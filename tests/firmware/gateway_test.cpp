@@ -1,12 +1,12 @@
 // Gateway::step() with the real mesh, on a simulated clock and a scripted bus.
-#include "gateway.h"
+#include "firmware/gateway/gateway.h"
 
 #include <gtest/gtest.h>
 
 #include "etcm/audit.h"
 #include "fakes.h"
-#include "mesh_map.h"
-#include "words.h"
+#include "firmware/protocol/words.h"
+#include "firmware/publish/mesh_map.h"
 
 namespace etcm::firmware {
 namespace {

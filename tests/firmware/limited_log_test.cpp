@@ -1,6 +1,6 @@
 // LimitedLog: noise is cut short, and whoever reads sees each distinct problem and how often it
 // was.
-#include "limited_log.h"
+#include "firmware/logging/limited_log.h"
 
 #include <gtest/gtest.h>
 

@@ -14,9 +14,9 @@
 #include <thread>
 #include <vector>
 
+#include "firmware/polling/poller.h"
 #include "fleet.h"
 #include "modbus/rtu_bus.h"
-#include "poller.h"
 #include "posix/event_loop.h"
 #include "posix/steady_clock.h"
 #include "posix/stream_log.h"

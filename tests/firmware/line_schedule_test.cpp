@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "fakes.h"
+#include "firmware/polling/poller.h"
+#include "firmware/protocol/node_map.h"
 #include "modbus/replies.h"
 #include "modbus/rtu_bus.h"
-#include "node_map.h"
-#include "poller.h"
 #include "posix/event_loop.h"
 #include "pseudo_terminal.h"
 

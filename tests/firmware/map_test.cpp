@@ -4,10 +4,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "mesh_map_tables.h"
-#include "node_map.h"
-#include "quarantine_reason.h"
-#include "words.h"
+#include "firmware/protocol/node_map.h"
+#include "firmware/protocol/words.h"
+#include "firmware/publish/mesh_map_tables.h"
+#include "firmware/publish/quarantine_reason.h"
 
 namespace etcm::firmware {
 namespace {

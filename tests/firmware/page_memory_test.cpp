@@ -4,7 +4,7 @@
 #include <array>
 
 #include "fakes.h"
-#include "status_page.h"
+#include "firmware/status/status_page.h"
 #include "support/allocation_watch.h"
 
 namespace etcm::firmware {

@@ -1,12 +1,12 @@
 // The board's lines: what the LED says, when the watchdog is fed, what the alert does.
-#include "panel.h"
+#include "firmware/gateway/panel.h"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
 #include "fakes.h"
-#include "snapshot.h"
+#include "firmware/publish/snapshot.h"
 
 namespace etcm::firmware {
 namespace {

@@ -1,6 +1,6 @@
 // Whose silence counts: neither that of a whole bus nor that of a gateway that did not run. And
 // whose position is fresh.
-#include "presence.h"
+#include "firmware/nodes/presence.h"
 
 #include <gtest/gtest.h>
 

@@ -3,12 +3,12 @@
 
 #include <memory>
 
-#include "image_pool.h"
-#include "mesh_map.h"
+#include "firmware/protocol/words.h"
+#include "firmware/publish/image_pool.h"
+#include "firmware/publish/mesh_map.h"
 #include "modbus/register_server.h"
 #include "modbus/tcp_bus.h"
 #include "port/peer.h"
-#include "words.h"
 
 namespace etcm::firmware {
 namespace {

@@ -1,11 +1,11 @@
 // Another configuration while the gateway runs: what changes at once, what needs a restart, and
 // that a wrong one changes nothing.
-#include "reload.h"
+#include "firmware/config/reload.h"
 
 #include <gtest/gtest.h>
 
-#include "configuration.h"
 #include "fakes.h"
+#include "firmware/config/configuration.h"
 #include "support/scratch_folder.h"
 
 namespace etcm::firmware {

@@ -6,8 +6,8 @@
 
 #include "etcm/audit.h"
 #include "fakes.h"
+#include "firmware/persist/state_keeper.h"
 #include "memory_store.h"
-#include "state_keeper.h"
 
 namespace etcm::firmware {
 namespace {

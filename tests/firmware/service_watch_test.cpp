@@ -1,5 +1,5 @@
 // ServiceWatch: what the service manager hears, above all what "alive" takes.
-#include "service_watch.h"
+#include "firmware/gateway/service_watch.h"
 
 #include <gtest/gtest.h>
 

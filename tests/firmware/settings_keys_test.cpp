@@ -1,6 +1,6 @@
 // The table of keys: what is printed from it can be read, a reload goes by it, and no document
 // lacks a key.
-#include "settings_keys.h"
+#include "firmware/config/settings_keys.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <set>
 #include <sstream>
 
-#include "configuration.h"
-#include "reload.h"
-#include "settings_text.h"
+#include "firmware/config/configuration.h"
+#include "firmware/config/reload.h"
+#include "firmware/config/settings_text.h"
 #include "support/scratch_folder.h"
 
 namespace etcm::firmware {

@@ -1,5 +1,5 @@
 // The configuration file: what is good, and what is said about what is not.
-#include "settings.h"
+#include "firmware/config/settings.h"
 
 #include <gtest/gtest.h>
 

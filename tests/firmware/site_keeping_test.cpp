@@ -5,7 +5,7 @@
 #include "etcm/audit.h"
 #include "etcm/config.h"
 #include "fakes.h"
-#include "mesh_keeper.h"
+#include "firmware/mesh/mesh_keeper.h"
 
 namespace etcm::firmware {
 namespace {

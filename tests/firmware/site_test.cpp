@@ -1,7 +1,7 @@
 // The site file, .poly and GeoJSON: what it becomes, and what is said about what is wrong in it.
 #include <gtest/gtest.h>
 
-#include "configuration.h"
+#include "firmware/config/configuration.h"
 #include "support/scratch_folder.h"
 
 namespace etcm::firmware {

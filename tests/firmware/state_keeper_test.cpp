@@ -1,5 +1,5 @@
 // What is saved and when, and what of it is believed.
-#include "state_keeper.h"
+#include "firmware/persist/state_keeper.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "fakes.h"
+#include "firmware/records/roster.h"
 #include "memory_store.h"
-#include "roster.h"
 #include "support/allocation_watch.h"
 
 namespace etcm::firmware {

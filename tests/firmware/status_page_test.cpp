@@ -1,5 +1,5 @@
 // What is shown over HTTP, on a simulated clock; read in pieces as odd as a network makes them.
-#include "status_page.h"
+#include "firmware/status/status_page.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <set>
 
 #include "fakes.h"
-#include "page_files.h"
+#include "firmware/status/page_files.h"
 
 namespace etcm::firmware {
 namespace {

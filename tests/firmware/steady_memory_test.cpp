@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "etcm/port/clock.h"
-#include "gateway.h"
-#include "limited_log.h"
-#include "node_map.h"
+#include "firmware/gateway/gateway.h"
+#include "firmware/logging/limited_log.h"
+#include "firmware/protocol/node_map.h"
 #include "posix/mesh_folder.h"
 #include "support/allocation_watch.h"
 #include "support/scratch_folder.h"

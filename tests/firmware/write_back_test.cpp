@@ -1,5 +1,5 @@
 // What nodes are told of the mesh, and when.
-#include "write_back.h"
+#include "firmware/publish/write_back.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "fakes.h"
-#include "words.h"
+#include "firmware/protocol/words.h"
 
 namespace etcm::firmware {
 namespace {

@@ -28,7 +28,7 @@ FORBIDDEN_ARROWS = [
     ("port", r"^(firmware|tools|tests)/"),
     ("port/posix", r"^(modbus|gpiod|microhttpd)"),
     ("firmware", r"^(tools|tests|modbus/modbus\.h|gpiod|microhttpd)"),
-    ("tools", r"^(firmware|tests)/"),
+    ("tools", r"^(firmware/(?!protocol/)|tests)/"),
 ]
 
 

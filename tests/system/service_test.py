@@ -22,7 +22,7 @@ class Restart(GatewayCase):
     def saved_hash(self):
         """The mesh hash of the state that is kept, as the header has it; None before the first."""
         path = self.folder / "state" / "state"
-        # Its head and where the hash stands: port/posix/state_file.h, firmware/saved_state.h.
+        # Its head and where the hash stands: port/posix/state_file.h, firmware/persist/saved_state.h.
         hash_at = 24 + 12
         if not path.exists():
             return None

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "firmware/protocol/node_map.h"
 #include "master.h"
-#include "node_map.h"
 
 namespace etcm::bus {
 

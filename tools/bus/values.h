@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "node_map.h"
+#include "firmware/protocol/node_map.h"
 
 namespace etcm::bus {
 

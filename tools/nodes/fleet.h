@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "firmware/protocol/node_map.h"
 #include "modbus/replies.h"
 #include "modbus/tcp_listener.h"
-#include "node_map.h"
 #include "script.h"
 
 namespace etcm::nodes {

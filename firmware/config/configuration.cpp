@@ -1,0 +1,132 @@
+#include "firmware/config/configuration.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <utility>
+
+#include "etcm/mesh.h"
+#include "firmware/config/site.h"
+#include "firmware/site/coverage_domain.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+std::string text_of(const FeatureSettings& feature) {
+  return "the line from " + to_string(feature.from) + " to " + to_string(feature.to);
+}
+
+void check_repeated(const Settings& settings, std::vector<std::string>& mistakes) {
+  std::map<std::pair<std::uint64_t, std::uint64_t>, const FeatureSettings*> seen;
+  for (const FeatureSettings& feature : settings.features) {
+    const auto [entry, is_new] =
+        seen.emplace(std::minmax(feature.from.key(), feature.to.key()), &feature);
+    if (!is_new) {
+      mistakes.push_back(feature.place + ": " + text_of(feature) + " repeats " +
+                         entry->second->place + "; take one of them out");
+    }
+  }
+}
+
+void check_room(const std::string& path, const Settings& settings,
+                std::vector<std::string>& mistakes) {
+  if (settings.features.size() > settings.mesh.features_max) {
+    mistakes.push_back(path + ": the site has " + std::to_string(settings.features.size()) +
+                       " stretches of features, and features_max in [mesh] is " +
+                       std::to_string(settings.mesh.features_max) + "; set it to twice as many");
+  }
+  if (settings.anchors.size() >= settings.mesh.vertices_max) {
+    mistakes.push_back(path + ": the site has " + std::to_string(settings.anchors.size()) +
+                       " anchors, and vertices_max in [mesh] is " +
+                       std::to_string(settings.mesh.vertices_max) +
+                       "; set it to three times as many, and twice the nodes");
+  }
+}
+
+void check_domain(const Settings& settings, std::vector<std::string>& mistakes) {
+  if (settings.analysis.sensing_range == 0) return;
+  const Status status = CoverageDomain(0).take(settings.domain);
+  if (status == Status::ok) return;
+  mistakes.push_back(settings.site.path +
+                     ": the outline and the holes of the domain: " + explain(status));
+}
+
+// The anchors, and the features between anchors: the part of the mesh that is known before any node
+// has answered.
+class AnchoredPart {
+ public:
+  explicit AnchoredPart(const Settings& settings) : settings_(settings) {
+    std::map<std::uint64_t, VertexId> vertex_at;
+    for (const AnchorSettings& anchor : settings.anchors) {
+      positions_.push_back(anchor.position);
+      vertex_at.emplace(FeatureEnd::anchor(anchor.position).key(),
+                        VertexId(static_cast<IdValue>(positions_.size())));
+    }
+    for (const FeatureSettings& feature : settings.features) {
+      if (!feature.from.is_anchor || !feature.to.is_anchor) continue;
+      ends_.push_back(
+          {.from = vertex_at.at(feature.from.key()), .to = vertex_at.at(feature.to.key())});
+      features_.push_back(&feature);
+    }
+  }
+
+  void check(const std::string& path, std::vector<std::string>& mistakes) const {
+    if (positions_.empty()) return;
+    MeshConfig config = settings_.mesh;
+    config.steps_max = 0;  // bounds one change, not a whole mesh
+    std::vector<std::byte> memory(storage_bytes(config));
+    Mesh mesh;
+    Status status = mesh.open(memory, config);
+    if (status == Status::ok) status = mesh.build(positions_, ends_);
+    if (status == Status::ok) return;
+    const Trouble& trouble = mesh.trouble();
+    const auto feature_of = [&](FeatureId id) {
+      return id.is_none() || id.value >= features_.size() ? nullptr : features_[id.value];
+    };
+    const FeatureSettings* feature = feature_of(trouble.feature);
+    const FeatureSettings* other = feature_of(trouble.other);
+    // Of two in each other's way the later one is told off.
+    if (feature != nullptr && other != nullptr && trouble.other > trouble.feature) {
+      std::swap(feature, other);
+    }
+    const std::string what = feature != nullptr ? feature->place + ": " + text_of(*feature) : path;
+    if (other != nullptr) {
+      mistakes.push_back(
+          what + (status == Status::crossing_features ? " crosses " : " runs along ") +
+          text_of(*other) + " (" + other->place + "); draw a vertex on both where they meet");
+    } else {
+      mistakes.push_back(what + ": " + explain(status));
+    }
+  }
+
+ private:
+  const Settings& settings_;
+  std::vector<Position> positions_;
+  std::vector<FeatureEnds> ends_;
+  std::vector<const FeatureSettings*> features_;  // of ends_
+};
+
+}  // namespace
+
+Settings read_configuration(const std::string& path, std::vector<std::string>& mistakes) {
+  Settings settings = read_settings(path, mistakes);
+  // Without good settings the site cannot be placed in a mesh.
+  if (!settings.site.path.empty() && validate(settings.mesh) == Status::ok) {
+    read_site(settings, mistakes);
+  }
+  if (mistakes.empty()) check_site(path, settings, mistakes);
+  return settings;
+}
+
+void check_site(const std::string& path, const Settings& settings,
+                std::vector<std::string>& mistakes) {
+  check_repeated(settings, mistakes);
+  check_room(path, settings, mistakes);
+  if (mistakes.empty()) AnchoredPart(settings).check(path, mistakes);
+  if (mistakes.empty()) check_domain(settings, mistakes);
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,136 @@
+#include "firmware/config/reload.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <exception>
+#include <string_view>
+
+#include "firmware/config/configuration.h"
+#include "firmware/config/settings_keys.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+// Takes over what can change at once, and adds what cannot to `fixed`.
+void take_over_table(const KeyTable& table, Settings& current, Settings& next,
+                     std::vector<std::string>& fixed) {
+  if (table.is_there != nullptr && table.is_there(current) != table.is_there(next)) {
+    fixed.push_back(heading_of(table));
+    return;
+  }
+  if (table.is_there != nullptr && !table.is_there(current)) return;
+  for (const Key& key : table.keys) {
+    if (is_same_value(key.type, &current, &next)) continue;
+    if (key.effect == Effect::at_once) {
+      copy_value(key.type, &next, &current);
+    } else {
+      fixed.push_back(path_of(table, key));
+    }
+  }
+}
+
+// Whether the file of `b` says anything else for the key than that of `a`.
+bool is_changed(const Key& key, BusSettings& a, BusSettings& b) {
+  if (!is_key_of(key, kind_of(b))) return false;
+  // Of a link of another kind the link alone is told, not what only such a link has.
+  if (!is_key_of(key, kind_of(a))) return key.standard.kind == Standard::Kind::conditional;
+  // Nor is a name that only follows the link.
+  const bool has_names = a.name != link_name(a) || b.name != link_name(b);
+  return !is_same_value(key.type, &a, &b) && (has_names || std::string_view(key.name) != "name");
+}
+
+// The buses are taken over together: where one of them has to wait for a restart, all do.
+void take_over_buses(Settings& current, Settings& next, std::vector<std::string>& fixed) {
+  const KeyTable& table = key_table("bus");
+  if (current.buses.size() != next.buses.size()) {
+    fixed.push_back(heading_of(table));
+    return;
+  }
+  bool must_wait = false;
+  std::vector<std::string> changed;
+  for (const Key& key : table.keys) {
+    bool is_same = true;
+    for (std::size_t i = 0; i < next.buses.size(); ++i) {
+      is_same = is_same && !is_changed(key, current.buses[i], next.buses[i]);
+    }
+    if (is_same) continue;
+    changed.push_back(path_of(table, key));
+    must_wait = must_wait || key.effect == Effect::restart;
+  }
+  const auto has_same_slow = [](const BusSettings& a, const BusSettings& b) {
+    return a.unit_timeouts == b.unit_timeouts;
+  };
+  if (!std::equal(current.buses.begin(), current.buses.end(), next.buses.begin(), has_same_slow)) {
+    changed.push_back(heading_of(key_table("bus.slow")));
+  }
+  if (must_wait) {
+    fixed.insert(fixed.end(), changed.begin(), changed.end());
+    return;
+  }
+  for (std::size_t i = 0; i < next.buses.size(); ++i) {
+    for (const Key& key : table.keys) {
+      if (key.effect == Effect::at_once && is_key_of(key, kind_of(next.buses[i]))) {
+        copy_value(key.type, &next.buses[i], &current.buses[i]);
+      }
+    }
+    current.buses[i].unit_timeouts = next.buses[i].unit_timeouts;
+  }
+}
+
+void tell(const std::vector<std::string>& mistakes, const std::string& path, port::Log& log) {
+  const std::size_t told = std::min(mistakes.size(), reload_mistakes_max);
+  for (std::size_t i = 0; i < told; ++i) log.write(port::Level::error, mistakes[i]);
+  if (told == mistakes.size()) return;
+  log.write(port::Level::error, path + ": " + std::to_string(mistakes.size() - told) +
+                                    " more mistakes; --check-config tells them all");
+}
+
+}  // namespace
+
+std::vector<std::string> take_over(Settings& current, const Settings& next) {
+  std::vector<std::string> fixed;
+  Settings taken = next;
+  for (const KeyTable& table : key_tables()) {
+    if (table.kind != KeyTable::Kind::list) take_over_table(table, current, taken, fixed);
+  }
+  take_over_buses(current, taken, fixed);
+  current.site.place = next.site.place;
+  current.features = next.features;
+  current.anchors = next.anchors;
+  current.domain = next.domain;
+  return fixed;
+}
+
+bool reload(const std::string& path, Settings& current, port::Log& log) {
+  std::vector<std::string> mistakes;
+  Settings next;
+  try {
+    next = read_configuration(path, mistakes);
+    // The site must fit the mesh there is, not one there might be after a restart.
+    if (mistakes.empty()) {
+      Settings fitted = next;
+      fitted.mesh = current.mesh;
+      fitted.analysis = current.analysis;
+      check_site(path, fitted, mistakes);
+    }
+  } catch (const std::exception& error) {
+    mistakes.push_back(path + ": " + error.what());
+  }
+  if (!mistakes.empty()) {
+    tell(mistakes, path, log);
+    log.write(port::Level::error,
+              "the configuration is not taken over, the old one stays; correct "
+              "it and send SIGHUP again");
+    return false;
+  }
+  for (const std::string& key : take_over(current, next)) {
+    log.write(port::Level::warning, path + ": needs a restart: " + key);
+  }
+  log.write(port::Level::info, path + " is read again: " + std::to_string(current.features.size()) +
+                                   " stretches of features, " +
+                                   std::to_string(current.anchors.size()) + " anchors");
+  return true;
+}
+
+}  // namespace etcm::firmware

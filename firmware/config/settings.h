@@ -1,0 +1,169 @@
+// What the operator decided: the configuration file, read and checked as a whole. Which keys there
+// are, their ranges and defaults, is the table of settings_keys.h.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "etcm/config.h"
+#include "etcm/port/clock.h"
+#include "etcm/port/serial_line.h"
+#include "etcm/port/socket_address.h"
+#include "firmware/protocol/node_map.h"
+#include "firmware/site/feature_end.h"
+#include "firmware/site/site_domain.h"
+
+namespace etcm::firmware {
+
+inline constexpr std::uint8_t unit_max = 247;
+
+// Units 1 to unit_max.
+struct UnitRange {
+  std::uint8_t first = 0;
+  std::uint8_t last = 0;
+  friend constexpr bool operator==(const UnitRange&, const UnitRange&) = default;
+};
+
+// A digital line: its name or CHIP:OFFSET.
+struct LineSettings {
+  std::string place;
+  bool is_active_low = false;
+  friend bool operator==(const LineSettings&, const LineSettings&) = default;
+};
+
+struct GpioSettings {
+  std::optional<LineSettings> alert;
+  std::optional<LineSettings> join_button;
+  std::optional<LineSettings> status_led;
+  std::optional<LineSettings> watchdog;
+  port::Duration debounce{};
+};
+
+struct UnitTimeout {
+  UnitRange units;
+  port::Duration timeout{};
+  friend constexpr bool operator==(const UnitTimeout&, const UnitTimeout&) = default;
+};
+
+struct BusSettings {
+  std::string name;
+  std::variant<port::SocketAddress, port::SerialLine> link;  // Modbus TCP, or RTU
+  std::vector<UnitRange> units;
+  std::vector<UnitRange> assign{};  // units that new nodes are given; they are asked as well
+  std::vector<UnitRange> scan{};    // units that are looked for
+  port::Duration scan_budget{};     // of each interval, where others want the bus
+  WordOrder word_order = WordOrder::abcd;
+  port::Duration timeout{};
+  std::vector<UnitTimeout> unit_timeouts{};  // of units that need another one; the last one counts
+  port::Duration quiet{};                    // of a serial line, after a wait in vain
+  std::uint32_t outstanding_max = 0;
+  std::optional<LineSettings> send_enable;  // switches the transceiver of a serial line
+};
+
+// What the bus is named that has no name of its own: the address or the path.
+std::string link_name(const BusSettings& bus);
+
+// How long this unit of the bus may take to answer.
+port::Duration timeout_of(const BusSettings& bus, std::uint8_t unit);
+
+struct PollSettings {
+  port::Duration interval{};
+  port::Duration timeout{};
+  std::uint32_t outstanding_max = 0;
+  port::Duration absent_interval{};  // the longest pause between two questions to a silent unit
+  port::Duration stale_after{};
+  port::Duration leave_after{};
+  std::uint32_t dead_band = 0;  // a node that moved no farther than this stays where it is
+};
+
+struct WriteBackSettings {
+  bool is_enabled = false;
+};
+
+struct FeatureSettings {
+  FeatureEnd from;
+  FeatureEnd to;
+  std::string name{};  // what the site file calls it, or empty
+  std::string place;   // where it was configured: "file:line"
+};
+
+struct AnchorSettings {
+  Position position;
+  std::string place;  // as above
+};
+
+// What the node numbers of a .poly are.
+enum class PolyNodes : std::uint8_t { serials, anchors };
+
+// Lengths in 10^-9 of what the site file counts in, so that decimals are exact.
+inline constexpr std::int64_t site_nano = 1'000'000'000;
+struct SiteOrigin {
+  std::int64_t x = 0;
+  std::int64_t y = 0;
+  friend constexpr bool operator==(const SiteOrigin&, const SiteOrigin&) = default;
+};
+struct SiteSettings {
+  std::string path;  // empty: there is none
+  std::string place;
+  PolyNodes poly_nodes = PolyNodes::serials;
+  std::int64_t unit = site_nano;  // of a unit of the mesh
+  SiteOrigin origin;              // the mesh's (0, 0)
+  bool round = false;             // to the nearest unit
+};
+
+struct ServerSettings {
+  port::SocketAddress listen;
+  std::vector<port::Network> allow{};  // who may connect
+  std::uint32_t clients_max = 0;
+};
+
+struct HttpSettings {
+  port::SocketAddress listen;
+  std::vector<port::Network> allow{};  // who may look
+  std::uint32_t clients_max = 0;
+};
+
+struct FileSettings {
+  std::string folder;
+  std::string name;
+  port::Duration interval{};  // at the most so often
+};
+
+// What is worked out for the operator at each generation; 0: not asked for.
+struct AnalysisSettings {
+  std::uint32_t radio_range = 0;
+  std::uint32_t sensing_range = 0;
+};
+
+struct StateSettings {
+  std::string folder;
+  port::Duration interval{};  // at the most so often
+};
+
+struct Settings {
+  MeshConfig mesh;
+  PollSettings poll;
+  WriteBackSettings write_back;
+  std::vector<BusSettings> buses;
+  ServerSettings server;
+  std::optional<HttpSettings> http;
+  std::optional<FileSettings> files;
+  std::optional<StateSettings> state;
+  GpioSettings gpio;
+  AnalysisSettings analysis;
+  SiteSettings site;
+  // Of the file itself and of the site file.
+  std::vector<FeatureSettings> features;
+  std::vector<AnchorSettings> anchors;
+  SiteDomain domain;
+};
+
+// Reads the file. Every mistake in it adds one line "file:line: what is wrong; the cure" to
+// `mistakes`; the settings are good for use only when there are none. Relative paths in the file
+// start from its folder.
+Settings read_settings(const std::string& path, std::vector<std::string>& mistakes);
+
+}  // namespace etcm::firmware

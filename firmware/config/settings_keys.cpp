@@ -1,0 +1,313 @@
+#include "firmware/config/settings_keys.h"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "etcm/analysis.h"
+#include "etcm/policy.h"
+#include "firmware/protocol/mesh_map_layout.h"
+#include "firmware/protocol/node_map.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+using namespace std::chrono_literals;
+using enum Effect;
+
+constexpr std::uint32_t any_count = std::numeric_limits<std::uint32_t>::max();
+
+constexpr Standard standard(const char* toml) { return {Standard::Kind::value, toml, ""}; }
+constexpr Standard required(const char* example) {
+  return {Standard::Kind::required, example, "required"};
+}
+constexpr Standard conditional(const char* example, const char* words) {
+  return {Standard::Kind::conditional, example, words};
+}
+constexpr Standard unset(const char* example, const char* words = "none") {
+  return {Standard::Kind::unset, example, words};
+}
+
+constexpr Key with_tcp(Key key) {
+  key.bus = BusKind::tcp;
+  return key;
+}
+constexpr Key with_rtu(Key key) {
+  key.bus = BusKind::rtu;
+  return key;
+}
+
+constexpr Meaning<PolyNodes> poly_nodes[] = {{"serials", PolyNodes::serials},
+                                             {"anchors", PolyNodes::anchors}};
+
+constexpr Key site_keys[] = {
+    {"file", path_from_file<&Settings::site, &SiteSettings::path>(), required(R"("site.geojson")"),
+     at_once, "a `.geojson`, or a Triangle `.poly`"},
+    {"unit", scale<&Settings::site, &SiteSettings::unit>(), standard(R"("1")"), at_once,
+     "length of a unit of the mesh, in what the site file counts in"},
+    {"origin", origin<&Settings::site, &SiteSettings::origin>(), standard(R"(["0", "0"])"), at_once,
+     "place in the site file that is (0, 0) to the nodes"},
+    {"round", flag<&Settings::site, &SiteSettings::round>(), standard("false"), at_once,
+     "coordinates that are no whole units become the nearest"},
+    {"nodes", choice<poly_nodes, &Settings::site, &SiteSettings::poly_nodes>(),
+     standard(R"("serials")"), at_once, "what the node numbers of a `.poly` are"},
+};
+
+constexpr Meaning<SplitPolicy> policies[] = {{"default", split_default}, {"paper", split_paper}};
+
+constexpr Key mesh_keys[] = {
+    {"vertices_max",
+     count<&Settings::mesh, &MeshConfig::vertices_max>(
+         1, std::min(mesh_map_vertices_max(), vertices_limit)),
+     required("1000"), restart,
+     "nodes, anchors and Steiner vertices together; twice the nodes is plenty for most sites"},
+    {"features_max", count<&Settings::mesh, &MeshConfig::features_max>(0, features_limit),
+     standard("0"), restart, "one for each stretch of a feature between the nodes on it"},
+    {"steiner_max", count<&Settings::mesh, &MeshConfig::steiner_max>(0, vertices_limit),
+     standard("0"), restart, "most Steiner vertices; 0: as room allows"},
+    {"steps_max", count<&Settings::mesh, &MeshConfig::steps_max>(0, any_count), standard("0"),
+     restart, "most splits and repairs for one change (what needs more is refused); 0: no bound"},
+    {"policy", choice<policies, &Settings::mesh, &MeshConfig::policy>(), standard(R"("default")"),
+     restart,
+     "where features are split: for the fewest points, or by the split rule of the ETCM paper"},
+};
+
+constexpr Key poll_keys[] = {
+    {"interval", duration<&Settings::poll, &PollSettings::interval>(1ms), standard(R"("1s")"),
+     at_once, "from one question to a unit to the next"},
+    {"timeout", duration<&Settings::poll, &PollSettings::timeout>(1ms), standard(R"("200ms")"),
+     at_once, "for an answer"},
+    {"outstanding", count<&Settings::poll, &PollSettings::outstanding_max>(1, 32), standard("4"),
+     restart,
+     "most questions under way on one connection: fewer, down to one, while answers come late; 1 "
+     "for "
+     "a serial bus behind a converter"},
+    {"absent_interval", duration<&Settings::poll, &PollSettings::absent_interval>(1ms),
+     standard(R"("10s")"), at_once,
+     "a unit that does not answer is asked ever less often, down to this"},
+    {"stale_after", duration<&Settings::poll, &PollSettings::stale_after>(1ms), standard(R"("5s")"),
+     at_once,
+     "time without a position after which a node is marked stale; several times `interval`"},
+    {"leave_after", duration<&Settings::poll, &PollSettings::leave_after>(1ms),
+     standard(R"("30s")"), at_once,
+     "silence after which a node leaves the mesh and "
+     "[is missing](guide/nodes.md#when-it-falls-silent), while others of its bus answer; longer "
+     "than "
+     "`interval`"},
+    {"dead_band",
+     count<&Settings::poll, &PollSettings::dead_band>(0, static_cast<std::uint32_t>(position_max),
+                                                      "units"),
+     standard("0"), at_once, "a node that moved no farther stays where the mesh has it"},
+};
+
+constexpr Meaning<WordOrder> word_orders[] = {{"ABCD", WordOrder::abcd},
+                                              {"BADC", WordOrder::badc},
+                                              {"CDAB", WordOrder::cdab},
+                                              {"DCBA", WordOrder::dcba}};
+constexpr Meaning<port::Parity> parities[] = {
+    {"none", port::Parity::none}, {"even", port::Parity::even}, {"odd", port::Parity::odd}};
+constexpr Meaning<port::Direction> directions[] = {{"adapter", port::Direction::adapter},
+                                                   {"kernel", port::Direction::kernel}};
+
+constexpr Key bus_keys[] = {
+    with_tcp({"tcp", address<&BusSettings::link>(),
+              conditional(R"("127.0.0.1:502")", "this or `rtu`"), restart, "Modbus TCP; IPv4"}),
+    with_rtu({"rtu", text<&BusSettings::link, &port::SerialLine::path>(),
+              conditional(R"("/dev/serial/by-path/...")", "this or `tcp`"), restart,
+              "Modbus RTU on a serial port; better `/dev/serial/by-path/...` than `/dev/ttyUSB0`, "
+              "which is renumbered",
+              "path"}),
+    {"units", units<&BusSettings::units>(),
+     conditional(R"("1-60")", "required, unless `assign` or `scan` is there"), restart,
+     "1 ... 247: asked all the time, whether they answer or not"},
+    {"assign", units<&BusSettings::assign>(), unset(R"("61-120")"), restart,
+     "units that are given to new nodes, which answer at 247; asked like `units`, and so is 247",
+     "as `units`, without 247"},
+    {"scan", units<&BusSettings::scan>(), unset(R"("121-140")"), restart,
+     "units that are looked for, one in each `interval`, until a node answers", "as `units`"},
+    {"scan_budget", duration<&BusSettings::scan_budget>(1ms), standard(R"("20ms")"), restart,
+     "of each `interval`, so much at the most goes into looking where others want the line"},
+    {"name", text<&BusSettings::name>(), unset(R"("yard")", "address or path"), restart,
+     "for the log and the page"},
+    {"word_order", choice<word_orders, &BusSettings::word_order>(), standard(R"("ABCD")"), restart,
+     "the bytes of 32-bit values, A the highest"},
+    {"timeout", duration<&BusSettings::timeout>(1ms), unset(R"("200ms")", "that of `[poll]`"),
+     at_once, "for an answer; the time of the bytes on a serial line is not counted"},
+    with_tcp({"outstanding", count<&BusSettings::outstanding_max>(1, 32),
+              unset("4", "that of `[poll]`"), restart, "with `tcp`: as in `[poll]`"}),
+    with_rtu({"baud", baud<&BusSettings::link, &port::SerialLine::baud>(), standard("19200"),
+              restart, "speed of the line; with `rtu`, as all that follow"}),
+    with_rtu({"parity", choice<parities, &BusSettings::link, &port::SerialLine::parity>(),
+              standard(R"("even")"), restart, "of each byte, as its units have it"}),
+    with_rtu({"stop_bits", count<&BusSettings::link, &port::SerialLine::stop_bits>(1, 2),
+              standard("1"), restart, "2 where units without parity want it so"}),
+    with_rtu({"rs485", choice<directions, &BusSettings::link, &port::SerialLine::direction>(),
+              standard(R"("adapter")"), restart,
+              "who switches the transceiver: the adapter itself, or the driver by RTS "
+              "(TIOCSRS485)"}),
+    with_rtu({"rs485_line", board_line<&BusSettings::send_enable>(), unset(R"("LINE_NAME")"),
+              restart,
+              "a digital line that switches the transceiver: active while the gateway sends"}),
+    with_rtu({"quiet", duration<&BusSettings::quiet>(0ms), standard(R"("50ms")"), restart,
+              "silence after a wait in vain: the slowest unit's answer takes at most `timeout` and "
+              "this. For a unit that has answered later it is longer for a while, up to a second"}),
+};
+
+constexpr Key slow_keys[] = {
+    {"units", units<&SlowUnits::units>(), required(R"("7")"), at_once, "which of them",
+     "`\"7\"`, `\"12-14\"`"},
+    {"timeout", duration<&SlowUnits::timeout>(1ms), required(R"("500ms")"), at_once,
+     "for an answer of these"},
+};
+
+constexpr Key write_back_keys[] = {
+    {"enabled", flag<&Settings::write_back, &WriteBackSettings::is_enabled>(), standard("false"),
+     restart,
+     "nodes are told their neighbours (registers 200...). Off until the operator says so: a "
+     "gateway that only reads can disturb nobody's device, whatever answers at a unit"},
+};
+
+constexpr Key gpio_keys[] = {
+    {"alert", board_line<&Settings::gpio, &GpioSettings::alert>(), unset(R"("LINE_NAME")"), restart,
+     "input: up while a new node waits at unit 247"},
+    {"join_button", board_line<&Settings::gpio, &GpioSettings::join_button>(),
+     unset(R"("LINE_NAME")"), restart, "input: the same, by hand"},
+    {"status_led", board_line<&Settings::gpio, &GpioSettings::status_led>(),
+     unset(R"("LINE_NAME")"), restart,
+     "output: [flashes tell](guide/wiring.md) how the gateway is"},
+    {"watchdog", board_line<&Settings::gpio, &GpioSettings::watchdog>(), unset(R"("LINE_NAME")"),
+     restart,
+     "output for an external watchdog: changes its level every 500 ms while the gateway's loop "
+     "turns"},
+    {"debounce", duration<&Settings::gpio, &GpioSettings::debounce>(0ms), standard(R"("20ms")"),
+     restart, "an input counts once it has stood still so long"},
+};
+
+constexpr Key server_keys[] = {
+    {"listen", address<&Settings::server, &ServerSettings::listen>(),
+     standard(R"("127.0.0.1:1502")"), restart, "port 0: the system chooses, the log says"},
+    {"allow", networks<&Settings::server, &ServerSettings::allow>(), standard(R"(["127.0.0.0/8"])"),
+     at_once, "who may read; a client from elsewhere is turned away, and the log says so"},
+    {"clients_max", count<&Settings::server, &ServerSettings::clients_max>(1, 1000), standard("16"),
+     restart,
+     "one more takes the place of the client that has asked nothing for longest, if that is over a "
+     "minute; else it is turned away"},
+};
+
+constexpr Key analysis_keys[] = {
+    {"radio_range",
+     count<&Settings::analysis, &AnalysisSettings::radio_range>(1, range_max, "units"),
+     unset("400"), restart, "how far a radio reaches: links, relays, least range"},
+    {"sensing_range",
+     count<&Settings::analysis, &AnalysisSettings::sensing_range>(1, range_max, "units"),
+     unset("150"), restart, "how far a node senses: coverage holes, barrier gaps"},
+};
+
+constexpr Key http_keys[] = {
+    {"listen", address<&Settings::http, &HttpSettings::listen>(), standard(R"("127.0.0.1:8080")"),
+     restart, "whoever can reach it sees everything and can change nothing"},
+    {"allow", networks<&Settings::http, &HttpSettings::allow>(), standard(R"(["127.0.0.0/8"])"),
+     at_once, "who may look; others are turned away, and the log says so"},
+    {"clients_max", count<&Settings::http, &HttpSettings::clients_max>(1, 1000), standard("32"),
+     restart, "connections; a browser takes up to 6; further ones wait"},
+};
+
+constexpr Key file_keys[] = {
+    {"folder", path_from_file<&Settings::files, &FileSettings::folder>(),
+     required(R"("/var/lib/etcm/mesh")"), restart,
+     "made where there is none; while it cannot be, the mesh goes on without"},
+    {"name", text<&Settings::files, &FileSettings::name>(), standard(R"("mesh")"), restart,
+     "`NAME` of the files"},
+    {"interval", duration<&Settings::files, &FileSettings::interval>(1ms), standard(R"("1s")"),
+     at_once, "written at the most so often, and at the end"},
+};
+
+constexpr Key state_keys[] = {
+    {"folder", path_from_file<&Settings::state, &StateSettings::folder>(),
+     required(R"("/var/lib/etcm/state")"), restart,
+     "made where there is none; a folder of its own for each gateway"},
+    {"interval", duration<&Settings::state, &StateSettings::interval>(1s), standard(R"("1min")"),
+     restart, "saved at the most so often, where something has changed, and at the end"},
+};
+
+constexpr Key feature_keys[] = {
+    {"from", count<&FeatureSettings::from, &FeatureEnd::serial>(0, no_serial - 1, "serial"),
+     required("1001"), at_once, "the node at one end; in the mesh while both nodes are"},
+    {"to", count<&FeatureSettings::to, &FeatureEnd::serial>(0, no_serial - 1, "serial"),
+     required("1002"), at_once, "the node at the other end"},
+};
+
+template <auto member>
+bool is_set(const Settings& settings) {
+  return (settings.*member).has_value();
+}
+template <auto member>
+void emplace(Settings& settings) {
+  (settings.*member).emplace();
+}
+
+using TableKind = KeyTable::Kind;
+
+constexpr KeyTable tables[] = {
+    {"site", TableKind::optional, "no site file",
+     "features, anchors and the domain, [drawn in a file](guide/site.md)", site_keys},
+    {"mesh", TableKind::always, "required", "the memory of the mesh is taken once, at the start",
+     mesh_keys, "[mesh] with vertices_max"},
+    {"poll", TableKind::always, "", "how the nodes are asked, on all buses", poll_keys},
+    {"bus", TableKind::list, "one or more", "a connection with Modbus TCP, or a serial port",
+     bus_keys, "[[bus]] with tcp or rtu, and units"},
+    {"bus.slow", TableKind::list, "as many as needed",
+     "after its `[[bus]]`: units that need longer than the others", slow_keys},
+    {"write_back", TableKind::always, "", "what nodes are told", write_back_keys},
+    {"gpio", TableKind::always, "",
+     "lines by name, or `\"CHIP:OFFSET\"`; `\"!NAME\"` is active when low. `gpioinfo` lists them",
+     gpio_keys},
+    {"server", TableKind::always, "", "where other masters read the mesh, over Modbus TCP",
+     server_keys},
+    {"analysis", TableKind::always, "nothing worked out",
+     "[what each mesh tells](guide/analysis.md) about radio links and coverage", analysis_keys},
+    {"http", TableKind::optional, "no page",
+     "the status page: `http://` and the address of `listen`, in a browser", http_keys, nullptr,
+     is_set<&Settings::http>, emplace<&Settings::http>},
+    {"files", TableKind::optional, "none written",
+     "`NAME.node`, `NAME.ele`, `NAME.svg`, replaced together", file_keys, nullptr,
+     is_set<&Settings::files>, emplace<&Settings::files>},
+    {"state", TableKind::optional, "none kept", "what [outlives a restart](#a-restart)", state_keys,
+     nullptr, is_set<&Settings::state>, emplace<&Settings::state>},
+    {"feature", TableKind::list, "as many as needed",
+     "a line from node to node that the mesh follows", feature_keys},
+};
+
+}  // namespace
+
+std::span<const KeyTable> key_tables() { return tables; }
+
+const KeyTable& key_table(std::string_view name) {
+  for (const KeyTable& table : tables) {
+    if (table.name == name) return table;
+  }
+  throw std::logic_error("no table of the settings is named " + std::string(name));
+}
+
+const Key& key_of(const KeyTable& table, std::string_view name) {
+  for (const Key& key : table.keys) {
+    if (key.name == name) return key;
+  }
+  throw std::logic_error("no key of " + heading_of(table) + " is named " + std::string(name));
+}
+
+BusKind kind_of(const BusSettings& bus) {
+  return std::holds_alternative<port::SerialLine>(bus.link) ? BusKind::rtu : BusKind::tcp;
+}
+
+std::string heading_of(const KeyTable& table) {
+  const std::string heading = "[" + std::string(table.name) + "]";
+  return table.kind == TableKind::list ? "[" + heading + "]" : heading;
+}
+
+std::string path_of(const KeyTable& table, const Key& key) {
+  return heading_of(table) + " " + key.name;
+}
+
+}  // namespace etcm::firmware

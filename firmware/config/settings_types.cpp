@@ -1,0 +1,272 @@
+#include "firmware/config/settings_types.h"
+
+#include <charconv>
+#include <limits>
+#include <set>
+
+#include "etcm/files/decimal.h"
+#include "firmware/config/section.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr port::Duration duration_max = 24h;
+constexpr std::int64_t nano_max = site_nano * 1'000'000'000;
+
+// "500ms", "2s", "5min"; nothing for anything else.
+std::optional<port::Duration> parse_duration(const std::string& text) {
+  std::int64_t count = 0;
+  const char* end = text.data() + text.size();
+  const auto [unit, error] = std::from_chars(text.data(), end, count);
+  // In the largest unit this is far from overflow.
+  if (error != std::errc{} || count < 0 || count > 86'400'000) return std::nullopt;
+  const std::string_view name(unit, static_cast<std::size_t>(end - unit));
+  if (name == "ms") return std::chrono::milliseconds(count);
+  if (name == "s") return std::chrono::seconds(count);
+  if (name == "min") return std::chrono::minutes(count);
+  return std::nullopt;
+}
+
+// The other way: "500ms", with its quotes.
+std::string text_of(port::Duration duration) {
+  const bool is_whole = duration % 1s == port::Duration{};
+  return is_whole ? "\"" + std::to_string(duration / 1s) + "s\""
+                  : "\"" + std::to_string(duration / 1ms) + "ms\"";
+}
+
+// "1-60" or "7" or "1-3,9".
+std::optional<std::vector<UnitRange>> parse_units(const std::string& text) {
+  std::vector<UnitRange> ranges;
+  std::set<std::uint8_t> seen;
+  const char* at = text.data();
+  const char* end = at + text.size();
+  while (true) {
+    UnitRange range;
+    auto parsed = std::from_chars(at, end, range.first);
+    if (parsed.ec != std::errc{}) return std::nullopt;
+    range.last = range.first;
+    if (parsed.ptr != end && *parsed.ptr == '-') {
+      parsed = std::from_chars(parsed.ptr + 1, end, range.last);
+      if (parsed.ec != std::errc{}) return std::nullopt;
+    }
+    if (range.first < 1 || range.last > unit_max || range.first > range.last) return std::nullopt;
+    for (unsigned unit = range.first; unit <= range.last; ++unit) {
+      if (!seen.insert(static_cast<std::uint8_t>(unit)).second) return std::nullopt;
+    }
+    ranges.push_back(range);
+    if (parsed.ptr == end) return ranges;
+    if (*parsed.ptr != ',') return std::nullopt;
+    at = parsed.ptr + 1;
+  }
+}
+
+// A decimal in 10^-9, exactly. In quotes: a number of TOML would be a binary fraction.
+std::optional<std::int64_t> parse_nano(const toml::node& node, std::int64_t least) {
+  std::optional<files::Decimal> decimal;
+  if (const auto text = node.value_exact<std::string>()) decimal = files::Decimal::parse(*text);
+  if (const auto whole = node.value_exact<std::int64_t>()) decimal = files::Decimal::of(*whole);
+  const auto nano =
+      decimal ? (*decimal * files::Decimal::of(site_nano)).to_integer() : std::nullopt;
+  if (!nano || *nano < least || *nano > nano_max) return std::nullopt;
+  return nano;
+}
+
+// ---- One reading for each type: the value, or none after a mistake is told with its cure.
+
+std::nullopt_t wrong(const GivenKey& key, const toml::node& node, const std::string& what) {
+  key.section.mistake(node, what);
+  return std::nullopt;
+}
+
+std::string quoted(const GivenKey& key) { return "'" + key.name + "'"; }
+
+std::optional<port::Duration> read(const DurationType& type, const GivenKey& key,
+                                   const toml::node& node) {
+  const auto text = node.value_exact<std::string>();
+  const auto found = text ? parse_duration(*text) : std::nullopt;
+  if (!found) {
+    return wrong(key, node,
+                 quoted(key) + " is no duration; write it as \"500ms\", \"2s\" or \"5min\"");
+  }
+  if (*found > duration_max)
+    return wrong(key, node, quoted(key) + " is longer than a day; give less");
+  if (*found < type.least) {
+    return wrong(key, node, quoted(key) + " is too short; give at least " + text_of(type.least));
+  }
+  return found;
+}
+
+std::optional<std::uint32_t> read(const CountType& type, const GivenKey& key,
+                                  const toml::node& node) {
+  const auto found = node.value_exact<std::int64_t>();
+  if (found && *found >= type.least && *found <= type.most) {
+    return static_cast<std::uint32_t>(*found);
+  }
+  return wrong(key, node,
+               quoted(key) + " is out of range; give a whole number from " +
+                   std::to_string(type.least) + " to " + std::to_string(type.most));
+}
+
+std::optional<std::size_t> read(const ChoiceType& type, const GivenKey& key,
+                                const toml::node& node) {
+  const auto text = node.value_exact<std::string>();
+  std::string list;
+  for (std::size_t i = 0; i < type.words.size(); ++i) {
+    if (text && *text == type.words[i]) return i;
+    list += (list.empty() ? "\"" : ", \"") + std::string(type.words[i]) + "\"";
+  }
+  return wrong(key, node,
+               (text ? key.name + " '" + *text + "' is unknown" : quoted(key) + " must be a text") +
+                   "; write one of " + list);
+}
+
+std::optional<std::uint32_t> read(const BaudType&, const GivenKey& key, const toml::node& node) {
+  const auto found = node.value_exact<std::int64_t>();
+  if (found && *found > 0 && *found <= std::numeric_limits<std::uint32_t>::max() &&
+      port::is_baud(static_cast<std::uint32_t>(*found))) {
+    return static_cast<std::uint32_t>(*found);
+  }
+  return wrong(key, node,
+               quoted(key) +
+                   " is no usual speed; give 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, "
+                   "230400, 460800 or 921600");
+}
+
+std::optional<bool> read(const FlagType&, const GivenKey& key, const toml::node& node) {
+  const auto found = node.value_exact<bool>();
+  if (found) return *found;
+  return wrong(key, node,
+               quoted(key) + " must be true or false; write it as " + key.name + " = true");
+}
+
+std::optional<std::string> read(const TextType&, const GivenKey& key, const toml::node& node) {
+  const auto found = node.value_exact<std::string>();
+  if (found && !found->empty()) return *found;
+  return wrong(key, node,
+               quoted(key) + " must be a text; write it as " + key.name + " = " + key.example);
+}
+
+std::optional<std::string> read(const PathType&, const GivenKey& key, const toml::node& node) {
+  const auto found = read(TextType{}, key, node);
+  if (!found) return found;
+  return (key.folder / *found).string();
+}
+
+std::optional<port::SocketAddress> read(const AddressType&, const GivenKey& key,
+                                        const toml::node& node) {
+  const auto text = node.value_exact<std::string>();
+  const auto found = text ? port::parse_socket_address(*text) : std::nullopt;
+  if (found) return found;
+  return wrong(key, node, quoted(key) + " is no address; write it as \"127.0.0.1:502\"");
+}
+
+std::optional<std::vector<port::Network>> read(const NetworksType&, const GivenKey& key,
+                                               const toml::node& node) {
+  const toml::array* const list = node.as_array();
+  std::vector<port::Network> networks;
+  for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    const auto text = (*list)[i].value_exact<std::string>();
+    const auto network = text ? port::parse_network(*text) : std::nullopt;
+    if (!network) break;
+    networks.push_back(*network);
+  }
+  if (list != nullptr && networks.size() == list->size()) return networks;
+  return wrong(key, node,
+               quoted(key) + " must list networks; write it as [\"127.0.0.0/8\", \"10.0.0.0/8\"]");
+}
+
+std::optional<std::vector<UnitRange>> read(const UnitsType&, const GivenKey& key,
+                                           const toml::node& node) {
+  const auto text = node.value_exact<std::string>();
+  auto found = text ? parse_units(*text) : std::nullopt;
+  if (found) return found;
+  return wrong(
+      key, node,
+      quoted(key) + " must list units from 1 to 247, each once; write it as \"1-60\" or \"1-3,9\"");
+}
+
+std::optional<std::optional<LineSettings>> read(const BoardLineType&, const GivenKey& key,
+                                                const toml::node& node) {
+  const auto text = read(TextType{}, key, node);
+  if (!text) return std::nullopt;
+  const bool is_active_low = text->starts_with('!');
+  return LineSettings{.place = text->substr(is_active_low ? 1 : 0), .is_active_low = is_active_low};
+}
+
+std::optional<std::int64_t> read(const ScaleType&, const GivenKey& key, const toml::node& node) {
+  const auto found = parse_nano(node, 1);
+  if (found) return found;
+  return wrong(key, node,
+               quoted(key) +
+                   " must be a positive decimal of at most nine digits behind the point, in "
+                   "quotes; write it as \"1\" or \"0.01\"");
+}
+
+std::optional<SiteOrigin> read(const OriginType&, const GivenKey& key, const toml::node& node) {
+  const toml::array* const both = node.as_array();
+  if (both != nullptr && both->size() == 2) {
+    const auto x = parse_nano((*both)[0], -nano_max);
+    const auto y = parse_nano((*both)[1], -nano_max);
+    if (x && y) return SiteOrigin{.x = *x, .y = *y};
+  }
+  return wrong(
+      key, node,
+      quoted(key) + " must be two decimals in quotes; write it as [\"569000\", \"7034000.5\"]");
+}
+
+// ---- One range for each type, as Markdown.
+
+std::string range(const DurationType& type) {
+  return type.least > 1ms ? "duration, at least `" + text_of(type.least) + "`" : "duration";
+}
+std::string range(const CountType& type) {
+  return (type.unit.empty() ? "" : std::string(type.unit) + ", ") + std::to_string(type.least) +
+         " ... " + std::to_string(type.most);
+}
+std::string range(const ChoiceType& type) {
+  std::string list;
+  for (const std::string_view word : type.words) {
+    list += (list.empty() ? "`" : ", `") + ("\"" + std::string(word)) + "\"`";
+  }
+  return list;
+}
+std::string range(const BaudType&) { return "1200 ... 921600"; }
+std::string range(const FlagType&) { return "`true`, `false`"; }
+std::string range(const TextType&) { return "text"; }
+std::string range(const PathType&) { return "path"; }
+std::string range(const AddressType&) { return "`\"ADDRESS:PORT\"`"; }
+std::string range(const NetworksType&) { return "list of networks"; }
+std::string range(const UnitsType&) { return "`\"1-60\"`, `\"1-3,9\"`"; }
+std::string range(const BoardLineType&) { return "line"; }
+std::string range(const ScaleType&) { return "decimal in quotes"; }
+std::string range(const OriginType&) { return "two decimals in quotes"; }
+
+}  // namespace
+
+void read_value(const ValueType& type, const GivenKey& key, Target target) {
+  const toml::node* const node = key.section.find(key.name);
+  if (node == nullptr) return;
+  std::visit(
+      [&](const auto& known) {
+        if (auto value = read(known, key, *node)) known.field.set(target, *std::move(value));
+      },
+      type);
+}
+
+void copy_value(const ValueType& type, Target from, Target to) {
+  std::visit([&](const auto& known) { known.field.set(to, known.field.get(from)); }, type);
+}
+
+bool is_same_value(const ValueType& type, Target a, Target b) {
+  return std::visit([&](const auto& known) { return known.field.get(a) == known.field.get(b); },
+                    type);
+}
+
+std::string range_of(const ValueType& type) {
+  return std::visit([](const auto& known) { return range(known); }, type);
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,253 @@
+#include "firmware/gateway/gateway.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "etcm/audit.h"
+#include "firmware/publish/mesh_map.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+// The published one, the next, and what a client that reads slowly is pinned to.
+constexpr std::size_t images_ready = 3;
+
+std::int64_t squared_distance(Position a, Position b) {
+  const std::int64_t dx = std::int64_t{a.x} - b.x;
+  const std::int64_t dy = std::int64_t{a.y} - b.y;
+  return dx * dx + dy * dy;
+}
+
+}  // namespace
+
+Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports)
+    : settings_(settings),
+      ports_(ports),
+      poller_(settings.poll, ports.buses, *this, ports.log, this),
+      roster_(poller_.unit_count()),
+      keeper_(mesh, settings, roster_, ports.clock, ports.log),
+      presence_(settings.poll, poller_, roster_, keeper_, ports.log),
+      admission_(settings.poll, keeper_.features(), roster_, poller_, ports.log),
+      assigner_(settings.poll, poller_, roster_, ports.log),
+      write_back_(settings, poller_, roster_, keeper_, ports.log),
+      is_assigning_(poller_.bus_count()),
+      snapshots_(settings, static_cast<std::uint32_t>(roster_.records().size())),
+      images_(map_capacity(settings), images_ready, settings.server.clients_max + 2),
+      state_transfer_(keeper_, roster_, poller_),
+      interval_(settings.poll.interval) {
+  quarantine_.reserve(quarantine_max(roster_, keeper_.features(), keeper_.anchors(), admission_));
+  if (ports.store != nullptr && settings.state) {
+    state_keeper_.emplace(settings, publish_pause, *ports.store, ports.log);
+  }
+  if (ports.files != nullptr) {
+    files_keeper_.emplace(*settings.files, publish_share, *ports.files, ports.clock, ports.log);
+  }
+}
+
+void Gateway::restore(port::Instant now) {
+  if (!state_keeper_) return;
+  const std::optional<SavedState> saved = state_keeper_->load();
+  if (!saved) return;
+  generation_ = saved->next_generation - 1;
+  const bool is_same = state_transfer_.restore(*saved, generation_ + 1, now);
+  // Before the first mesh only a promise about generations is saved.
+  if (saved->generation > 0) log_restored(*saved, is_same);
+  presence_.tell_missing(now);
+  static_cast<void>(keeper_.take_changed());
+  // Where somebody was is not looked for in its turn, but at once.
+  for (const NodeRecord& node : roster_.records()) {
+    if (node.unit != no_unit) poller_.ask_unit_at_once(node.unit, now);
+  }
+  publish(now);
+}
+
+void Gateway::log_restored(const SavedState& saved, bool is_same) {
+  const Mesh& mesh = keeper_.mesh();
+  ports_.log.write(
+      port::Level::info,
+      std::string(is_same ? "restored the mesh" : "restored the nodes, not their mesh,") +
+          " of generation " + std::to_string(saved.generation) + ": " +
+          std::to_string(keeper_.node_count()) + " of " + std::to_string(saved.nodes.size()) +
+          " nodes, " + std::to_string(keeper_.features().active_count()) + " features, " +
+          std::to_string(mesh.steiner_count()) +
+          " Steiner vertices; all are stale until they answer");
+}
+
+void Gateway::step(port::Instant now) {
+  presence_.turn(now);
+  poller_.step(now);
+  if (presence_.is_due(now)) {
+    admission_.sweep(now);
+    presence_.sweep(now, generation_ + 1);
+    changed_ = changed_ || presence_.waiting_count() != snapshot().waiting_count;
+  }
+  keeper_.retry_refused(generation_ + 1);
+  changed_ = keeper_.take_changed() || changed_;
+  changed_ = admission_.take_changed() || changed_;
+  changed_ = presence_.take_changed() || changed_;
+  if (changed_ && publish_due_ <= now) publish(now);
+  if (files_keeper_) {
+    files_keeper_->step(now);
+    if (files_keeper_->is_due(now)) files_keeper_->write(keeper_.mesh(), keeper_.serials(), now);
+  }
+  if (state_keeper_) {
+    keep_silences(now);
+    state_keeper_->step(now);
+    if (state_keeper_->is_due(now)) save_state(now);
+  }
+}
+
+void Gateway::update_settings(port::Instant now) {
+  const port::Instant heard_by = poller_.update_settings(now);
+  presence_.update_settings(settings_.poll.interval < interval_ ? heard_by : now, now);
+  interval_ = settings_.poll.interval;
+  keeper_.update_site(generation_ + 1);
+  presence_.dismiss_missing();
+  snapshots_.update_site(settings_.domain);
+  quarantine_.reserve(quarantine_max(roster_, keeper_.features(), keeper_.anchors(), admission_));
+}
+
+port::Instant Gateway::next_deadline() const {
+  port::Instant deadline =
+      std::min({poller_.next_deadline(), presence_.next_deadline(), keeper_.next_deadline()});
+  if (files_keeper_) deadline = std::min(deadline, files_keeper_->next_deadline());
+  if (state_keeper_) deadline = std::min(deadline, state_keeper_->next_deadline());
+  if (changed_) deadline = std::min(deadline, publish_due_);
+  return deadline;
+}
+
+void Gateway::finish(port::Instant now) {
+  if (changed_) publish(now);
+  if (files_keeper_) {
+    files_keeper_->step(now);
+    files_keeper_->write(keeper_.mesh(), keeper_.serials(), now);
+  }
+  if (state_keeper_ && !ports_.store->is_saving()) {
+    state_keeper_->step(now);
+    state_keeper_->finish();
+    save_state(now);
+  }
+  const Mesh& mesh = keeper_.mesh();
+  const Audit audited = audit(mesh);
+  ports_.log.write(audited ? port::Level::info : port::Level::error,
+                   "ends at generation " + std::to_string(generation_) + ": " +
+                       std::to_string(keeper_.node_count()) + " nodes, " +
+                       std::to_string(keeper_.features().active_count()) + " of " +
+                       std::to_string(keeper_.features().records().size()) + " features, " +
+                       std::to_string(mesh.steiner_count()) + " Steiner vertices, " +
+                       std::to_string(mesh.finite_triangle_count()) + " triangles, " +
+                       (audited ? std::string("audit passed: conforming")
+                                : std::string("audit failed: ") + to_string(audited.broken)));
+}
+
+void Gateway::finish_saving(port::Instant now) {
+  if (state_keeper_) state_keeper_->step(now);
+  if (files_keeper_) files_keeper_->step(now);
+}
+
+// Since when somebody is missing is known after a power failure too, within the hour.
+void Gateway::keep_silences(port::Instant now) {
+  if (snapshot().missing_count == 0 || now - missing_saved_at_ < 1h) return;
+  missing_saved_at_ = now;
+  state_keeper_->outdate();
+}
+
+void Gateway::save_state(port::Instant now) {
+  state_transfer_.write(state_keeper_->begin(generation_, keeper_.mesh().hash()), now);
+  state_keeper_->save(now);
+}
+
+bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::Instant now) {
+  presence_.hear_unit(unit, now);
+  NodeRecord* const node = admission_.admit(unit, reading.serial, now);
+  if (node == nullptr) return false;
+  presence_.hear_node(*node, reading, now);
+  if (node->boot_count != reading.boot_count) {
+    node->boot_count = reading.boot_count;
+    write_back_.look_again();
+  }
+  if (poller_.address_of(unit) == default_unit) {
+    assigner_.on_newcomer(poller_.bus_of(unit), reading.serial, now);
+  }
+  if (node->has_asked_to_leave()) {
+    if (node->is_placed()) {
+      keeper_.leave(*node, "on its own request", generation_ + 1);
+    } else {
+      keeper_.forgive(*node);
+    }
+    return true;
+  }
+  keeper_.stay(*node);
+  // Without a fix the node stays where it was last known to be.
+  if ((reading.status & node_status::fix_valid) != 0) place(*node);
+  return true;
+}
+
+port::Instant Gateway::errand_due(std::uint32_t bus) const {
+  return std::min(assigner_.due(bus), write_back_.due(bus));
+}
+
+bool Gateway::next_errand(std::uint32_t bus, port::Instant now, Errand& errand) {
+  is_assigning_[bus] = assigner_.due(bus) <= now;
+  if (is_assigning_[bus]) {
+    assigner_.next(bus, errand);
+    return true;
+  }
+  return write_back_.next(bus, changed_ ? generation_ + 1 : generation_, now, errand);
+}
+
+void Gateway::on_errand_done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now) {
+  if (!is_assigning_[bus]) return write_back_.done(bus, answer, now);
+  const std::uint32_t unit = assigner_.done(bus, answer, now);
+  if (unit == no_unit) return;
+  const std::uint32_t newcomers = poller_.unit_at(bus, default_unit);
+  NodeRecord* const node = roster_.find(assigner_.last_serial(bus));
+  if (node != nullptr && node->unit == newcomers) {
+    roster_.seat(*node, unit);
+    poller_.expect_silence(newcomers);
+    write_back_.look_again();
+  }
+  poller_.ask_unit_at_once(unit, now);
+}
+
+void Gateway::place(NodeRecord& node) {
+  if (!node.is_placed()) {
+    keeper_.join(node, generation_ + 1);
+    return;
+  }
+  const std::int64_t band = settings_.poll.dead_band;
+  if (squared_distance(node.position, node.placed) > band * band) {
+    keeper_.move(node, generation_ + 1);
+  } else {
+    keeper_.forgive(node);
+  }
+}
+
+void Gateway::publish(port::Instant now) {
+  ++generation_;
+  changed_ = false;
+  if (files_keeper_) files_keeper_->outdate();
+  if (state_keeper_) state_keeper_->outdate();
+  const port::Instant started = ports_.clock.now();
+  write_back_.look_again();
+  list_quarantine(roster_, keeper_.features(), keeper_.anchors(), admission_, quarantine_);
+  const Snapshot& snapshot =
+      snapshots_.take(generation_, keeper_, roster_, poller_, presence_, quarantine_, now);
+  state_ = snapshot.state;
+  ports_.server.publish(images_.encode(snapshot));
+  // A large mesh takes its time; polling must not wait for it often.
+  publish_due_ = now + std::max(publish_pause, publish_share * (ports_.clock.now() - started));
+}
+
+std::shared_ptr<const port::RegisterImage> empty_image(const Settings& settings) {
+  auto image = std::make_shared<port::RegisterImage>();
+  encode_mesh(Snapshot{}, map_capacity(settings), *image);
+  return image;
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,135 @@
+// The gateway: nodes are polled, the mesh follows them, and each state of it is published.
+//
+// Everything that changed between two publications is one generation: a node that joins on its own
+// has a generation of its own, and a burst of them shares one, publish_pause apart from the next.
+// No input or output of its own, no waiting: whoever runs it calls step() when bytes have arrived
+// or next_deadline() is reached.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "etcm/port/clock.h"
+#include "etcm/port/log.h"
+#include "etcm/port/mesh_files.h"
+#include "etcm/port/mesh_server.h"
+#include "etcm/port/store.h"
+#include "firmware/config/settings.h"
+#include "firmware/mesh/mesh_keeper.h"
+#include "firmware/nodes/address_assigner.h"
+#include "firmware/nodes/admission.h"
+#include "firmware/nodes/presence.h"
+#include "firmware/persist/files_keeper.h"
+#include "firmware/persist/state_keeper.h"
+#include "firmware/persist/state_transfer.h"
+#include "firmware/polling/poller.h"
+#include "firmware/publish/image_pool.h"
+#include "firmware/publish/quarantine.h"
+#include "firmware/publish/snapshot_taker.h"
+#include "firmware/publish/write_back.h"
+#include "firmware/records/roster.h"
+
+namespace etcm::firmware {
+
+// Least time between two publications; and at most this share of all time is spent on them.
+inline constexpr port::Duration publish_pause = std::chrono::milliseconds(100);
+inline constexpr int publish_share = 20;
+
+struct GatewayPorts {
+  std::span<const PolledBus> buses;
+  port::MeshServer& server;
+  port::MeshFiles* files = nullptr;  // null: no files are wanted
+  port::Store* store = nullptr;      // null: nothing outlives a restart
+  const port::Clock& clock;
+  port::Log& log;
+};
+
+class Gateway final : private ReadingListener, private Errands {
+ public:
+  // The mesh is open and empty. All arguments must outlive the gateway.
+  Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports);
+
+  // Publishes the mesh that the store has of an earlier run, all nodes stale. Before the first
+  // step.
+  void restore(port::Instant now);
+
+  void step(port::Instant now);
+  port::Instant next_deadline() const;
+
+  // Publishes what is still unpublished, and says how things stand. Also starts the last save and
+  // the last files, unless such are under way.
+  void finish(port::Instant now);
+  // Hears how these went.
+  void finish_saving(port::Instant now);
+
+  // Asks the units with this address next: somebody says that a node is there.
+  void ask_at_once(std::uint8_t address, port::Instant now) { poller_.ask_at_once(address, now); }
+
+  // The settings have changed, in what can change while the gateway runs (reload.h). Where units
+  // are asked more often than before, silence counts once all of them have had time to answer.
+  // Nodes that are missing are dismissed.
+  void update_settings(port::Instant now);
+
+  std::uint32_t generation() const { return generation_; }
+  std::uint32_t node_count() const { return keeper_.node_count(); }
+  // A change of the mesh has waited for so long beyond the pause between two generations.
+  bool is_late(port::Instant now, port::Duration patience) const {
+    return changed_ && publish_due_ + patience < now;
+  }
+  // As published last (snapshot.h).
+  std::uint16_t state() const { return state_; }
+  const Snapshot& snapshot() const { return snapshots_.latest(); }
+
+  // Null where none are wanted.
+  const FilesKeeper* files() const { return files_keeper_ ? &*files_keeper_ : nullptr; }
+  const StateKeeper* kept_state() const { return state_keeper_ ? &*state_keeper_ : nullptr; }
+  const Poller& poller() const { return poller_; }
+  const Roster& roster() const { return roster_; }
+  const Presence& presence() const { return presence_; }
+  const MeshTimes& mesh_times() const { return keeper_.times(); }
+  // As published last.
+  std::span<const QuarantineEntry> quarantine() const { return quarantine_; }
+
+ private:
+  bool on_reading(std::uint32_t unit, const NodeReading& reading, port::Instant now) override;
+  port::Instant errand_due(std::uint32_t bus) const override;
+  bool next_errand(std::uint32_t bus, port::Instant now, Errand& errand) override;
+  void on_errand_done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now) override;
+  void place(NodeRecord& node);
+  void publish(port::Instant now);
+  void save_state(port::Instant now);
+  void keep_silences(port::Instant now);
+  void log_restored(const SavedState& saved, bool is_same);
+
+  const Settings& settings_;
+  const GatewayPorts ports_;
+  Poller poller_;
+  Roster roster_;
+  MeshKeeper keeper_;
+  Presence presence_;
+  Admission admission_;
+  AddressAssigner assigner_;
+  WriteBack write_back_;
+  std::vector<bool> is_assigning_;  // by bus: whose errand is under way
+  std::vector<QuarantineEntry> quarantine_;
+  SnapshotTaker snapshots_;
+  ImagePool images_;
+  StateTransfer state_transfer_;
+  std::optional<StateKeeper> state_keeper_;
+  std::optional<FilesKeeper> files_keeper_;
+  port::Duration interval_;       // of the polls, as it was when the settings changed last
+  port::Instant publish_due_{};   // not before
+  std::uint32_t generation_ = 0;  // published last
+  std::uint16_t state_ = 0;
+  bool changed_ = false;  // since then
+  port::Instant missing_saved_at_{};
+};
+
+// The image a server has before the first generation.
+std::shared_ptr<const port::RegisterImage> empty_image(const Settings& settings);
+
+}  // namespace etcm::firmware

@@ -1,0 +1,152 @@
+#include "firmware/nodes/address_assigner.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace etcm::firmware {
+
+namespace {
+
+// A node may be busy for a moment with its change of unit.
+constexpr std::uint8_t verifications_max = 3;
+
+}  // namespace
+
+AddressAssigner::AddressAssigner(const PollSettings& settings, const Poller& poller, Roster& roster,
+                                 port::Log& log)
+    : settings_(settings), poller_(poller), roster_(roster), log_(log), jobs_(poller.bus_count()) {}
+
+void AddressAssigner::on_newcomer(std::uint32_t bus, std::uint32_t serial, port::Instant now) {
+  Job& job = jobs_[bus];
+  if (poller_.bus(bus).assign.empty() || job.step != Step::none) return;
+  if (job.last_serial == serial && now < job.retry_at) return;
+  job.serial = serial;
+  choose(bus, true, now);
+}
+
+port::Instant AddressAssigner::due(std::uint32_t bus) const {
+  const Job& job = jobs_[bus];
+  if (job.step == Step::none) return port::never;
+  const port::Instant free_at = job.step == Step::write
+                                    ? poller_.write_free_at(poller_.unit_at(bus, default_unit))
+                                    : poller_.read_free_at(job.unit);
+  return std::max(job.due, free_at);
+}
+
+void AddressAssigner::next(std::uint32_t bus, Errand& errand) {
+  Job& job = jobs_[bus];
+  job.due = port::never;
+  if (job.step == Step::write) {
+    job.registers =
+        encode_assignment(poller_.address_of(job.unit), job.serial, poller_.bus(bus).word_order);
+    errand = {.address = default_unit, .first = assignment_register_first, .values = job.registers};
+    return;
+  }
+  errand = {.address = poller_.address_of(job.unit),
+            .first = node_register_first,
+            .read_count = node_register_count,
+            .spare = stranger_register_spare,
+            .values = {}};
+}
+
+std::uint32_t AddressAssigner::done(std::uint32_t bus, const port::BusAnswer& answer,
+                                    port::Instant now) {
+  Job& job = jobs_[bus];
+  if (answer.result == port::BusResult::link_lost) {
+    end(job, now);
+    return no_unit;
+  }
+  job.due = now;
+  switch (job.step) {
+    case Step::none:
+      break;
+    case Step::look:
+      // Whatever answers there, it is not free.
+      if (port::is_absence(answer)) {
+        job.step = Step::write;
+      } else {
+        choose(bus, false, now);
+      }
+      break;
+    case Step::write:
+      if (answer.result == port::BusResult::exception && !port::is_absence(answer)) {
+        give_up(job, "it answers with an exception", now);
+      } else {
+        // It may have changed before it could answer.
+        job.step = Step::verify;
+        job.verified = 0;
+      }
+      break;
+    case Step::verify: {
+      NodeReading reading;
+      const bool is_it = answer.result == port::BusResult::ok &&
+                         decode_node(answer.registers, poller_.bus(bus).word_order, reading,
+                                     answer.left_out) == ReadingFault::none &&
+                         reading.serial == job.serial;
+      if (is_it) {
+        log_.write(port::Level::info, TextLine() << "node " << job.serial << " has "
+                                                 << poller_.name(job.unit) << " now");
+        job.is_full = false;
+        job.unwilling = no_serial;
+        const std::uint32_t unit = job.unit;
+        end(job, now);
+        return unit;
+      }
+      if (++job.verified == verifications_max) give_up(job, "it does not answer there", now);
+      break;
+    }
+  }
+  return no_unit;
+}
+
+bool AddressAssigner::is_free(std::uint32_t unit) const {
+  return roster_.at(unit) == nullptr && !poller_.is_sound(unit);
+}
+
+port::Instant AddressAssigner::used_at(std::uint32_t unit) const {
+  return std::max(poller_.counters(unit).answered_at, roster_.released_heard_at(unit));
+}
+
+void AddressAssigner::choose(std::uint32_t bus, bool is_first, port::Instant now) {
+  Job& job = jobs_[bus];
+  const std::pair before{job.unit_used_at, job.unit};
+  std::pair best{port::never, no_unit};
+  for (const UnitRange range : poller_.bus(bus).assign) {
+    for (unsigned address = range.first; address <= range.last; ++address) {
+      const std::uint32_t unit = poller_.unit_at(bus, static_cast<std::uint8_t>(address));
+      const std::pair found{used_at(unit), unit};
+      if (is_free(unit) && (is_first || found > before)) best = std::min(best, found);
+    }
+  }
+  std::tie(job.unit_used_at, job.unit) = best;
+  if (job.unit != no_unit) {
+    job.step = Step::look;
+    job.due = now;
+    return;
+  }
+  if (!std::exchange(job.is_full, true)) {
+    log_.write(port::Level::warning, TextLine() << "bus " << poller_.bus(bus).name
+                                                << ": no unit is free for node " << job.serial
+                                                << ", which stays at 247; give more in `assign`");
+  }
+  end(job, now + settings_.absent_interval);
+}
+
+void AddressAssigner::give_up(Job& job, std::string_view why, port::Instant now) {
+  if (std::exchange(job.unwilling, job.serial) != job.serial) {
+    log_.write(port::Level::warning, TextLine() << "node " << job.serial << " did not take "
+                                                << poller_.name(job.unit) << ": " << why
+                                                << "; it stays at 247, and is asked to again");
+  }
+  end(job, now + settings_.absent_interval);
+}
+
+void AddressAssigner::end(Job& job, port::Instant retry_at) {
+  job.last_serial = job.serial;
+  job.retry_at = retry_at;
+  job.step = Step::none;
+  job.due = port::never;
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,72 @@
+// Gives nodes that answer at the default unit a unit of their own.
+//
+// First somebody is looked for at the new unit; where nobody answers, the node is written its new
+// unit together with its serial, so that only the node with that serial takes it, however many wait
+// at the default unit; then it must answer at the new unit. One node of a bus at a time.
+//
+// A unit where somebody answered before is given last, and of these the one that has been silent
+// longest first: who was there may come back to it, and two nodes at one unit can be told nothing.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "etcm/port/log.h"
+#include "firmware/config/settings.h"
+#include "firmware/polling/errand.h"
+#include "firmware/polling/poller.h"
+#include "firmware/protocol/node_map.h"
+#include "firmware/records/roster.h"
+
+namespace etcm::firmware {
+
+class AddressAssigner {
+ public:
+  // All arguments must outlive this.
+  AddressAssigner(const PollSettings& settings, const Poller& poller, Roster& roster,
+                  port::Log& log);
+
+  // This node answered at the default unit.
+  void on_newcomer(std::uint32_t bus, std::uint32_t serial, port::Instant now);
+
+  // As Errands have them.
+  port::Instant due(std::uint32_t bus) const;
+  void next(std::uint32_t bus, Errand& errand);
+  // Returns the unit where the node answers now, or no_unit while there is no such.
+  std::uint32_t done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now);
+  // Whom done() spoke of.
+  std::uint32_t last_serial(std::uint32_t bus) const { return jobs_[bus].last_serial; }
+
+ private:
+  enum class Step : std::uint8_t { none, look, write, verify };
+  struct Job {
+    Step step = Step::none;
+    port::Instant due = port::never;
+    std::uint32_t serial = no_serial;
+    std::uint32_t unit = no_unit;  // the new one
+    port::Instant unit_used_at{};  // as it was when the unit was chosen
+    std::uint8_t verified = 0;     // so often in vain
+    std::uint32_t last_serial = no_serial;
+    port::Instant retry_at{};             // with the same node as last time
+    bool is_full = false;                 // and said so
+    std::uint32_t unwilling = no_serial;  // who did not take a unit, and that was said
+    AssignmentRegisters registers{};
+  };
+
+  bool is_free(std::uint32_t unit) const;
+  // When somebody was last known to be there; the origin: never.
+  port::Instant used_at(std::uint32_t unit) const;
+  // Takes the best of the free units that the bus may give, or the next best after the one chosen
+  // before.
+  void choose(std::uint32_t bus, bool is_first, port::Instant now);
+  void give_up(Job& job, std::string_view why, port::Instant now);
+  void end(Job& job, port::Instant retry_at);
+
+  const PollSettings& settings_;
+  const Poller& poller_;
+  Roster& roster_;
+  port::Log& log_;
+  std::vector<Job> jobs_;  // by bus
+};
+
+}  // namespace etcm::firmware

@@ -1,0 +1,70 @@
+// Which node an answer is from: its serial says so, as far as that can be believed.
+//
+// A node may change its unit, its port or its bus and is still the same node. What cannot be is an
+// alarm, said once, and never a back and forth: two nodes with one serial, two nodes at one unit, a
+// serial with its words swapped.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "etcm/port/log.h"
+#include "firmware/config/settings.h"
+#include "firmware/nodes/doubt.h"
+#include "firmware/polling/poller.h"
+#include "firmware/records/feature_book.h"
+#include "firmware/records/roster.h"
+
+namespace etcm::firmware {
+
+// What is doubtful at a unit.
+struct UnitDoubt {
+  std::uint32_t serial = no_serial;  // that is not believed
+  Doubt doubt = Doubt::none;
+  std::uint8_t sightings = 0;  // of it in a row
+  port::Instant since{};
+  port::Instant seen_at{};
+  std::uint32_t displaced = no_serial;  // the node that was at this unit before the present one
+
+  bool is_alarm() const { return doubt > Doubt::waiting; }
+};
+
+class Admission {
+ public:
+  // All arguments must outlive this.
+  Admission(const PollSettings& settings, const FeatureBook& features, Roster& roster,
+            const Poller& poller, port::Log& log);
+
+  // The record of the node that answered; null when it is not believed, at least not yet.
+  NodeRecord* admit(std::uint32_t unit, std::uint32_t serial, port::Instant now);
+
+  // Forgets doubts that nobody has given reason for lately.
+  void sweep(port::Instant now);
+
+  // By unit.
+  std::span<const UnitDoubt> doubts() const { return doubts_; }
+  // Whether an alarm came or went since the last call.
+  bool take_changed() { return std::exchange(changed_, false); }
+
+ private:
+  // Whether a feature ends at this serial.
+  bool is_named(std::uint32_t serial) const { return !features_.ending_at(serial).empty(); }
+  bool has_gone(const NodeRecord& node, port::Instant now) const;
+  // A record for a node that is not known; null where there is no room for it.
+  NodeRecord* add(std::uint32_t serial, port::Instant now);
+  // Null, always; says why when that is news.
+  NodeRecord* disbelieve(std::uint32_t unit, Doubt doubt, std::uint32_t other);
+  void clear(UnitDoubt& doubt);
+
+  const PollSettings& settings_;
+  const FeatureBook& features_;
+  Roster& roster_;
+  const Poller& poller_;
+  port::Log& log_;
+  std::vector<UnitDoubt> doubts_;
+  bool changed_ = false;
+};
+
+}  // namespace etcm::firmware

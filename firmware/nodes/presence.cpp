@@ -1,0 +1,187 @@
+#include "firmware/nodes/presence.h"
+
+#include <algorithm>
+
+namespace etcm::firmware {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+// An eighth of the pause it watches for is late by little, and costs little.
+port::Duration sweep_interval(const PollSettings& poll) {
+  return std::clamp<port::Duration>(std::min(poll.stale_after, poll.leave_after) / 8, 1ms, 1s);
+}
+
+std::int64_t whole_seconds(port::Duration duration) {
+  return std::chrono::floor<std::chrono::seconds>(duration).count();
+}
+
+}  // namespace
+
+TextLine last_place_of(const NodeRecord& node, const Poller& poller) {
+  if (node.last_unit == no_unit) return TextLine() << "on no bus of this configuration";
+  return poller.name(node.last_unit);
+}
+
+Presence::Presence(const PollSettings& settings, const Poller& poller, Roster& roster,
+                   MeshKeeper& keeper, port::Log& log)
+    : settings_(settings),
+      poller_(poller),
+      roster_(roster),
+      keeper_(keeper),
+      log_(log),
+      clock_(settings, poller.bus_count()),
+      buses_(poller.bus_count()),
+      sweep_interval_(sweep_interval(settings)) {}
+
+void Presence::hear_unit(std::uint32_t unit, port::Instant now) {
+  const std::uint32_t number = poller_.bus_of(unit);
+  const port::Instant heard_at = clock_.heard_at(number);
+  clock_.hear(number, now);
+  if (!std::exchange(buses_[number].is_silent, false)) return;
+  changed_ = true;
+  TextLine line;
+  line << "bus " << poller_.bus(number).name << ": answers again";
+  if (heard_at != port::Instant{}) line << ", after " << whole_seconds(now - heard_at) << " s";
+  log_.write(port::Level::info, line);
+}
+
+void Presence::hear_node(NodeRecord& node, const NodeReading& reading, port::Instant now) {
+  if (std::exchange(node.is_missing, false)) {
+    changed_ = true;
+    log_.write(port::Level::info, TextLine() << "node " << node.serial
+                                             << " is back: it answers again, after "
+                                             << whole_seconds(now - node.heard_at) << " s");
+  }
+  node.heard_at = now;
+  node.heard = clock_.shown(bus_of(node));
+  node.status = reading.status;
+  if ((reading.status & node_status::fix_valid) == 0) return;
+  node.position = reading.position;
+  node.positioned_at = now;
+  node.lacks_fix = false;
+  if (std::exchange(node.stale, false)) changed_ = true;
+}
+
+void Presence::sweep(port::Instant now, std::uint32_t generation) {
+  sweep_due_ = now + sweep_interval_;
+  for (Bus& bus : buses_) bus.nodes = 0;
+  waiting_ = 0;
+  for (NodeRecord& node : roster_.records()) {
+    if (!node.is_known()) continue;
+    check_node(node, now, generation);
+    if (node.is_waiting()) ++waiting_;
+  }
+  for (std::uint32_t bus = 0; bus < buses_.size(); ++bus) check_bus(bus, now);
+}
+
+void Presence::update_settings(port::Instant heard_by, port::Instant now) {
+  sweep_interval_ = sweep_interval(settings_);
+  if (heard_by <= now) return;
+  clock_.postpone(heard_by - now);
+  fresh_from_ = heard_by;
+}
+
+void Presence::dismiss_missing() {
+  for (NodeRecord& node : roster_.records()) {
+    // One that the mesh cannot do without stays known.
+    if (!node.is_missing || node.is_placed()) continue;
+    log_.write(port::Level::info, TextLine() << "node " << node.serial
+                                             << " is no longer missed: dismissed by the reload");
+    roster_.release(node);
+    changed_ = true;
+  }
+}
+
+void Presence::tell_missing(port::Instant now) {
+  const NodeRecord* first = nullptr;
+  std::uint32_t count = 0;
+  for (const NodeRecord& node : roster_.records()) {
+    if (!node.is_missing) continue;
+    ++count;
+    if (first == nullptr || node.heard_at < first->heard_at) first = &node;
+  }
+  if (first == nullptr) return;
+  TextLine line;
+  line << count << (count == 1 ? " node is" : " nodes are")
+       << " missing since before the restart: " << (count == 1 ? "" : "the longest ") << "node "
+       << first->serial << ", " << last_place_of(*first, poller_) << ", silent for "
+       << whole_seconds(now - first->heard_at) << " s at least";
+  log_.write(port::Level::warning, line);
+}
+
+std::uint32_t Presence::silent_bus_count() const {
+  return static_cast<std::uint32_t>(
+      std::count_if(buses_.begin(), buses_.end(), [](const Bus& bus) { return bus.is_silent; }));
+}
+
+// The bus that it was heard on last; its clock is the one that counts.
+std::uint32_t Presence::bus_of(const NodeRecord& node) const {
+  return node.last_unit == no_unit ? no_bus : poller_.bus_of(node.last_unit);
+}
+
+void Presence::check_node(NodeRecord& node, port::Instant now, std::uint32_t generation) {
+  if (node.has_asked_to_leave() && !node.is_placed()) {
+    // Nobody waits for it, whatever its bus does.
+    if (now - node.heard_at > settings_.leave_after) roster_.release(node);
+    return;
+  }
+  const std::uint32_t bus = bus_of(node);
+  if (node.is_missing || clock_.silence_since(bus, node.heard) > settings_.leave_after) {
+    return lose(node, now, generation);
+  }
+  if (bus != no_bus) ++buses_[bus].nodes;
+  check_freshness(node, now);
+}
+
+void Presence::lose(NodeRecord& node, port::Instant now, std::uint32_t generation) {
+  if (!node.has_asked_to_leave() && !std::exchange(node.is_missing, true)) {
+    changed_ = true;
+    log_.write(port::Level::warning,
+               TextLine() << "node " << node.serial
+                          << " is missing: " << last_place_of(node, poller_) << ", silent for "
+                          << whole_seconds(now - node.heard_at)
+                          << " s; it counts as missing until it answers, or a reload dismisses "
+                             "it");
+    roster_.vacate(node);
+  }
+  if (node.is_placed()) {
+    keeper_.leave(node, "silent", generation);
+  } else {
+    keeper_.forgive(node);
+  }
+}
+
+void Presence::check_freshness(NodeRecord& node, port::Instant now) {
+  const port::Duration age = now - std::max(node.positioned_at, fresh_from_);
+  const bool is_stale = node.stale || age > settings_.stale_after;
+  const bool lacks_fix = is_stale && now - node.heard_at <= settings_.stale_after &&
+                         (node.status & node_status::fix_valid) == 0;
+  const bool is_news = is_stale != node.stale || lacks_fix != node.lacks_fix;
+  node.stale = is_stale;
+  node.lacks_fix = lacks_fix;
+  changed_ = changed_ || (is_news && node.is_placed());
+}
+
+void Presence::check_bus(std::uint32_t number, port::Instant now) {
+  Bus& bus = buses_[number];
+  // Once it is, only an answer ends that.
+  const bool is_silent = bus.nodes > 0 && (bus.is_silent || clock_.is_silent(number));
+  if (std::exchange(bus.is_silent, is_silent) == is_silent) return;
+  changed_ = true;
+  if (!is_silent) return;
+  TextLine line;
+  line << "bus " << poller_.bus(number).name << ": silent";
+  const port::Instant heard_at = clock_.heard_at(number);
+  if (heard_at == port::Instant{}) {
+    line << " since the start";
+  } else {
+    line << " for " << whole_seconds(now - heard_at) << " s";
+  }
+  line << ", none of its " << bus.nodes << (bus.nodes == 1 ? " node" : " nodes")
+       << " answers; nobody leaves the mesh for that, check its cable, converter and power";
+  log_.write(port::Level::warning, line);
+}
+
+}  // namespace etcm::firmware

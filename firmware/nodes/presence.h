@@ -1,0 +1,88 @@
+// Who is there: whose position is fresh, who has fallen silent, and who is missing.
+//
+// A node whose own silence (silence_clock.h) is longer than leave_after leaves the mesh and is
+// missing: it stays known, with its last place and unit, until it answers again, asks to leave, or
+// is dismissed. One that asked to leave before it fell silent is missed by nobody.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "etcm/port/log.h"
+#include "firmware/config/settings.h"
+#include "firmware/mesh/mesh_keeper.h"
+#include "firmware/nodes/silence_clock.h"
+#include "firmware/polling/poller.h"
+#include "firmware/protocol/node_map.h"
+#include "firmware/records/roster.h"
+
+namespace etcm::firmware {
+
+class Presence {
+ public:
+  // All arguments must outlive this.
+  Presence(const PollSettings& settings, const Poller& poller, Roster& roster, MeshKeeper& keeper,
+           port::Log& log);
+
+  // The gateway's loop turns: before anything is heard in this turn.
+  void turn(port::Instant now) { clock_.turn(now, sweep_interval_); }
+
+  // A sound answer of this unit, whoever it is from.
+  void hear_unit(std::uint32_t unit, port::Instant now);
+  // It is this node's. After hear_unit().
+  void hear_node(NodeRecord& node, const NodeReading& reading, port::Instant now);
+
+  // Looks for those whose position is no longer fresh, who is to leave, and buses that are silent.
+  // `generation` is what the log calls the result.
+  void sweep(port::Instant now, std::uint32_t generation);
+  bool is_due(port::Instant now) const { return sweep_due_ <= now; }
+  port::Instant next_deadline() const { return sweep_due_; }
+
+  // The settings have changed; nobody needs to have answered before `heard_by`.
+  void update_settings(port::Instant heard_by, port::Instant now);
+  // Nobody who is missing now is waited for any longer.
+  void dismiss_missing();
+  // Those known from an earlier run: the log says how many, and one of them.
+  void tell_missing(port::Instant now);
+
+  // No node of the bus answers, though some are known to be on it.
+  bool is_silent(std::uint32_t bus) const { return buses_[bus].is_silent; }
+  std::uint32_t silent_bus_count() const;
+  // Nodes that answered at the last sweep and had not told where they are.
+  std::uint32_t waiting_count() const { return waiting_; }
+  const SilenceClock& clock() const { return clock_; }
+
+  // Whether anything that is published changed since the last call.
+  bool take_changed() { return std::exchange(changed_, false); }
+
+ private:
+  struct Bus {
+    std::uint32_t nodes = 0;  // that are known to be on it
+    bool is_silent = false;
+  };
+
+  std::uint32_t bus_of(const NodeRecord& node) const;
+  void check_node(NodeRecord& node, port::Instant now, std::uint32_t generation);
+  void lose(NodeRecord& node, port::Instant now, std::uint32_t generation);
+  void check_freshness(NodeRecord& node, port::Instant now);
+  void check_bus(std::uint32_t bus, port::Instant now);
+
+  const PollSettings& settings_;
+  const Poller& poller_;
+  Roster& roster_;
+  MeshKeeper& keeper_;
+  port::Log& log_;
+  SilenceClock clock_;
+  std::vector<Bus> buses_;
+  std::uint32_t waiting_ = 0;
+  port::Duration sweep_interval_;
+  port::Instant sweep_due_{};
+  port::Instant fresh_from_{};  // no position counts as older
+  bool changed_ = false;
+};
+
+// The unit where a missing node answered last, for a person: "unit 7 of yard".
+TextLine last_place_of(const NodeRecord& node, const Poller& poller);
+
+}  // namespace etcm::firmware

@@ -1,0 +1,271 @@
+#include "firmware/persist/saved_state.h"
+
+#include <algorithm>
+#include <type_traits>
+
+#include "firmware/records/roster.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+enum Kind : std::size_t { buses, nodes, anchors, features, steiner, missing, kinds };
+
+constexpr std::size_t counts_at = 20;
+constexpr std::size_t head_size = counts_at + kinds * 4;
+// Form 1 has no missing nodes.
+constexpr std::uint32_t oldest_version = 1;
+constexpr std::size_t kinds_of_oldest = missing;
+constexpr std::size_t node_size = 20;
+constexpr std::size_t anchor_size = 8;
+constexpr std::size_t feature_size = 8;
+constexpr std::size_t steiner_size = 20;
+constexpr std::size_t missing_size = node_size + 4;
+constexpr std::uint8_t flag_position = 1;
+// A silence that goes on is as good as another one each hour.
+constexpr std::uint32_t seconds_per_hour = 3600;
+
+// Takes numbers off the front. Past the end they are 0, and is_cut_off() says so.
+class Reader {
+ public:
+  explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+  template <class Value>
+  Value take() {
+    using Bits = std::make_unsigned_t<Value>;
+    Bits bits = 0;
+    const std::span<const std::byte> taken = take_bytes(sizeof(Value));
+    for (std::size_t i = taken.size(); i-- > 0;) {
+      bits = static_cast<Bits>(static_cast<std::uint64_t>(bits) << 8 |
+                               std::to_integer<std::uint64_t>(taken[i]));
+    }
+    return static_cast<Value>(bits);
+  }
+  std::span<const std::byte> take_bytes(std::size_t size) {
+    if (size > bytes_.size()) {
+      is_cut_off_ = true;
+      bytes_ = {};
+      return {};
+    }
+    const std::span<const std::byte> taken = bytes_.first(size);
+    bytes_ = bytes_.subspan(size);
+    return taken;
+  }
+  // Whether that many records may still come: asked before memory is taken for them.
+  bool has(std::uint64_t count, std::size_t size_each) const {
+    return count <= bytes_.size() / size_each;
+  }
+  std::size_t left() const { return bytes_.size(); }
+  bool is_cut_off() const { return is_cut_off_; }
+
+ private:
+  std::span<const std::byte> bytes_;
+  bool is_cut_off_ = false;
+};
+
+Position take_position(Reader& reader) {
+  Position position;
+  position.x = reader.take<std::int32_t>();
+  position.y = reader.take<std::int32_t>();
+  return position;
+}
+
+SavedNode take_node(Reader& reader, std::uint8_t& flags) {
+  SavedNode node;
+  node.serial = reader.take<std::uint32_t>();
+  node.position = take_position(reader);
+  node.age_ms = reader.take<std::uint32_t>();
+  node.bus = reader.take<std::uint16_t>();
+  node.unit = reader.take<std::uint8_t>();
+  flags = reader.take<std::uint8_t>();
+  return node;
+}
+
+template <class Value, class Key>
+bool has_twins(const std::vector<Value>& values, Key key) {
+  using KeyValue = decltype(key(values.front()));
+  std::vector<KeyValue> keys;
+  for (const Value& value : values) keys.push_back(key(value));
+  std::sort(keys.begin(), keys.end());
+  return std::adjacent_find(keys.begin(), keys.end()) != keys.end();
+}
+
+// What the mesh itself does not find when it is given such a state.
+std::string judge(const SavedState& state) {
+  if (state.next_generation <= state.generation) return "its generations contradict each other";
+  std::vector<SavedNode> known = state.nodes;
+  for (const SavedMissing& each : state.missing) known.push_back(each.node);
+  for (const SavedNode& node : known) {
+    if (node.serial == no_serial) return "a node has no serial";
+    if (node.bus != no_saved_bus && node.bus >= state.buses.size()) {
+      return "node " + std::to_string(node.serial) + " is on a bus it does not name";
+    }
+  }
+  if (has_twins(known, [](const SavedNode& node) { return node.serial; })) {
+    return "two nodes have one serial";
+  }
+  const std::size_t ends = state.nodes.size() + state.anchors.size();
+  for (const SavedFeature& feature : state.features) {
+    if (feature.from >= ends || feature.to >= ends) return "a feature ends at no node";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
+  state = {};
+  Reader reader(bytes);
+  const auto version = reader.take<std::uint32_t>();
+  if (reader.is_cut_off()) return "it is cut off";
+  if (version < oldest_version || version > saved_state_version) {
+    return std::string("it is from ") + (version > saved_state_version ? "a newer" : "an older") +
+           " gateway (form " + std::to_string(version) + ", this one knows " +
+           std::to_string(saved_state_version) + ")";
+  }
+  state.generation = reader.take<std::uint32_t>();
+  state.next_generation = reader.take<std::uint32_t>();
+  state.mesh_hash = reader.take<std::uint64_t>();
+  std::uint32_t counts[kinds] = {};
+  const std::size_t counted = version == oldest_version ? kinds_of_oldest : kinds;
+  for (std::size_t kind = 0; kind < counted; ++kind) counts[kind] = reader.take<std::uint32_t>();
+
+  const auto each = [&](Kind kind, std::size_t size_least, auto take) {
+    if (!reader.has(counts[kind], size_least)) {
+      static_cast<void>(reader.take_bytes(reader.left() + 1));
+      return;
+    }
+    for (std::uint32_t i = 0; i < counts[kind] && !reader.is_cut_off(); ++i) take();
+  };
+  each(buses, 1, [&] {
+    const auto name = reader.take_bytes(reader.take<std::uint8_t>());
+    state.buses.emplace_back(reinterpret_cast<const char*>(name.data()), name.size());
+  });
+  each(nodes, node_size, [&] {
+    std::uint8_t flags = 0;
+    state.nodes.push_back(take_node(reader, flags));
+  });
+  each(anchors, anchor_size, [&] { state.anchors.push_back(take_position(reader)); });
+  each(features, feature_size, [&] {
+    SavedFeature feature;
+    feature.from = reader.take<std::uint32_t>();
+    feature.to = reader.take<std::uint32_t>();
+    state.features.push_back(feature);
+  });
+  each(steiner, steiner_size, [&] {
+    SteinerPlace place;
+    place.feature = reader.take<std::uint32_t>();
+    place.point.x = reader.take<std::int64_t>();
+    place.point.y = reader.take<std::int64_t>();
+    state.steiner.push_back(place);
+  });
+  each(missing, missing_size, [&] {
+    std::uint8_t flags = 0;
+    const SavedNode node = take_node(reader, flags);
+    state.missing.push_back({.node = node,
+                             .has_position = (flags & flag_position) != 0,
+                             .silence_s = reader.take<std::uint32_t>()});
+  });
+  if (reader.is_cut_off()) return "it is cut off";
+  if (reader.left() != 0) return "it is too long";
+  return judge(state);
+}
+
+std::size_t saved_state_size_max(const Settings& settings) {
+  std::size_t size = head_size;
+  for (const BusSettings& bus : settings.buses) size += 1 + saved_bus_name(bus.name).size();
+  // A vertex is a node, an anchor or a Steiner vertex; a feature in the mesh takes a place of its.
+  size += settings.mesh.vertices_max * std::max({node_size, anchor_size, steiner_size});
+  size += settings.mesh.features_max * feature_size;
+  return size + roster_capacity(count_units(settings)) * missing_size;
+}
+
+StateWriter::StateWriter(std::size_t size_max) { bytes_.reserve(size_max); }
+
+template <class Value>
+void StateWriter::put(Value value) {
+  for (std::size_t i = 0; i < sizeof value; ++i) {
+    bytes_.push_back(static_cast<std::byte>(static_cast<std::uint64_t>(value) >> (8 * i)));
+  }
+}
+
+template <class Value>
+void StateWriter::put_content(Value value) {
+  put(value);
+  mix(static_cast<std::uint64_t>(value));
+}
+
+void StateWriter::mix(std::uint64_t value) {
+  content_ = (content_ ^ value) * 0x9e3779b97f4a7c15u;
+  content_ ^= content_ >> 32;
+}
+
+void StateWriter::begin(std::uint32_t generation, std::uint32_t next_generation,
+                        std::uint64_t mesh_hash) {
+  bytes_.clear();
+  content_ = 0;
+  std::fill(std::begin(counts_), std::end(counts_), 0u);
+  put(saved_state_version);
+  put(generation);
+  put(next_generation);
+  put_content(mesh_hash);
+  bytes_.resize(head_size);  // the counts come in finish()
+}
+
+void StateWriter::add_bus(std::string_view name) {
+  name = saved_bus_name(name);
+  count(buses);
+  put_content(static_cast<std::uint8_t>(name.size()));
+  for (const char c : name) put_content(static_cast<std::uint8_t>(c));
+}
+
+void StateWriter::add(const SavedNode& node) {
+  count(nodes);
+  put_node(node, 0);
+}
+
+void StateWriter::put_node(const SavedNode& node, std::uint8_t flags) {
+  put_content(node.serial);
+  put_content(node.position.x);
+  put_content(node.position.y);
+  put(node.age_ms);
+  put_content(node.bus);
+  put_content(node.unit);
+  put_content(flags);
+}
+
+void StateWriter::add(Position anchor) {
+  count(anchors);
+  put_content(anchor.x);
+  put_content(anchor.y);
+}
+
+void StateWriter::add(const SavedFeature& feature) {
+  count(features);
+  put_content(feature.from);
+  put_content(feature.to);
+}
+
+void StateWriter::add(const SteinerPlace& place) {
+  count(steiner);
+  put_content(place.feature);
+  put_content(place.point.x);
+  put_content(place.point.y);
+}
+
+void StateWriter::add(const SavedMissing& each) {
+  count(missing);
+  put_node(each.node, each.has_position ? flag_position : std::uint8_t{0});
+  put(each.silence_s);
+  mix(each.silence_s / seconds_per_hour);
+}
+
+std::span<const std::byte> StateWriter::finish() {
+  std::size_t at = counts_at;
+  for (const std::uint32_t counted : counts_) {
+    for (std::size_t i = 0; i < 4; ++i) bytes_[at++] = static_cast<std::byte>(counted >> (8 * i));
+  }
+  return bytes_;
+}
+
+}  // namespace etcm::firmware

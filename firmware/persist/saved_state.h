@@ -1,0 +1,112 @@
+// What outlives a restart: the mesh as it was published last, which node answered where, and who
+// is missing. Its form in bytes is here; how they get to the disk is the store's business.
+//
+// All numbers are little-endian, and everything follows the one before without gaps:
+//   u32 version of this form, 2
+//   u32 generation, u32 the first one that a restart may give out
+//   u64 mesh hash
+//   u32 counts of buses, nodes, anchors, features, Steiner vertices, missing nodes
+//   bus:     u8 length, name (at most 255 bytes of it)
+//   node:    u32 serial, i32 x, i32 y, u32 age of the position in ms, u16 bus, u8 unit, u8 0
+//   anchor:  i32 x, i32 y
+//   feature: u32 from, u32 to; nodes and after them anchors, counted from 0
+//   Steiner: u32 feature, counted from 0, i64 x, i64 y in 2^-28 units
+//   missing: as a node, but the last u8 is 1 where it has a position; u32 silence in s
+// Form 1, which is read too, has neither the last count nor missing nodes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "etcm/mesh.h"
+#include "firmware/config/settings.h"
+
+namespace etcm::firmware {
+
+inline constexpr std::uint32_t saved_state_version = 2;
+// The bus of a node that answers nowhere at the moment.
+inline constexpr std::uint16_t no_saved_bus = 0xffff;
+
+// How a bus is named there: what follows is cut off.
+inline constexpr std::size_t saved_bus_name_max = 255;
+inline std::string_view saved_bus_name(std::string_view name) {
+  return name.substr(0, saved_bus_name_max);
+}
+
+struct SavedNode {
+  std::uint32_t serial = 0;
+  Position position{};               // where the mesh has it
+  std::uint32_t age_ms = 0;          // of the position
+  std::uint16_t bus = no_saved_bus;  // in the order of SavedState::buses
+  std::uint8_t unit = 0;
+};
+
+struct SavedMissing {
+  SavedNode node;
+  bool has_position = false;
+  std::uint32_t silence_s = 0;  // since its last answer, when it was saved
+};
+
+struct SavedFeature {
+  std::uint32_t from = 0;
+  std::uint32_t to = 0;
+};
+
+struct SavedState {
+  std::uint32_t generation = 0;
+  std::uint32_t next_generation = 0;
+  std::uint64_t mesh_hash = 0;
+  std::vector<std::string> buses;
+  std::vector<SavedNode> nodes;
+  std::vector<Position> anchors;
+  std::vector<SavedFeature> features;  // those in the mesh
+  std::vector<SteinerPlace> steiner;
+  std::vector<SavedMissing> missing{};
+};
+
+// Reads it. Returns what is wrong with it, as in "it is cut off"; empty where nothing is. What it
+// then says makes sense: indices name something, no serial or place of a node comes twice.
+std::string decode_state(std::span<const std::byte> bytes, SavedState& state);
+
+// The most bytes that a gateway with these settings needs.
+std::size_t saved_state_size_max(const Settings& settings);
+
+// Writes it, always into the same memory. Records are added kind by kind, in the order above.
+class StateWriter {
+ public:
+  explicit StateWriter(std::size_t size_max);
+
+  void begin(std::uint32_t generation, std::uint32_t next_generation, std::uint64_t mesh_hash);
+  void add_bus(std::string_view name);
+  void add(const SavedNode& node);
+  void add(Position anchor);
+  void add(const SavedFeature& feature);
+  void add(const SteinerPlace& place);
+  void add(const SavedMissing& missing);
+
+  // Good until begin().
+  std::span<const std::byte> finish();
+
+  // The same for the same content; ages and generations are left out, of a silence all but the
+  // whole hours. After finish().
+  std::uint64_t content() const { return content_; }
+
+ private:
+  template <class Value>
+  void put(Value value);
+  template <class Value>
+  void put_content(Value value);
+  void mix(std::uint64_t value);
+  void put_node(const SavedNode& node, std::uint8_t flags);
+  void count(std::size_t kind) { ++counts_[kind]; }
+
+  std::vector<std::byte> bytes_;
+  std::uint32_t counts_[6] = {};
+  std::uint64_t content_ = 0;
+};
+
+}  // namespace etcm::firmware

@@ -1,0 +1,152 @@
+#include "firmware/persist/state_transfer.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace etcm::firmware {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+std::uint32_t age_in_ms(port::Duration age) {
+  return static_cast<std::uint32_t>(
+      std::clamp<std::int64_t>(age / 1ms, 0, std::numeric_limits<std::uint32_t>::max()));
+}
+
+std::uint32_t silence_in_s(port::Duration silence) {
+  return static_cast<std::uint32_t>(
+      std::clamp<std::int64_t>(silence / 1s, 0, std::numeric_limits<std::uint32_t>::max()));
+}
+
+// The unit that a node answered at, counted over all buses; nothing where it is asked no more.
+std::optional<std::uint32_t> find_unit(const Poller& poller, const std::string& bus,
+                                       std::uint8_t address) {
+  for (std::uint32_t unit = 0; unit < poller.unit_count(); ++unit) {
+    if (poller.address_of(unit) == address &&
+        saved_bus_name(poller.bus(poller.bus_of(unit)).name) == bus) {
+      return unit;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+StateTransfer::StateTransfer(MeshKeeper& keeper, Roster& roster, const Poller& poller)
+    : keeper_(keeper),
+      roster_(roster),
+      poller_(poller),
+      number_by_vertex_(keeper.mesh().config().vertices_max + 1),
+      number_by_feature_(keeper.features().records().size()) {}
+
+void StateTransfer::write(StateWriter& writer, port::Instant now) {
+  for (std::uint32_t bus = 0; bus < poller_.bus_count(); ++bus) {
+    writer.add_bus(poller_.bus(bus).name);
+  }
+  const Mesh& mesh = keeper_.mesh();
+  std::uint32_t number = 0;
+  for (std::uint32_t value = 1; value < mesh.vertex_id_end(); ++value) {
+    const VertexId id{static_cast<IdValue>(value)};
+    if (mesh.kind(id) != VertexKind::node || keeper_.serials()[value] == no_serial) continue;
+    number_by_vertex_[value] = number++;
+    const NodeRecord* const record = roster_.find(keeper_.serials()[value]);
+    SavedNode node = record == nullptr ? SavedNode{} : saved_node(*record, now);
+    node.serial = keeper_.serials()[value];
+    node.position = mesh.position(id);
+    writer.add(node);
+  }
+  for (const AnchorRecord& anchor : keeper_.anchors().records()) {
+    // One that a node has taken the place of comes with the node.
+    if (!anchor.is_vacant()) continue;
+    number_by_vertex_[anchor.vertex.value] = number++;
+    writer.add(anchor.settings.position);
+  }
+  const std::span<const FeatureRecord> features = keeper_.features().records();
+  number_by_feature_.resize(features.size());
+  number = 0;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (!features[i].is_active()) continue;
+    number_by_feature_[i] = number++;
+    const FeatureEnds ends = mesh.ends(features[i].id);
+    writer.add(SavedFeature{.from = number_by_vertex_[ends.from.value],
+                            .to = number_by_vertex_[ends.to.value]});
+  }
+  for (std::uint32_t value = 1; value < mesh.vertex_id_end(); ++value) {
+    const VertexId id{static_cast<IdValue>(value)};
+    if (mesh.kind(id) != VertexKind::steiner) continue;
+    const std::uint32_t feature = keeper_.features().number_of(mesh.feature_of(id));
+    writer.add(SteinerPlace{.feature = number_by_feature_[feature], .point = mesh.point(id)});
+  }
+  write_missing(writer, now);
+}
+
+// One that the mesh cannot do without is a node of the mesh first of all.
+void StateTransfer::write_missing(StateWriter& writer, port::Instant now) const {
+  for (const NodeRecord& node : roster_.records()) {
+    if (!node.is_missing || node.is_placed()) continue;
+    writer.add(SavedMissing{.node = saved_node(node, now),
+                            .has_position = node.has_position(),
+                            .silence_s = silence_in_s(now - node.heard_at)});
+  }
+}
+
+SavedNode StateTransfer::saved_node(const NodeRecord& node, port::Instant now) const {
+  SavedNode saved{.serial = node.serial,
+                  .position = node.position,
+                  .age_ms = age_in_ms(now - node.positioned_at)};
+  const std::uint32_t unit = node.is_missing ? node.last_unit : node.unit;
+  if (unit != no_unit) {
+    saved.bus = static_cast<std::uint16_t>(poller_.bus_of(unit));
+    saved.unit = poller_.address_of(unit);
+  }
+  return saved;
+}
+
+bool StateTransfer::restore(const SavedState& saved, std::uint32_t generation, port::Instant now) {
+  std::vector<NodeRecord*> nodes;
+  for (const SavedNode& node : saved.nodes) nodes.push_back(restore_node(saved, node, now));
+  for (const SavedMissing& missing : saved.missing) restore_missing(saved, missing, now);
+  if (keeper_.restore(saved, nodes)) return true;
+  for (NodeRecord* const node : nodes) {
+    if (node != nullptr) keeper_.join(*node, generation);
+  }
+  return false;
+}
+
+// Null where the roster is full.
+NodeRecord* StateTransfer::restore_node(const SavedState& saved, const SavedNode& node,
+                                        port::Instant now) {
+  NodeRecord* const record = roster_.add(node.serial, now);
+  if (record == nullptr) return record;
+  record->position = node.position;
+  record->positioned_at = now - std::chrono::milliseconds(node.age_ms);
+  record->stale = true;
+  if (node.bus == no_saved_bus) return record;
+  const auto unit = find_unit(poller_, saved.buses[node.bus], node.unit);
+  if (unit && roster_.at(*unit) == nullptr) roster_.seat(*record, *unit);
+  return record;
+}
+
+// Where the roster is full it is forgotten: who answers comes first.
+void StateTransfer::restore_missing(const SavedState& saved, const SavedMissing& missing,
+                                    port::Instant now) {
+  NodeRecord* const record = roster_.add(missing.node.serial, now);
+  if (record == nullptr) return;
+  record->is_missing = record->stale = true;
+  record->heard_at = now - std::chrono::seconds(missing.silence_s);
+  if (missing.has_position) {
+    record->position = missing.node.position;
+    record->positioned_at = now - std::chrono::milliseconds(missing.node.age_ms);
+  }
+  if (missing.node.bus == no_saved_bus) return;
+  const auto unit = find_unit(poller_, saved.buses[missing.node.bus], missing.node.unit);
+  if (!unit) return;
+  record->last_unit = *unit;
+  roster_.note_gone(*unit, record->heard_at);
+}
+
+}  // namespace etcm::firmware

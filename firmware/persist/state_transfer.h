@@ -1,0 +1,41 @@
+// Between what runs and what is saved: writes down the roster and the mesh, and makes them again.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "firmware/mesh/mesh_keeper.h"
+#include "firmware/persist/saved_state.h"
+#include "firmware/polling/poller.h"
+#include "firmware/records/roster.h"
+
+namespace etcm::firmware {
+
+class StateTransfer {
+ public:
+  // All arguments must outlive this. The memory that writing needs is taken here.
+  StateTransfer(MeshKeeper& keeper, Roster& roster, const Poller& poller);
+
+  // Adds everything to a state that was begun.
+  void write(StateWriter& writer, port::Instant now);
+
+  // Makes the roster and the mesh what they were; both are empty before. All nodes are stale, and
+  // heard last `now`: whoever does not answer leaves like anybody else. Who was missing is so
+  // still. Where the mesh cannot be the same (features or room have changed), the nodes join one by
+  // one. True where it is the same.
+  bool restore(const SavedState& saved, std::uint32_t generation, port::Instant now);
+
+ private:
+  void write_missing(StateWriter& writer, port::Instant now) const;
+  SavedNode saved_node(const NodeRecord& node, port::Instant now) const;
+  NodeRecord* restore_node(const SavedState& saved, const SavedNode& node, port::Instant now);
+  void restore_missing(const SavedState& saved, const SavedMissing& missing, port::Instant now);
+
+  MeshKeeper& keeper_;
+  Roster& roster_;
+  const Poller& poller_;
+  std::vector<std::uint32_t> number_by_vertex_;   // as in SavedFeature
+  std::vector<std::uint32_t> number_by_feature_;  // of the saved features, by that in the book
+};
+
+}  // namespace etcm::firmware

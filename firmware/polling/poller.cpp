@@ -1,0 +1,400 @@
+#include "firmware/polling/poller.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace etcm::firmware {
+
+namespace {
+
+constexpr std::uint8_t torn_repeats_max = 3;
+// A unit may miss this many answers in a row before it is asked less often.
+constexpr std::uint32_t failures_free = 2;
+// A day doubled this often is still a Duration.
+constexpr std::uint32_t doublings_max = 16;
+
+// A unit that is only looked for, was found, and has not answered so often is looked for again.
+constexpr std::uint32_t failures_of_the_lost = 8;
+// Bytes on a serial line for one question and one answer.
+constexpr std::int64_t exchange_characters = 8 + 29;
+
+// The least time a question and its answer keep a line; nothing where there is none.
+port::Duration exchange_floor(const BusSettings& bus) {
+  const auto* const line = std::get_if<port::SerialLine>(&bus.link);
+  return line == nullptr ? port::Duration{}
+                         : exchange_characters * character_time(*line) + 2 * frame_silence(*line);
+}
+
+// The most a question costs that is not answered.
+port::Duration cost_max(const BusSettings& bus) {
+  port::Duration timeout = bus.timeout;
+  for (const UnitTimeout& other : bus.unit_timeouts) timeout = std::max(timeout, other.timeout);
+  const bool is_line = std::holds_alternative<port::SerialLine>(bus.link);
+  return timeout + (is_line ? bus.quiet + exchange_floor(bus) : port::Duration{});
+}
+
+// A well-mixed number from two: the same in every run.
+std::uint32_t mix(std::uint32_t a, std::uint32_t b) {
+  std::uint32_t value = a * 0x9e3779b9u ^ b * 0x85ebca6bu;
+  value = (value ^ value >> 16) * 0x7feb352du;
+  value = (value ^ value >> 15) * 0x846ca68bu;
+  return value ^ value >> 16;
+}
+
+constexpr auto later = [](const auto& a, const auto& b) { return a.due > b.due; };
+
+}  // namespace
+
+Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
+               ReadingListener& listener, port::Log& log, Errands* errands)
+    : settings_(settings), listener_(listener), log_(log), errands_(errands) {
+  for (const PolledBus& bus : buses) {
+    Line line{.polled = bus,
+              .unit_at = std::vector<std::uint32_t>(256, no_unit),
+              .turns = {},
+              .probes = {},
+              .probes_max = std::max(1u, bus.settings->outstanding_max / 2),
+              .probe_cost_max = cost_max(*bus.settings),
+              .exchange_floor = exchange_floor(*bus.settings)};
+    const auto add = [&](const std::vector<UnitRange>& ranges, bool is_listed) {
+      for (const UnitRange range : ranges) {
+        for (unsigned address = range.first; address <= range.last; ++address) {
+          if (line.unit_at[address] != no_unit) continue;
+          add_unit(line, static_cast<std::uint8_t>(address), is_listed);
+        }
+      }
+    };
+    add(bus.settings->units, true);
+    add(bus.settings->assign, true);
+    if (!bus.settings->assign.empty()) add({{default_unit, default_unit}}, true);
+    add(bus.settings->scan, false);
+    line.turns.reserve(line.turns.size() + line.sought.size());
+    line.probes.reserve(line.turns.capacity());
+    lines_.push_back(std::move(line));
+  }
+}
+
+void Poller::add_unit(Line& line, std::uint8_t address, bool is_listed) {
+  const std::uint32_t unit = unit_count();
+  line.unit_at[address] = unit;
+  units_.push_back({.bus = static_cast<std::uint32_t>(lines_.size()),
+                    .address = address,
+                    .timeout = timeout_of(*line.polled.settings, address),
+                    .is_listed = is_listed,
+                    .is_resting = !is_listed});
+  if (is_listed) {
+    line.turns.push_back({.due = port::Instant{}, .unit = unit});
+  } else {
+    line.sought.push_back(unit);
+    ++line.resting;
+  }
+}
+
+port::Instant Poller::update_settings(port::Instant now) {
+  for (Unit& unit : units_) {
+    unit.timeout = timeout_of(*lines_[unit.bus].polled.settings, unit.address);
+  }
+  const port::Instant asked_by = now + settings_.interval;
+  port::Instant heard_by = asked_by;
+  for (Line& line : lines_) {
+    line.probe_cost_max = cost_max(*line.polled.settings);
+    heard_by = std::max(heard_by, asked_by + line.probe_cost_max);
+    for (std::vector<Turn>* const turns : {&line.turns, &line.probes}) {
+      for (Turn& turn : *turns) turn.due = std::min(turn.due, now + pause_of(turn.unit));
+      std::make_heap(turns->begin(), turns->end(), later);
+    }
+    line.scan_due = std::min(line.scan_due, asked_by);
+    line.scan_allowed = std::min(line.scan_allowed, now + scan_pause(line, line.probe_cost_max));
+  }
+  return heard_by;
+}
+
+void Poller::step(port::Instant now) {
+  const port::Duration passed = now - std::exchange(stepped_at_, now);
+  for (std::uint32_t number = 0; number < bus_count(); ++number) {
+    Line& line = lines_[number];
+    if (line.under_way > 0) line.counters.busy += passed;
+    port::NodeBus& bus = *line.polled.bus;
+    bus.advance(now);
+    port::BusAnswer answer;
+    while (bus.take_answer(answer)) {
+      if (answer.ticket == errand_ticket) {
+        finish_errand(number, answer, now);
+      } else {
+        take(answer, answer.ticket, now);
+      }
+    }
+    while (bus.ready() && ask_next(number, now)) {
+    }
+  }
+}
+
+// Whoever has a share of a busy bus comes before those that are due; their shares are small.
+bool Poller::ask_next(std::uint32_t number, port::Instant now) {
+  Line& line = lines_[number];
+  if (errand_start(number, now) <= now && start_errand(number, now)) return true;
+  if (scan_start(line, now) <= now) {
+    const std::uint32_t sought = next_sought(line, now);
+    if (sought != no_unit) {
+      ask(line, {.due = now, .unit = sought}, Asking::scan, now);
+      return true;
+    }
+    line.scan_due = now + settings_.interval;
+  }
+  while (std::vector<Turn>* const turns = next_turns(line, now)) {
+    std::pop_heap(turns->begin(), turns->end(), later);
+    Turn& turn = turns->back();
+    const port::Instant free_at = line.polled.bus->read_free_at(read_of(turn.unit), now);
+    if (free_at > now) {
+      turn.due = free_at;
+      std::push_heap(turns->begin(), turns->end(), later);
+      continue;
+    }
+    const Turn next = turn;
+    turns->pop_back();
+    ask(line, next, turns == &line.probes ? Asking::probe : Asking::turn, now);
+    return true;
+  }
+  return false;
+}
+
+port::RegisterRead Poller::read_of(std::uint32_t index) const {
+  const Unit& unit = units_[index];
+  return {.unit = unit.address,
+          .first = node_register_first,
+          .count = node_register_count,
+          .timeout = unit.timeout,
+          .ticket = index,
+          .spare = unit.has_answered ? node_register_spare : stranger_register_spare};
+}
+
+port::Instant Poller::read_free_at(std::uint32_t unit) const {
+  return lines_[units_[unit].bus].polled.bus->read_free_at({.unit = units_[unit].address,
+                                                            .first = node_register_first,
+                                                            .count = node_register_count,
+                                                            .spare = stranger_register_spare},
+                                                           stepped_at_);
+}
+
+port::Instant Poller::write_free_at(std::uint32_t unit) const {
+  return lines_[units_[unit].bus].polled.bus->write_free_at(units_[unit].address);
+}
+
+void Poller::ask(Line& line, const Turn& turn, Asking asking, port::Instant now) {
+  Unit& unit = units_[turn.unit];
+  unit.due = turn.due;
+  unit.asking = asking;
+  if (asking == Asking::probe) ++line.probes_under_way;
+  if (asking == Asking::scan) line.scan_under_way = true;
+  unit.asked_at = now;
+  ++unit.counters.requests;
+  ++line.under_way;
+  line.progressed_at = now;
+  line.polled.bus->start_read(read_of(turn.unit), now);
+}
+
+// Where the next question comes from: whoever has waited longest and may be asked. Null for nobody.
+std::vector<Poller::Turn>* Poller::next_turns(Line& line, port::Instant now) const {
+  const port::Instant turn = line.turns.empty() ? port::never : line.turns.front().due;
+  const port::Instant probe = probe_due(line, now);
+  if (std::min(turn, probe) > now) return nullptr;
+  if (takes_one(line)) {
+    // A probe of a busy line has its share of the time, however long the others have waited; but
+    // where they will soon have been asked it comes after them, unless somebody calls for it.
+    if (turn > now) return &line.probes;
+    const bool is_first = probe <= now && (line.probes.front().due == port::Instant{} ||
+                                           now - probe >= settings_.interval);
+    return is_first ? &line.probes : &line.turns;
+  }
+  return turn <= probe ? &line.turns : &line.probes;
+}
+
+// When a failing unit may be asked, as far as that is known now.
+port::Instant Poller::probe_due(const Line& line, port::Instant now) const {
+  if (line.probes.empty() || line.probes_under_way >= line.probes_max) return port::never;
+  const port::Instant due = line.probes.front().due;
+  if (!takes_one(line) || line.turns.empty()) return due;
+  const port::Duration cost = probe_cost(line, units_[line.probes.front().unit]);
+  const bool is_idle = line.turns.front().due > std::max(due, now) + cost;
+  return is_idle ? due : std::max(due, line.probe_allowed);
+}
+
+port::Instant Poller::next_deadline() const {
+  port::Instant deadline = port::never;
+  for (std::uint32_t number = 0; number < bus_count(); ++number) {
+    const Line& line = lines_[number];
+    deadline = std::min(deadline, line.polled.bus->next_deadline());
+    if (!line.polled.bus->ready()) continue;
+    deadline =
+        std::min({deadline, errand_start(number, stepped_at_), scan_start(line, stepped_at_)});
+    if (!line.turns.empty()) deadline = std::min(deadline, line.turns.front().due);
+    deadline = std::min(deadline, probe_due(line, stepped_at_));
+  }
+  return deadline;
+}
+
+bool Poller::is_stalled(std::uint32_t bus, port::Instant now, port::Duration patience) const {
+  const Line& line = lines_[bus];
+  if (line.under_way > 0) {
+    return line.progressed_at + cost_max(*line.polled.settings) + line.polled.bus->delay_max() +
+               patience <
+           now;
+  }
+  if (!line.polled.bus->ready()) return false;
+  const port::Instant turn = line.turns.empty() ? port::never : line.turns.front().due;
+  const port::Instant due = std::min(turn, probe_due(line, now));
+  return due <= now && std::max(due, line.progressed_at) + patience < now;
+}
+
+void Poller::ask_unit_at_once(std::uint32_t unit, port::Instant now) {
+  lines_[units_[unit].bus].probe_allowed = now;
+  bring_forward(unit, port::Instant{});
+}
+
+// It is asked in its turn, but as if it had been due then.
+void Poller::bring_forward(std::uint32_t index, port::Instant due) {
+  Unit& unit = units_[index];
+  Line& line = lines_[unit.bus];
+  if (unit.is_resting) {
+    unit.is_resting = false;
+    --line.resting;
+    return ask_again(index, due);
+  }
+  for (std::vector<Turn>* const turns : {&line.turns, &line.probes}) {
+    const auto found = std::find_if(turns->begin(), turns->end(),
+                                    [&](const Turn& turn) { return turn.unit == index; });
+    if (found == turns->end()) continue;
+    found->due = std::min(found->due, due);
+    std::make_heap(turns->begin(), turns->end(), later);
+  }
+}
+
+void Poller::expect_silence(std::uint32_t index) {
+  Unit& unit = units_[index];
+  if (is_sound(index)) --lines_[unit.bus].sound;
+  unit.has_answered = false;
+}
+
+TextLine Poller::name(std::uint32_t unit) const {
+  return TextLine() << "unit " << units_[unit].address << " of " << bus(units_[unit].bus).name;
+}
+
+void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Instant now) {
+  Unit& unit = units_[index];
+  count_answer(unit, port::is_absence(answer) ? port::BusResult::timeout : answer.result, now);
+  unit.silence = answer.silence;
+  note_cost(unit, answer, now);
+  if (port::is_of_converter(answer.result, answer.exception)) {
+    TextLine why;
+    why << "exception " << answer.exception << ": nobody is there, says the converter";
+    return miss(index, why, true, now);
+  }
+  switch (answer.result) {
+    case port::BusResult::ok:
+      break;
+    case port::BusResult::link_lost:
+      return unit.is_listed || unit.has_answered ? ask_again(index, now) : rest(index);
+    case port::BusResult::timeout:
+    case port::BusResult::bad_answer:
+      return miss(index, to_string(answer.result), answer.result == port::BusResult::timeout, now);
+    case port::BusResult::exception:
+      return fail(index, TextLine() << "exception " << answer.exception, false, now);
+  }
+  NodeReading reading;
+  const ReadingFault fault = decode_node(
+      answer.registers, lines_[unit.bus].polled.settings->word_order, reading, answer.left_out);
+  if (fault == ReadingFault::torn && unit.torn_repeats < torn_repeats_max) {
+    ++unit.torn_repeats;
+    ++unit.counters.torn;
+    return ask_again(index, unit.due);
+  }
+  unit.torn_repeats = 0;
+  if (fault != ReadingFault::none) {
+    ++(fault == ReadingFault::torn ? unit.counters.torn : unit.counters.unbelieved);
+    return fail(index, explain(fault), false, now);
+  }
+  if (!listener_.on_reading(index, reading, now)) {
+    ++unit.counters.unbelieved;
+    return fail(index, {}, true, now);  // the listener has said why
+  }
+  count_sound(index, now);
+  ask_again(index, std::max(now, next_due(unit, settings_.interval)));
+}
+
+void Poller::miss(std::uint32_t index, std::string_view why, bool is_silence, port::Instant now) {
+  const bool was_sound = is_sound(index);
+  fail(index, why, is_silence, now);
+  if (was_sound) repeat(index, now);
+}
+
+void Poller::count_answer(Unit& unit, port::BusResult result, port::Instant now) {
+  Line& line = lines_[unit.bus];
+  --line.under_way;
+  line.progressed_at = now;
+  UnitCounters& counters = unit.counters;
+  ++counters.results[static_cast<std::size_t>(result)];
+  if (result == port::BusResult::ok || result == port::BusResult::exception) {
+    counters.answered_at = now;
+  }
+  if (result != port::BusResult::ok) return;
+  line.counters.answered_at = now;
+  line.counters.floor += line.exchange_floor;
+  counters.answer_time_last = now - unit.asked_at;
+  counters.answer_time += counters.answer_time_last;
+  counters.answer_time_max = std::max(counters.answer_time_max, counters.answer_time_last);
+}
+
+void Poller::count_sound(std::uint32_t index, port::Instant now) {
+  Unit& unit = units_[index];
+  Line& line = lines_[unit.bus];
+  if ((!unit.has_answered || unit.failures > 0) && line.sound++ == 0) {
+    for (Turn& probe : line.probes) {
+      probe.due = std::min(probe.due, now);
+      units_[probe.unit].failures = std::min(units_[probe.unit].failures, failures_free);
+    }
+    std::make_heap(line.probes.begin(), line.probes.end(), later);
+    line.probe_allowed = now;
+  }
+  unit.has_answered = true;
+  unit.failures = 0;
+}
+
+void Poller::fail(std::uint32_t index, std::string_view why, bool is_silence, port::Instant now) {
+  Unit& unit = units_[index];
+  if (unit.has_answered && unit.failures == 0) --lines_[unit.bus].sound;
+  ++unit.failures;
+  // One line for each spell of failures; units that were never there are no news.
+  if (unit.failures == 1 && !why.empty() && (unit.has_answered || !is_silence)) {
+    log_.write(port::Level::warning, TextLine() << name(index) << ": " << why);
+  }
+  const bool is_lost = unit.failures >= failures_of_the_lost && lines_[unit.bus].sound > 0;
+  if (!unit.is_listed && (!unit.has_answered || is_lost)) return rest(index);
+  ask_again(index, std::max(now, next_due(unit, pause_of(index))));
+}
+
+// Being late does not add up, but what was missed by a whole interval is not made up for either.
+port::Instant Poller::next_due(const Unit& unit, port::Duration pause) const {
+  const bool is_on_time = unit.asked_at - unit.due < settings_.interval;
+  return (is_on_time ? unit.due : unit.asked_at) + pause;
+}
+
+port::Duration Poller::pause_of(std::uint32_t index) const {
+  const std::uint32_t failures = units_[index].failures;
+  if (failures <= failures_free || lines_[units_[index].bus].sound == 0) return settings_.interval;
+  const std::uint32_t doublings = std::min(failures - failures_free, doublings_max);
+  const port::Duration pause =
+      std::clamp(settings_.interval * (std::int64_t{1} << doublings), settings_.interval,
+                 std::max(settings_.interval, settings_.absent_interval));
+  // Up to an eighth less.
+  return pause - pause / 8 / 1024 * (mix(index, failures) % 1024);
+}
+
+void Poller::ask_again(std::uint32_t index, port::Instant due) {
+  const Unit& unit = units_[index];
+  Line& line = lines_[unit.bus];
+  std::vector<Turn>& turns = unit.failures > 0 ? line.probes : line.turns;
+  turns.push_back({.due = due, .unit = index});
+  std::push_heap(turns.begin(), turns.end(), later);
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,27 @@
+#include "firmware/publish/image_pool.h"
+
+#include <algorithm>
+
+namespace etcm::firmware {
+
+ImagePool::ImagePool(const MeshMapCapacity& capacity, std::size_t ready, std::size_t images_max)
+    : capacity_(capacity) {
+  images_.reserve(images_max);
+  for (std::size_t i = 0; i < ready; ++i) {
+    images_.push_back(std::make_shared<port::RegisterImage>());
+    encode_mesh(Snapshot{}, capacity, *images_.back());
+  }
+}
+
+std::shared_ptr<const port::RegisterImage> ImagePool::encode(const Snapshot& snapshot) {
+  auto free = std::find_if(images_.begin(), images_.end(),
+                           [](const auto& image) { return image.use_count() == 1; });
+  if (free == images_.end()) {
+    images_.push_back(std::make_shared<port::RegisterImage>());
+    free = images_.end() - 1;
+  }
+  encode_mesh(snapshot, capacity_, **free);
+  return *free;
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,100 @@
+// One generation of the mesh as others may see it; never changed once it is taken.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "etcm/mesh.h"
+#include "firmware/publish/mesh_analysis.h"
+#include "firmware/site/feature_end.h"
+#include "firmware/site/refusal.h"
+
+namespace etcm::firmware {
+
+namespace snapshot_state {
+inline constexpr std::uint16_t partial = 1u << 0;     // something is not in the mesh that should be
+inline constexpr std::uint16_t stale = 1u << 1;       // the position of a node is not fresh
+inline constexpr std::uint16_t budget_hit = 1u << 2;  // room or budget was too small for something
+inline constexpr std::uint16_t missing = 1u << 3;     // a node fell silent and has not come back
+inline constexpr std::uint16_t bus_silent = 1u << 4;  // no node of a bus answers
+}  // namespace snapshot_state
+
+// Row i is vertex id i + 1, so a node keeps its row for as long as it is in the mesh.
+struct SnapshotVertex {
+  VertexKind kind = VertexKind::none;
+  bool stale = false;
+  bool lacks_fix = false;     // stale although its node answers
+  bool is_anchor = false;     // a fixed point of the site; to the mesh it is a node
+  Refusal refusal{};          // of a node: why the mesh does not have it where it is now
+  std::uint32_t serial = 0;   // of a node that is no anchor
+  std::uint32_t unit = 0;     // that answers for a node; of all buses, from 0; no_unit: sought
+  std::uint32_t feature = 0;  // a Steiner vertex stands on it; counted from 1 as configured
+  Point point;
+  std::uint32_t first_neighbour = 0;  // into Snapshot::neighbours
+  std::uint16_t degree = 0;
+};
+
+struct SnapshotNeighbour {
+  std::uint32_t row = 0;
+  bool constrained = false;
+  bool gabriel = false;  // see etcm/analysis.h; marked where a radio range is set
+  bool urquhart = false;
+};
+
+// A node that is known and not in the mesh.
+struct SnapshotOutsider {
+  std::uint32_t serial = 0;
+  std::uint32_t unit = 0;
+  bool is_missing = false;  // its unit is then where it answered last
+  bool has_position = false;
+  Position position;
+  Refusal refusal;  // none: it is missing, has not told where it is, or has asked to leave
+};
+
+// A configured feature that is not in the mesh.
+struct SnapshotMissingFeature {
+  std::uint32_t number = 0;  // from 1 as configured
+  FeatureEnd from;
+  FeatureEnd to;
+  Refusal refusal;  // none: it waits for its ends
+};
+
+enum class QuarantineKind : std::uint8_t { none, node, feature, anchor, answer };
+
+struct SnapshotQuarantined {
+  QuarantineKind kind = QuarantineKind::none;
+  std::uint16_t reason = 0;   // its code (quarantine_reason.h)
+  std::uint32_t serial = 0;   // of a node, or of a doubtful answer
+  std::uint32_t feature = 0;  // its number, from 1 as configured
+  std::uint16_t bus = 0;      // of the unit that answers, from 1 as configured; 0: not known
+  std::uint16_t unit = 0;     // its address
+  Position place{};           // where the node or the anchor cannot be
+  std::uint32_t age_s = 0;    // since when it has been there, when this generation was made
+};
+
+struct Snapshot {
+  std::uint32_t generation = 0;
+  std::uint16_t state = 0;       // bits of snapshot_state; 0 is all well
+  std::uint32_t node_count = 0;  // anchors are not counted
+  std::uint32_t anchor_count = 0;
+  std::uint32_t steiner_count = 0;
+  std::uint32_t edge_count = 0;
+  std::uint32_t triangle_count = 0;
+  std::uint32_t features_active = 0;
+  std::uint32_t features_configured = 0;
+  std::uint32_t quarantined_count = 0;  // entries of the quarantine (quarantine.h)
+  std::uint32_t stale_count = 0;
+  std::uint32_t waiting_count = 0;  // nodes that answer and have not told where they are
+  std::uint32_t missing_count = 0;  // nodes
+  std::uint32_t silent_bus_count = 0;
+  std::uint32_t oldest_age_ms = 0;  // of the position of a node in the mesh, at this generation
+  std::uint64_t mesh_hash = 0;
+  std::vector<SnapshotVertex> vertices;
+  std::vector<SnapshotNeighbour> neighbours;
+  std::vector<SnapshotOutsider> outsiders{};
+  std::vector<SnapshotMissingFeature> missing_features{};
+  std::vector<SnapshotQuarantined> quarantine{};
+  MeshAnalysis analysis{};
+};
+
+}  // namespace etcm::firmware

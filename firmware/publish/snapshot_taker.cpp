@@ -1,0 +1,181 @@
+#include "firmware/publish/snapshot_taker.h"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+
+#include "firmware/publish/quarantine_reason.h"
+
+namespace etcm::firmware {
+
+using namespace std::chrono_literals;
+
+MeshMapCapacity map_capacity(const Settings& settings) {
+  const auto analysis = [](std::uint32_t range) {
+    return range == 0 ? 0u : static_cast<std::uint32_t>(analysis_list_max);
+  };
+  const std::uint32_t radio = analysis(settings.analysis.radio_range);
+  const std::uint32_t sensing = analysis(settings.analysis.sensing_range);
+  const std::uint64_t known =
+      std::uint64_t{settings.mesh.vertices_max} + settings.mesh.features_max;
+  return {.vertices = settings.mesh.vertices_max,
+          .relays = radio,
+          .holes = sensing,
+          .gaps = sensing,
+          .long_links = radio,
+          .quarantined =
+              static_cast<std::uint32_t>(std::min<std::uint64_t>(known, quarantine_listed_max))};
+}
+
+void reserve(Snapshot& snapshot, const Settings& settings, std::uint32_t nodes) {
+  snapshot.vertices.reserve(settings.mesh.vertices_max);
+  snapshot.neighbours.reserve(std::size_t{neighbours_per_vertex_max} * settings.mesh.vertices_max);
+  snapshot.outsiders.reserve(nodes);
+  snapshot.missing_features.reserve(settings.mesh.features_max);
+  snapshot.quarantine.reserve(map_capacity(settings).quarantined);
+  reserve(snapshot.analysis, settings.analysis);
+}
+
+SnapshotTaker::SnapshotTaker(const Settings& settings, std::uint32_t nodes)
+    : around_(settings.mesh.vertices_max), analyst_(settings.analysis, settings.mesh) {
+  reserve(snapshot_, settings, nodes);
+  analyst_.take_site(settings.domain);
+}
+
+const Snapshot& SnapshotTaker::take(std::uint32_t generation, const MeshKeeper& keeper,
+                                    const Roster& roster, const Poller& poller,
+                                    const Presence& presence,
+                                    std::span<const QuarantineEntry> quarantine,
+                                    port::Instant now) {
+  const Mesh& mesh = keeper.mesh();
+  const FeatureBook& features = keeper.features();
+  snapshot_.generation = generation;
+  snapshot_.anchor_count = keeper.anchors().vacant_count();
+  snapshot_.node_count = mesh.node_count() - snapshot_.anchor_count;
+  snapshot_.steiner_count = mesh.steiner_count();
+  snapshot_.triangle_count = mesh.finite_triangle_count();
+  snapshot_.features_active = features.active_count();
+  snapshot_.features_configured = static_cast<std::uint32_t>(features.records().size());
+  snapshot_.quarantined_count = static_cast<std::uint32_t>(quarantine.size());
+  snapshot_.silent_bus_count = presence.silent_bus_count();
+  snapshot_.mesh_hash = mesh.hash();
+  copy_mesh(keeper);
+  look_at_nodes(roster, now);
+  look_at_features(features);
+  look_at_quarantine(poller, quarantine, now);
+  analyst_.look_at(mesh, features, snapshot_);
+  snapshot_.state = state_of(keeper);
+  return snapshot_;
+}
+
+std::uint16_t SnapshotTaker::state_of(const MeshKeeper& keeper) const {
+  std::uint16_t state = 0;
+  if (snapshot_.quarantined_count > 0 || snapshot_.waiting_count > 0 ||
+      snapshot_.features_active < snapshot_.features_configured) {
+    state |= snapshot_state::partial;
+  }
+  if (snapshot_.stale_count > 0) state |= snapshot_state::stale;
+  if (keeper.is_short_of_room()) state |= snapshot_state::budget_hit;
+  if (snapshot_.missing_count > 0) state |= snapshot_state::missing;
+  if (snapshot_.silent_bus_count > 0) state |= snapshot_state::bus_silent;
+  return state;
+}
+
+void SnapshotTaker::copy_mesh(const MeshKeeper& keeper) {
+  const Mesh& mesh = keeper.mesh();
+  snapshot_.vertices.assign(mesh.vertex_id_end() - 1, {});
+  snapshot_.neighbours.clear();
+  for (std::uint32_t row = 0; row < snapshot_.vertices.size(); ++row) {
+    const VertexId id{static_cast<IdValue>(row + 1)};
+    SnapshotVertex& vertex = snapshot_.vertices[row];
+    vertex.kind = mesh.kind(id);
+    if (vertex.kind == VertexKind::none) continue;
+    vertex.point = mesh.point(id);
+    if (vertex.kind == VertexKind::node) {
+      vertex.is_anchor = keeper.serials()[id.value] == no_serial;
+      if (!vertex.is_anchor) vertex.serial = keeper.serials()[id.value];
+    } else {
+      vertex.feature = keeper.features().number_of(mesh.feature_of(id)) + 1;
+    }
+    const std::uint32_t degree = mesh.neighbours(id, around_);
+    vertex.degree = static_cast<std::uint16_t>(degree);
+    vertex.first_neighbour = static_cast<std::uint32_t>(snapshot_.neighbours.size());
+    for (const Neighbour& neighbour : std::span(around_).first(degree)) {
+      snapshot_.neighbours.push_back(
+          {.row = neighbour.vertex.value - 1u, .constrained = neighbour.constrained});
+    }
+  }
+  snapshot_.edge_count = static_cast<std::uint32_t>(snapshot_.neighbours.size() / 2);
+}
+
+void SnapshotTaker::look_at_nodes(const Roster& roster, port::Instant now) {
+  snapshot_.outsiders.clear();
+  snapshot_.stale_count = snapshot_.waiting_count = snapshot_.missing_count = 0;
+  port::Duration oldest{};
+  for (const NodeRecord& node : roster.records()) {
+    if (!node.is_known()) continue;
+    if (node.is_missing) ++snapshot_.missing_count;
+    if (!node.is_placed()) {
+      look_at_outsider(node);
+      continue;
+    }
+    oldest = std::max(oldest, now - node.positioned_at);
+    SnapshotVertex& vertex = snapshot_.vertices[node.vertex.value - 1u];
+    vertex.unit = node.unit;
+    vertex.stale = node.stale;
+    vertex.lacks_fix = node.lacks_fix;
+    vertex.refusal = node.refusal;
+    if (node.stale) ++snapshot_.stale_count;
+  }
+  snapshot_.oldest_age_ms = static_cast<std::uint32_t>(
+      std::min<std::int64_t>(oldest / 1ms, std::numeric_limits<std::uint32_t>::max()));
+}
+
+void SnapshotTaker::look_at_outsider(const NodeRecord& node) {
+  if (node.is_waiting()) ++snapshot_.waiting_count;
+  snapshot_.outsiders.push_back({.serial = node.serial,
+                                 .unit = node.is_missing ? node.last_unit : node.unit,
+                                 .is_missing = node.is_missing,
+                                 .has_position = node.has_position(),
+                                 .position = node.position,
+                                 .refusal = node.refusal});
+}
+
+void SnapshotTaker::look_at_features(const FeatureBook& features) {
+  snapshot_.missing_features.clear();
+  const std::span<const FeatureRecord> records = features.records();
+  for (std::uint32_t number = 0; number < records.size(); ++number) {
+    const FeatureRecord& record = records[number];
+    if (record.is_active()) continue;
+    snapshot_.missing_features.push_back({.number = number + 1,
+                                          .from = record.settings.from,
+                                          .to = record.settings.to,
+                                          .refusal = record.refusal});
+  }
+}
+
+void SnapshotTaker::look_at_quarantine(const Poller& poller,
+                                       std::span<const QuarantineEntry> quarantine,
+                                       port::Instant now) {
+  snapshot_.quarantine.clear();
+  for (const QuarantineEntry& entry : quarantine) {
+    if (snapshot_.quarantine.size() == snapshot_.quarantine.capacity()) return;
+    SnapshotQuarantined& listed = snapshot_.quarantine.emplace_back();
+    listed.kind = entry.doubt != Doubt::none  ? QuarantineKind::answer
+                  : entry.feature != 0        ? QuarantineKind::feature
+                  : entry.serial != no_serial ? QuarantineKind::node
+                                              : QuarantineKind::anchor;
+    listed.reason = reason_code(entry.refusal, entry.doubt);
+    listed.serial = entry.serial == no_serial ? 0 : entry.serial;
+    listed.feature = entry.feature;
+    if (entry.unit != no_unit) {
+      listed.bus = static_cast<std::uint16_t>(poller.bus_of(entry.unit) + 1);
+      listed.unit = poller.address_of(entry.unit);
+    }
+    listed.place = entry.place;
+    listed.age_s = static_cast<std::uint32_t>(std::clamp<std::int64_t>(
+        (now - entry.since) / 1s, 0, std::numeric_limits<std::uint32_t>::max()));
+  }
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,58 @@
+// Takes snapshots of the mesh, one after the other into the same memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "etcm/mesh.h"
+#include "etcm/port/clock.h"
+#include "firmware/config/settings.h"
+#include "firmware/mesh/mesh_keeper.h"
+#include "firmware/nodes/presence.h"
+#include "firmware/polling/poller.h"
+#include "firmware/publish/analyst.h"
+#include "firmware/publish/mesh_map.h"
+#include "firmware/publish/quarantine.h"
+#include "firmware/publish/snapshot.h"
+#include "firmware/records/roster.h"
+
+namespace etcm::firmware {
+
+// How much of each kind a snapshot may list, and registers have room for.
+MeshMapCapacity map_capacity(const Settings& settings);
+
+// Takes its memory at once, for so many nodes.
+void reserve(Snapshot& snapshot, const Settings& settings, std::uint32_t nodes);
+
+class SnapshotTaker {
+ public:
+  // All the memory it ever needs is taken here.
+  SnapshotTaker(const Settings& settings, std::uint32_t nodes);
+
+  // The settings have another site.
+  void update_site(const SiteDomain& domain) { analyst_.take_site(domain); }
+
+  // Good until the next call.
+  const Snapshot& take(std::uint32_t generation, const MeshKeeper& keeper, const Roster& roster,
+                       const Poller& poller, const Presence& presence,
+                       std::span<const QuarantineEntry> quarantine, port::Instant now);
+  // The one taken last; empty before.
+  const Snapshot& latest() const { return snapshot_; }
+
+ private:
+  void copy_mesh(const MeshKeeper& keeper);
+  void look_at_nodes(const Roster& roster, port::Instant now);
+  void look_at_outsider(const NodeRecord& node);
+  std::uint16_t state_of(const MeshKeeper& keeper) const;
+  void look_at_features(const FeatureBook& features);
+  void look_at_quarantine(const Poller& poller, std::span<const QuarantineEntry> quarantine,
+                          port::Instant now);
+
+  Snapshot snapshot_;
+  std::vector<Neighbour> around_;  // of one vertex
+  Analyst analyst_;
+};
+
+}  // namespace etcm::firmware

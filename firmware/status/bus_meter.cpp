@@ -1,0 +1,33 @@
+#include "firmware/status/bus_meter.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+double ratio(port::Duration part, port::Duration whole) {
+  return whole.count() == 0
+             ? 0
+             : static_cast<double>(part.count()) / static_cast<double>(whole.count());
+}
+
+}  // namespace
+
+void BusMeter::advance(port::Instant now) {
+  if (now < due_) return;
+  const bool is_first = looked_at_ == port::Instant{};
+  const port::Duration passed = now - looked_at_;
+  for (std::uint32_t number = 0; number < buses_.size(); ++number) {
+    Bus& bus = buses_[number];
+    const BusCounters& counters = poller_.bus_counters(number);
+    if (!is_first) {
+      const port::Duration busy = counters.busy - bus.before.busy;
+      bus.use.utilisation = ratio(busy, passed);
+      bus.use.efficiency = ratio(counters.floor - bus.before.floor, busy);
+    }
+    bus.before = counters;
+  }
+  looked_at_ = now;
+  due_ = now + bus_meter_interval;
+}
+
+}  // namespace etcm::firmware

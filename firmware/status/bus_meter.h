@@ -1,0 +1,48 @@
+// How well the buses are used, over the last while.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "firmware/polling/poller.h"
+
+namespace etcm::firmware {
+
+// As much of its name as every document has room for.
+inline std::string_view bus_label(const Poller& poller, std::uint32_t bus) {
+  constexpr std::size_t shown_max = 200;
+  return std::string_view(poller.bus(bus).name).substr(0, shown_max);
+}
+
+inline constexpr port::Duration bus_meter_interval = std::chrono::seconds(10);
+
+struct BusUse {
+  double utilisation = 0;  // part of the time in which a question was under way
+  double efficiency = 0;   // of that time, what its bytes need at least; 0 where that is not known
+};
+
+class BusMeter {
+ public:
+  // `poller` must outlive this.
+  explicit BusMeter(const Poller& poller) : poller_(poller), buses_(poller.bus_count()) {}
+
+  void advance(port::Instant now);
+  port::Instant next_deadline() const { return due_; }
+
+  // Of the last whole interval.
+  const BusUse& use(std::uint32_t bus) const { return buses_[bus].use; }
+
+ private:
+  struct Bus {
+    BusCounters before;
+    BusUse use;
+  };
+
+  const Poller& poller_;
+  std::vector<Bus> buses_;
+  port::Instant looked_at_{};
+  port::Instant due_{};
+};
+
+}  // namespace etcm::firmware

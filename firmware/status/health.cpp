@@ -1,0 +1,65 @@
+#include "firmware/status/health.h"
+
+#include <algorithm>
+
+namespace etcm::firmware {
+
+namespace {
+
+// What waits longer than this is stuck.
+constexpr port::Duration patience = std::chrono::seconds(10);
+
+std::int64_t whole_seconds(port::Duration duration) {
+  return std::chrono::floor<std::chrono::seconds>(duration).count();
+}
+
+bool are_buses_heard(const StatusSources& sources, port::Instant now, TextWriter& reason) {
+  const Poller& poller = sources.gateway.poller();
+  const SilenceClock& clock = sources.gateway.presence().clock();
+  for (std::uint32_t bus = 0; bus < poller.bus_count(); ++bus) {
+    if (clock.silence_of(bus) <= sources.settings.poll.leave_after) continue;
+    const port::Duration silence = now - std::max(clock.heard_at(bus), sources.started_at);
+    reason << "bus " << bus_label(poller, bus) << ": no unit has answered for "
+           << whole_seconds(silence) << " s; check its cable and power";
+    return false;
+  }
+  return true;
+}
+
+// The one that has been missing for longest is named.
+bool is_nobody_missing(const StatusSources& sources, TextWriter& reason) {
+  const NodeRecord* first = nullptr;
+  std::uint32_t count = 0;
+  for (const NodeRecord& node : sources.gateway.roster().records()) {
+    if (!node.is_missing) continue;
+    ++count;
+    if (first == nullptr || node.heard_at < first->heard_at) first = &node;
+  }
+  if (first == nullptr) return true;
+  const Poller& poller = sources.gateway.poller();
+  reason << count << (count == 1 ? " node is" : " nodes are") << " missing: node " << first->serial;
+  if (first->last_unit != no_unit) {
+    reason << ", unit " << poller.address_of(first->last_unit) << " of "
+           << bus_label(poller, poller.bus_of(first->last_unit));
+  }
+  if (count > 1) reason << ", and " << count - 1 << " more";
+  reason << "; look at its power and address, or dismiss it by a reload";
+  return false;
+}
+
+}  // namespace
+
+bool is_healthy(const StatusSources& sources, port::Instant now, TextWriter& reason) {
+  if (!sources.masters.is_listening) {
+    reason << "server: nobody can read the mesh; the log says what is wrong with its port";
+    return false;
+  }
+  if (!are_buses_heard(sources, now, reason) || !is_nobody_missing(sources, reason)) return false;
+  if (sources.gateway.is_late(now, patience)) {
+    reason << "mesh: a change waits to be published; restart the gateway and report it";
+    return false;
+  }
+  return true;
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,271 @@
+#include "firmware/status/mesh_document.h"
+
+#include "firmware/records/roster.h"
+#include "firmware/status/bus_meter.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+// Sections of the document.
+enum : std::uint32_t {
+  head,
+  features,
+  edges,
+  long_links,
+  gaps,
+  vertices,
+  outsiders,
+  relays,
+  holes,
+  missing_features,
+  tail
+};
+
+// Of a unit: what a person can still make use of.
+constexpr int coordinate_digits = 4;
+// Neighbours that are looked at in one piece of a list of edges.
+constexpr std::uint32_t looks_max = 1000;
+
+void write_point(Point point, TextWriter& piece) {
+  const auto units = [](std::int64_t coordinate) {
+    return static_cast<double>(coordinate) / static_cast<double>(subunits_per_unit);
+  };
+  piece << "[";
+  piece.decimal(units(point.x), coordinate_digits) << ",";
+  piece.decimal(units(point.y), coordinate_digits) << "]";
+}
+
+void write_refusal(const Refusal& refusal, TextWriter& piece) {
+  if (refusal.is_none()) return;
+  piece << ",\"refused\":";
+  piece.json(explain(refusal));
+}
+
+// The serial of a node, the place of an anchor.
+void write_end(const FeatureEnd& end, TextWriter& piece) {
+  if (end.is_anchor) {
+    piece << "[" << end.position.x << "," << end.position.y << "]";
+  } else {
+    piece << end.serial;
+  }
+}
+
+}  // namespace
+
+bool MeshDocument::write_next(Cursor& cursor, port::Instant, TextWriter& piece) const {
+  switch (cursor.section) {
+    case head:
+      write_head(piece);
+      cursor.next_section();
+      return true;
+    case features:
+    case edges:
+      if (cursor.item == 0 && cursor.part == 0) {
+        write_lines_head(cursor.section == features ? "features" : "edges", cursor, piece);
+      }
+      write_edges(cursor, cursor.section == features, piece);
+      return true;
+    case long_links:
+      if (cursor.item == 0) write_lines_head("long_links", cursor, piece);
+      write_long_link(cursor, piece);
+      return true;
+    case gaps:
+      if (cursor.item == 0) write_lines_head("gaps", cursor, piece);
+      write_gap(cursor, piece);
+      return true;
+    case relays:
+      write_relay(cursor, piece);
+      return true;
+    case holes:
+      write_hole(cursor, piece);
+      return true;
+    case vertices:
+      write_vertex(cursor, piece);
+      return true;
+    case outsiders:
+      write_outsider(cursor, piece);
+      return true;
+    case missing_features:
+      write_missing_feature(cursor, piece);
+      return true;
+    case tail:
+      piece << "\n]}\n";
+      cursor.next_section();
+      return true;
+    default:
+      return false;
+  }
+}
+
+void MeshDocument::write_head(TextWriter& piece) const {
+  piece << "{\"type\":\"FeatureCollection\",\"generation\":" << snapshot_.generation
+        << ",\"instance\":\"";
+  piece.hex(instance_) << "\",\"radio_range\":" << snapshot_.analysis.radio_range
+                       << ",\"sensing_range\":" << snapshot_.analysis.sensing_range
+                       << ",\"features\":[";
+}
+
+void MeshDocument::write_lines_head(const char* kind, const Cursor& cursor,
+                                    TextWriter& piece) const {
+  piece << (cursor.section == features ? "" : ",")
+        << "\n{\"type\":\"Feature\",\"properties\":{\"kind\":\"" << kind
+        << "\"},\"geometry\":{\"type\":\"MultiLineString\",\"coordinates\":[";
+}
+
+void MeshDocument::write_line(Cursor& cursor, std::uint32_t from_row, std::uint32_t to_row,
+                              TextWriter& piece) const {
+  piece << cursor.separator() << "[";
+  write_point(snapshot_.vertices[from_row].point, piece);
+  piece << ",";
+  write_point(snapshot_.vertices[to_row].point, piece);
+  piece << "]";
+}
+
+void MeshDocument::write_long_link(Cursor& cursor, TextWriter& piece) const {
+  const auto& links = snapshot_.analysis.long_links;
+  if (cursor.item < links.size()) {
+    const LongLink& link = links[cursor.item++];
+    write_line(cursor, link.from_row, link.to_row, piece);
+  } else {
+    piece << "]}}";
+    cursor.next_section();
+  }
+}
+
+// Those that nodes beside the feature do not see either.
+void MeshDocument::write_gap(Cursor& cursor, TextWriter& piece) const {
+  const auto& all = snapshot_.analysis.gaps;
+  if (cursor.item < all.size()) {
+    const BarrierGap& gap = all[cursor.item++];
+    if (!gap.watched) write_line(cursor, gap.from_row, gap.to_row, piece);
+  } else {
+    piece << "]}}";
+    cursor.next_section();
+  }
+}
+
+// Where a Steiner vertex stands, that is the proposal.
+void MeshDocument::write_relay(Cursor& cursor, TextWriter& piece) const {
+  const auto& all = snapshot_.analysis.relays;
+  if (cursor.item >= all.size()) return cursor.next_section();
+  const ProposedRelay& relay = all[cursor.item++];
+  if (relay.row != no_row && snapshot_.vertices[relay.row].kind == VertexKind::steiner) return;
+  write_place_head(relay.place, piece);
+  piece << "\"kind\":\"relay\",\"feature\":" << relay.feature << "}}";
+}
+
+void MeshDocument::write_hole(Cursor& cursor, TextWriter& piece) const {
+  const auto& all = snapshot_.analysis.holes;
+  if (cursor.item >= all.size()) return cursor.next_section();
+  const CoverageHole& hole = all[cursor.item++];
+  write_place_head(hole.place, piece);
+  piece << "\"kind\":\"hole\",\"distance\":" << hole.distance << "}}";
+}
+
+void MeshDocument::write_place_head(Point place, TextWriter& piece) const {
+  piece << ",\n{\"type\":\"Feature\",\"geometry\":{\"type\":\"Point\",\"coordinates\":";
+  write_point(place, piece);
+  piece << "},\"properties\":{";
+}
+
+// One of its neighbours a call: there may be any number of them.
+void MeshDocument::write_vertex(Cursor& cursor, TextWriter& piece) const {
+  if (cursor.item >= snapshot_.vertices.size()) return cursor.next_section();
+  const SnapshotVertex& vertex = snapshot_.vertices[cursor.item];
+  if (vertex.kind == VertexKind::none) {
+    ++cursor.item;
+    return;
+  }
+  if (cursor.part == 0) write_vertex_head(vertex, cursor.item, piece);
+  if (cursor.part < vertex.degree) {
+    const std::uint32_t row = snapshot_.neighbours[vertex.first_neighbour + cursor.part].row;
+    piece << (cursor.part == 0 ? "" : ",") << row + 1;
+    ++cursor.part;
+  }
+  if (cursor.part >= vertex.degree) {
+    piece << "]}}";
+    ++cursor.item;
+    cursor.part = 0;
+  }
+}
+
+void MeshDocument::write_vertex_head(const SnapshotVertex& vertex, std::uint32_t row,
+                                     TextWriter& piece) const {
+  piece << ",\n{\"type\":\"Feature\",\"id\":" << row + 1
+        << ",\"geometry\":{\"type\":\"Point\",\"coordinates\":";
+  write_point(vertex.point, piece);
+  piece << "},\"properties\":{";
+  if (vertex.is_anchor) {
+    piece << "\"kind\":\"anchor\"";
+  } else if (vertex.kind == VertexKind::node) {
+    piece << "\"kind\":\"node\",\"serial\":" << vertex.serial;
+    write_unit(vertex.unit, piece);
+    piece << ",\"in_mesh\":true,\"stale\":";
+    piece.yes_or_no(vertex.stale);
+    if (vertex.lacks_fix) piece << ",\"no_fix\":true";
+    write_refusal(vertex.refusal, piece);
+  } else {
+    piece << "\"kind\":\"steiner\",\"feature\":" << vertex.feature;
+  }
+  piece << ",\"neighbours\":[";
+}
+
+void MeshDocument::write_outsider(Cursor& cursor, TextWriter& piece) const {
+  if (cursor.item >= snapshot_.outsiders.size()) return cursor.next_section();
+  const SnapshotOutsider& node = snapshot_.outsiders[cursor.item++];
+  piece << ",\n{\"type\":\"Feature\",\"geometry\":";
+  if (node.has_position) {
+    piece << "{\"type\":\"Point\",\"coordinates\":[" << node.position.x << "," << node.position.y
+          << "]}";
+  } else {
+    piece << "null";
+  }
+  piece << ",\"properties\":{\"kind\":\"node\",\"serial\":" << node.serial;
+  write_unit(node.unit, piece);
+  piece << ",\"in_mesh\":false";
+  if (node.is_missing) piece << ",\"missing\":true";
+  write_refusal(node.refusal, piece);
+  piece << "}}";
+}
+
+// One edge a call at the most, from whichever of its ends has the lower row.
+void MeshDocument::write_edges(Cursor& cursor, bool constrained, TextWriter& piece) const {
+  for (std::uint32_t look = 0; look < looks_max; ++look) {
+    if (cursor.item >= snapshot_.vertices.size()) {
+      piece << "]}}";
+      return cursor.next_section();
+    }
+    const SnapshotVertex& vertex = snapshot_.vertices[cursor.item];
+    if (cursor.part >= vertex.degree) {
+      ++cursor.item;
+      cursor.part = 0;
+      continue;
+    }
+    const SnapshotNeighbour& other = snapshot_.neighbours[vertex.first_neighbour + cursor.part++];
+    if (other.row < cursor.item || other.constrained != constrained) continue;
+    write_line(cursor, cursor.item, other.row, piece);
+    return;
+  }
+}
+
+void MeshDocument::write_missing_feature(Cursor& cursor, TextWriter& piece) const {
+  if (cursor.item >= snapshot_.missing_features.size()) return cursor.next_section();
+  const SnapshotMissingFeature& feature = snapshot_.missing_features[cursor.item++];
+  piece << ",\n{\"type\":\"Feature\",\"geometry\":null,\"properties\":{\"kind\":\"missing\","
+           "\"feature\":"
+        << feature.number << ",\"from\":";
+  write_end(feature.from, piece);
+  piece << ",\"to\":";
+  write_end(feature.to, piece);
+  write_refusal(feature.refusal, piece);
+  piece << "}}";
+}
+
+void MeshDocument::write_unit(std::uint32_t unit, TextWriter& piece) const {
+  if (unit == no_unit) return;
+  piece << ",\"bus\":";
+  piece.json(bus_label(poller_, poller_.bus_of(unit))) << ",\"unit\":" << poller_.address_of(unit);
+}
+
+}  // namespace etcm::firmware

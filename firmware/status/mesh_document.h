@@ -1,0 +1,55 @@
+// A snapshot as GeoJSON (RFC 7946, but in the site's units and not in degrees): a map program opens
+// it, and the status page draws from it.
+//
+// Its features, by the property "kind":
+//   "node", "steiner"  a point; "neighbours" are ids of other points, counter-clockwise
+//   "edges"            all edges of the mesh that are no part of a feature
+//   "features"         those that are
+//   "long_links"       edges longer than the radio range, if one is set
+//   "gaps"             stretches of features that nobody senses, if a sensing range is set
+//   "relay"            a point: where one more relay than the Steiner vertices would have to stand
+//   "hole"             a point out of the sensing range, and how far the nearest node is
+//   "missing"          a configured feature that is not in the mesh; no geometry
+// A node that is known and not in the mesh has "in_mesh": false and no id; one that is missing also
+// "missing": true, with its last place and unit. One that is stale although it answers has
+// "no_fix": true.
+#pragma once
+
+#include "firmware/polling/poller.h"
+#include "firmware/publish/snapshot.h"
+#include "firmware/status/document.h"
+
+namespace etcm::firmware {
+
+class MeshDocument final : public Document {
+ public:
+  // Names of units are asked of `poller`. Both must outlive this; the snapshot changes only while
+  // nobody reads.
+  MeshDocument(const Snapshot& snapshot, const Poller& poller, std::uint64_t instance)
+      : snapshot_(snapshot), poller_(poller), instance_(instance) {}
+
+  bool write_next(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const override;
+
+ private:
+  void write_head(TextWriter& piece) const;
+  void write_lines_head(const char* kind, const Cursor& cursor, TextWriter& piece) const;
+  void write_line(Cursor& cursor, std::uint32_t from_row, std::uint32_t to_row,
+                  TextWriter& piece) const;
+  void write_long_link(Cursor& cursor, TextWriter& piece) const;
+  void write_gap(Cursor& cursor, TextWriter& piece) const;
+  void write_relay(Cursor& cursor, TextWriter& piece) const;
+  void write_hole(Cursor& cursor, TextWriter& piece) const;
+  void write_place_head(Point place, TextWriter& piece) const;
+  void write_vertex(Cursor& cursor, TextWriter& piece) const;
+  void write_vertex_head(const SnapshotVertex& vertex, std::uint32_t row, TextWriter& piece) const;
+  void write_outsider(Cursor& cursor, TextWriter& piece) const;
+  void write_edges(Cursor& cursor, bool constrained, TextWriter& piece) const;
+  void write_missing_feature(Cursor& cursor, TextWriter& piece) const;
+  void write_unit(std::uint32_t unit, TextWriter& piece) const;
+
+  const Snapshot& snapshot_;
+  const Poller& poller_;
+  const std::uint64_t instance_;
+};
+
+}  // namespace etcm::firmware

@@ -1,0 +1,70 @@
+// What the gateway shows over HTTP: the page and its data, metrics, health.
+//
+// Everything is made while it is read (document.h). A reader of the mesh has one generation to the
+// end: its snapshot is kept for as long as somebody reads it. There are two such places; when slow
+// readers hold both, others get the generation that is in the newer one.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "etcm/port/web_site.h"
+#include "firmware/status/bus_meter.h"
+#include "firmware/status/mesh_document.h"
+#include "firmware/status/metrics_document.h"
+#include "firmware/status/status_document.h"
+#include "firmware/status/status_sources.h"
+
+namespace etcm::firmware {
+
+class StatusPage final : public port::WebSite {
+ public:
+  // All the memory it ever needs is taken here.
+  StatusPage(const StatusSources& sources, std::uint32_t readers_max);
+
+  // Lets time pass: what readers get is of this instant.
+  void advance(port::Instant now);
+  port::Instant next_deadline() const { return meter_.next_deadline(); }
+
+  port::WebAnswer begin(std::size_t reader, std::string_view path) override;
+  std::size_t read(std::size_t reader, std::span<char> out) override;
+  void end(std::size_t reader) override;
+
+ private:
+  struct Reader {
+    const Document* document = nullptr;  // null: what is in `rest` is all
+    Cursor cursor;
+    port::Instant asked_at{};
+    std::size_t kept = no_kept;  // the place of the snapshot it reads
+    std::string_view rest;       // to be handed out next
+    std::array<char, piece_bytes_max> piece;
+  };
+  struct Kept {
+    Kept(const Poller& poller, std::uint64_t instance) : document(snapshot, poller, instance) {}
+    Kept(const Kept&) = delete;
+    Kept& operator=(const Kept&) = delete;
+    Snapshot snapshot;
+    MeshDocument document;
+    std::uint32_t readers = 0;
+  };
+  static constexpr std::size_t no_kept = ~std::size_t{0};
+
+  port::WebAnswer show(Reader& reader, std::string_view text, std::uint16_t status);
+  port::WebAnswer show(Reader& reader, const Document& document, const char* media_type);
+  port::WebAnswer show_mesh(Reader& reader);
+  port::WebAnswer show_health(Reader& reader);
+  std::size_t keep_newest();
+
+  const StatusSources sources_;
+  BusMeter meter_;
+  StatusDocument status_;
+  AgesDocument ages_;
+  MetricsDocument metrics_;
+  std::array<Kept, 2> kept_;
+  std::vector<Reader> readers_;
+  port::Instant now_{};
+};
+
+}  // namespace etcm::firmware
