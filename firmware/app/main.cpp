@@ -19,12 +19,12 @@
 #include "firmware/config/reload.h"
 #include "firmware/config/settings.h"
 #include "firmware/config/settings_text.h"
+#include "firmware/gateway/board_io.h"
 #include "firmware/gateway/gateway.h"
-#include "firmware/gateway/panel.h"
 #include "firmware/gateway/service_watch.h"
 #include "firmware/logging/limited_log.h"
 #include "firmware/persist/saved_state.h"
-#include "firmware/publish/mesh_map.h"
+#include "firmware/publish/mesh_registers.h"
 #include "firmware/status/recent_events.h"
 #include "firmware/status/status_page.h"
 #include "http/web_server.h"
@@ -269,14 +269,14 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
                              .store = store.get(),
                              .clock = clock,
                              .log = log});
-  std::optional<firmware::Panel> panel;
+  std::optional<firmware::BoardIo> board_io;
   if (board.io() != nullptr) {
-    panel.emplace(*board.io(),
-                  firmware::PanelLines{.alert = board.line_of(settings.gpio.alert),
-                                       .join_button = board.line_of(settings.gpio.join_button),
-                                       .status_led = board.line_of(settings.gpio.status_led),
-                                       .watchdog = board.line_of(settings.gpio.watchdog)},
-                  gateway);
+    board_io.emplace(*board.io(),
+                     firmware::BoardLines{.alert = board.line_of(settings.gpio.alert),
+                                          .join_button = board.line_of(settings.gpio.join_button),
+                                          .status_led = board.line_of(settings.gpio.status_led),
+                                          .watchdog = board.line_of(settings.gpio.watchdog)},
+                     gateway);
   }
   port::ServiceCounters readers;
   std::optional<Web> web;
@@ -306,7 +306,7 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
   watch.ready(clock.now());
   port::Instant reload_due{};
   while (!stop.received()) {
-    if (panel) panel->step(clock.now());
+    if (board_io) board_io->step(clock.now());
     gateway.step(clock.now());
     watch.step(clock.now());
     server.advance(clock.now());
@@ -324,10 +324,11 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
       watch.ready(clock.now());
       reload_due = clock.now() + firmware::reload_pause;
     }
-    const port::Instant deadline = std::min(
-        {gateway.next_deadline(), watch.next_deadline(), server.next_deadline(),
-         reread.received() ? reload_due : port::never, panel ? panel->next_deadline() : port::never,
-         web ? web->next_deadline() : port::never});
+    const port::Instant deadline =
+        std::min({gateway.next_deadline(), watch.next_deadline(), server.next_deadline(),
+                  reread.received() ? reload_due : port::never,
+                  board_io ? board_io->next_deadline() : port::never,
+                  web ? web->next_deadline() : port::never});
     loop.wait(deadline - clock.now());
   }
   watch.stopping();
@@ -364,7 +365,7 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? EXIT_SUCCESS : exit_bad_settings;
   }
 
-  if (register_map) std::fputs(firmware::describe_mesh_map().c_str(), stdout);
+  if (register_map) std::fputs(firmware::describe_mesh_registers().c_str(), stdout);
   if (settings_file) std::fputs(firmware::print_settings().c_str(), stdout);
   if (settings_table) std::fputs(firmware::describe_settings().c_str(), stdout);
   if (register_map || settings_file || settings_table) return EXIT_SUCCESS;

@@ -12,7 +12,7 @@
 #include "etcm/port/clock.h"
 #include "etcm/port/serial_line.h"
 #include "etcm/port/socket_address.h"
-#include "firmware/protocol/node_map.h"
+#include "firmware/protocol/node_registers.h"
 #include "firmware/site/feature_end.h"
 #include "firmware/site/site_domain.h"
 

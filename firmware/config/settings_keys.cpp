@@ -6,8 +6,8 @@
 
 #include "etcm/analysis.h"
 #include "etcm/policy.h"
-#include "firmware/protocol/mesh_map_layout.h"
-#include "firmware/protocol/node_map.h"
+#include "firmware/protocol/mesh_register_layout.h"
+#include "firmware/protocol/node_registers.h"
 
 namespace etcm::firmware {
 
@@ -59,7 +59,7 @@ constexpr Meaning<SplitPolicy> policies[] = {{"default", split_default}, {"paper
 constexpr Key mesh_keys[] = {
     {"vertices_max",
      count<&Settings::mesh, &MeshConfig::vertices_max>(
-         1, std::min(mesh_map_vertices_max(), vertices_limit)),
+         1, std::min(mesh_registers_vertices_max(), vertices_limit)),
      required("1000"), restart,
      "nodes, anchors and Steiner vertices together; twice the nodes is plenty for most sites"},
     {"features_max", count<&Settings::mesh, &MeshConfig::features_max>(0, features_limit),

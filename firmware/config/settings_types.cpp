@@ -5,7 +5,7 @@
 #include <set>
 
 #include "etcm/files/decimal.h"
-#include "firmware/config/section.h"
+#include "firmware/config/toml_table.h"
 
 namespace etcm::firmware {
 
@@ -77,7 +77,7 @@ std::optional<std::int64_t> parse_nano(const toml::node& node, std::int64_t leas
 // ---- One reading for each type: the value, or none after a mistake is told with its cure.
 
 std::nullopt_t wrong(const GivenKey& key, const toml::node& node, const std::string& what) {
-  key.section.mistake(node, what);
+  key.toml_table.mistake(node, what);
   return std::nullopt;
 }
 
@@ -247,7 +247,7 @@ std::string range(const OriginType&) { return "two decimals in quotes"; }
 }  // namespace
 
 void read_value(const ValueType& type, const GivenKey& key, Target target) {
-  const toml::node* const node = key.section.find(key.name);
+  const toml::node* const node = key.toml_table.find(key.name);
   if (node == nullptr) return;
   std::visit(
       [&](const auto& known) {

@@ -20,7 +20,7 @@
 
 namespace etcm::firmware {
 
-class Section;
+class TomlTable;
 
 // A [[bus.slow]] as it is written: one timeout for several ranges.
 struct SlowUnits {
@@ -93,7 +93,7 @@ using ValueType =
 
 // A key as it stands in a file.
 struct GivenKey {
-  Section& section;
+  TomlTable& toml_table;
   std::string name;
   std::string example;                  // a good value, as it is written
   const std::filesystem::path& folder;  // where relative paths start

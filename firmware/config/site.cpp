@@ -6,7 +6,7 @@
 
 #include "etcm/files/constraint_graph.h"
 #include "etcm/files/error.h"
-#include "firmware/config/site_drawing.h"
+#include "firmware/config/site_geojson.h"
 #include "firmware/config/site_poly.h"
 
 namespace etcm::firmware {
@@ -89,7 +89,7 @@ void read_site(Settings& settings, std::vector<std::string>& mistakes) {
     if (extension == ".poly") {
       read_site_poly(settings);
     } else if (extension == ".geojson" || extension == ".json") {
-      read_site_drawing(settings, mistakes);
+      read_site_geojson(settings, mistakes);
     } else {
       mistakes.push_back(settings.site.place + ": the site file " + settings.site.path +
                          " is of no known kind; give a .poly or a .geojson");

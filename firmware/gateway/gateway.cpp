@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "etcm/audit.h"
-#include "firmware/publish/mesh_map.h"
+#include "firmware/publish/mesh_registers.h"
 
 namespace etcm::firmware {
 
@@ -29,29 +29,29 @@ Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports
     : settings_(settings),
       ports_(ports),
       poller_(settings.poll, ports.buses, *this, ports.log, this),
-      roster_(poller_.unit_count()),
-      keeper_(mesh, settings, roster_, ports.clock, ports.log),
-      presence_(settings.poll, poller_, roster_, keeper_, ports.log),
-      admission_(settings.poll, keeper_.features(), roster_, poller_, ports.log),
-      assigner_(settings.poll, poller_, roster_, ports.log),
-      write_back_(settings, poller_, roster_, keeper_, ports.log),
+      nodes_(poller_.unit_count()),
+      keeper_(mesh, settings, nodes_, ports.clock, ports.log),
+      presence_(settings.poll, poller_, nodes_, keeper_, ports.log),
+      admission_(settings.poll, keeper_.features(), nodes_, poller_, ports.log),
+      assigner_(settings.poll, poller_, nodes_, ports.log),
+      distributor_(settings, poller_, nodes_, keeper_, ports.log),
       is_assigning_(poller_.bus_count()),
-      snapshots_(settings, static_cast<std::uint32_t>(roster_.records().size())),
-      images_(map_capacity(settings), images_ready, settings.server.clients_max + 2),
-      state_transfer_(keeper_, roster_, poller_),
+      snapshots_(settings, static_cast<std::uint32_t>(nodes_.records().size())),
+      images_(register_capacity(settings), images_ready, settings.server.clients_max + 2),
+      state_transfer_(keeper_, nodes_, poller_),
       interval_(settings.poll.interval) {
-  quarantine_.reserve(quarantine_max(roster_, keeper_.features(), keeper_.anchors(), admission_));
+  quarantine_.reserve(quarantine_max(nodes_, keeper_.features(), keeper_.anchors(), admission_));
   if (ports.store != nullptr && settings.state) {
-    state_keeper_.emplace(settings, publish_pause, *ports.store, ports.log);
+    state_saver_.emplace(settings, publish_pause, *ports.store, ports.log);
   }
   if (ports.files != nullptr) {
-    files_keeper_.emplace(*settings.files, publish_share, *ports.files, ports.clock, ports.log);
+    file_publisher_.emplace(*settings.files, publish_share, *ports.files, ports.clock, ports.log);
   }
 }
 
 void Gateway::restore(port::Instant now) {
-  if (!state_keeper_) return;
-  const std::optional<SavedState> saved = state_keeper_->load();
+  if (!state_saver_) return;
+  const std::optional<SavedState> saved = state_saver_->load();
   if (!saved) return;
   generation_ = saved->next_generation - 1;
   const bool is_same = state_transfer_.restore(*saved, generation_ + 1, now);
@@ -60,7 +60,7 @@ void Gateway::restore(port::Instant now) {
   presence_.tell_missing(now);
   static_cast<void>(keeper_.take_changed());
   // Where somebody was is not looked for in its turn, but at once.
-  for (const NodeRecord& node : roster_.records()) {
+  for (const NodeRecord& node : nodes_.records()) {
     if (node.unit != no_unit) poller_.ask_unit_at_once(node.unit, now);
   }
   publish(now);
@@ -86,19 +86,20 @@ void Gateway::step(port::Instant now) {
     presence_.sweep(now, generation_ + 1);
     changed_ = changed_ || presence_.waiting_count() != snapshot().waiting_count;
   }
-  keeper_.retry_refused(generation_ + 1);
+  keeper_.retry_rejected(generation_ + 1);
   changed_ = keeper_.take_changed() || changed_;
   changed_ = admission_.take_changed() || changed_;
   changed_ = presence_.take_changed() || changed_;
   if (changed_ && publish_due_ <= now) publish(now);
-  if (files_keeper_) {
-    files_keeper_->step(now);
-    if (files_keeper_->is_due(now)) files_keeper_->write(keeper_.mesh(), keeper_.serials(), now);
+  if (file_publisher_) {
+    file_publisher_->step(now);
+    if (file_publisher_->is_due(now))
+      file_publisher_->write(keeper_.mesh(), keeper_.serials(), now);
   }
-  if (state_keeper_) {
+  if (state_saver_) {
     keep_silences(now);
-    state_keeper_->step(now);
-    if (state_keeper_->is_due(now)) save_state(now);
+    state_saver_->step(now);
+    if (state_saver_->is_due(now)) save_state(now);
   }
 }
 
@@ -109,27 +110,27 @@ void Gateway::update_settings(port::Instant now) {
   keeper_.update_site(generation_ + 1);
   presence_.dismiss_missing();
   snapshots_.update_site(settings_.domain);
-  quarantine_.reserve(quarantine_max(roster_, keeper_.features(), keeper_.anchors(), admission_));
+  quarantine_.reserve(quarantine_max(nodes_, keeper_.features(), keeper_.anchors(), admission_));
 }
 
 port::Instant Gateway::next_deadline() const {
   port::Instant deadline =
       std::min({poller_.next_deadline(), presence_.next_deadline(), keeper_.next_deadline()});
-  if (files_keeper_) deadline = std::min(deadline, files_keeper_->next_deadline());
-  if (state_keeper_) deadline = std::min(deadline, state_keeper_->next_deadline());
+  if (file_publisher_) deadline = std::min(deadline, file_publisher_->next_deadline());
+  if (state_saver_) deadline = std::min(deadline, state_saver_->next_deadline());
   if (changed_) deadline = std::min(deadline, publish_due_);
   return deadline;
 }
 
 void Gateway::finish(port::Instant now) {
   if (changed_) publish(now);
-  if (files_keeper_) {
-    files_keeper_->step(now);
-    files_keeper_->write(keeper_.mesh(), keeper_.serials(), now);
+  if (file_publisher_) {
+    file_publisher_->step(now);
+    file_publisher_->write(keeper_.mesh(), keeper_.serials(), now);
   }
-  if (state_keeper_ && !ports_.store->is_saving()) {
-    state_keeper_->step(now);
-    state_keeper_->finish();
+  if (state_saver_ && !ports_.store->is_saving()) {
+    state_saver_->step(now);
+    state_saver_->finish();
     save_state(now);
   }
   const Mesh& mesh = keeper_.mesh();
@@ -146,20 +147,20 @@ void Gateway::finish(port::Instant now) {
 }
 
 void Gateway::finish_saving(port::Instant now) {
-  if (state_keeper_) state_keeper_->step(now);
-  if (files_keeper_) files_keeper_->step(now);
+  if (state_saver_) state_saver_->step(now);
+  if (file_publisher_) file_publisher_->step(now);
 }
 
 // Since when somebody is missing is known after a power failure too, within the hour.
 void Gateway::keep_silences(port::Instant now) {
   if (snapshot().missing_count == 0 || now - missing_saved_at_ < 1h) return;
   missing_saved_at_ = now;
-  state_keeper_->outdate();
+  state_saver_->mark_dirty();
 }
 
 void Gateway::save_state(port::Instant now) {
-  state_transfer_.write(state_keeper_->begin(generation_, keeper_.mesh().hash()), now);
-  state_keeper_->save(now);
+  state_transfer_.write(state_saver_->begin(generation_, keeper_.mesh().hash()), now);
+  state_saver_->save(now);
 }
 
 bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::Instant now) {
@@ -169,7 +170,7 @@ bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::I
   presence_.hear_node(*node, reading, now);
   if (node->boot_count != reading.boot_count) {
     node->boot_count = reading.boot_count;
-    write_back_.look_again();
+    distributor_.invalidate();
   }
   if (poller_.address_of(unit) == default_unit) {
     assigner_.on_newcomer(poller_.bus_of(unit), reading.serial, now);
@@ -178,7 +179,7 @@ bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::I
     if (node->is_placed()) {
       keeper_.leave(*node, "on its own request", generation_ + 1);
     } else {
-      keeper_.forgive(*node);
+      keeper_.clear_rejection(*node);
     }
     return true;
   }
@@ -188,29 +189,29 @@ bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::I
   return true;
 }
 
-port::Instant Gateway::errand_due(std::uint32_t bus) const {
-  return std::min(assigner_.due(bus), write_back_.due(bus));
+port::Instant Gateway::request_due(std::uint32_t bus) const {
+  return std::min(assigner_.due(bus), distributor_.due(bus));
 }
 
-bool Gateway::next_errand(std::uint32_t bus, port::Instant now, Errand& errand) {
+bool Gateway::next_request(std::uint32_t bus, port::Instant now, BusRequest& request) {
   is_assigning_[bus] = assigner_.due(bus) <= now;
   if (is_assigning_[bus]) {
-    assigner_.next(bus, errand);
+    assigner_.next(bus, request);
     return true;
   }
-  return write_back_.next(bus, changed_ ? generation_ + 1 : generation_, now, errand);
+  return distributor_.next(bus, changed_ ? generation_ + 1 : generation_, now, request);
 }
 
-void Gateway::on_errand_done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now) {
-  if (!is_assigning_[bus]) return write_back_.done(bus, answer, now);
+void Gateway::on_request_done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now) {
+  if (!is_assigning_[bus]) return distributor_.done(bus, answer, now);
   const std::uint32_t unit = assigner_.done(bus, answer, now);
   if (unit == no_unit) return;
   const std::uint32_t newcomers = poller_.unit_at(bus, default_unit);
-  NodeRecord* const node = roster_.find(assigner_.last_serial(bus));
+  NodeRecord* const node = nodes_.find(assigner_.last_serial(bus));
   if (node != nullptr && node->unit == newcomers) {
-    roster_.seat(*node, unit);
+    nodes_.seat(*node, unit);
     poller_.expect_silence(newcomers);
-    write_back_.look_again();
+    distributor_.invalidate();
   }
   poller_.ask_unit_at_once(unit, now);
 }
@@ -224,20 +225,20 @@ void Gateway::place(NodeRecord& node) {
   if (squared_distance(node.position, node.placed) > band * band) {
     keeper_.move(node, generation_ + 1);
   } else {
-    keeper_.forgive(node);
+    keeper_.clear_rejection(node);
   }
 }
 
 void Gateway::publish(port::Instant now) {
   ++generation_;
   changed_ = false;
-  if (files_keeper_) files_keeper_->outdate();
-  if (state_keeper_) state_keeper_->outdate();
+  if (file_publisher_) file_publisher_->mark_dirty();
+  if (state_saver_) state_saver_->mark_dirty();
   const port::Instant started = ports_.clock.now();
-  write_back_.look_again();
-  list_quarantine(roster_, keeper_.features(), keeper_.anchors(), admission_, quarantine_);
+  distributor_.invalidate();
+  list_quarantine(nodes_, keeper_.features(), keeper_.anchors(), admission_, quarantine_);
   const Snapshot& snapshot =
-      snapshots_.take(generation_, keeper_, roster_, poller_, presence_, quarantine_, now);
+      snapshots_.take(generation_, keeper_, nodes_, poller_, presence_, quarantine_, now);
   state_ = snapshot.state;
   ports_.server.publish(images_.encode(snapshot));
   // A large mesh takes its time; polling must not wait for it often.
@@ -246,7 +247,7 @@ void Gateway::publish(port::Instant now) {
 
 std::shared_ptr<const port::RegisterImage> empty_image(const Settings& settings) {
   auto image = std::make_shared<port::RegisterImage>();
-  encode_mesh(Snapshot{}, map_capacity(settings), *image);
+  encode_mesh(Snapshot{}, register_capacity(settings), *image);
   return image;
 }
 

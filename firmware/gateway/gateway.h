@@ -23,15 +23,15 @@
 #include "firmware/nodes/address_assigner.h"
 #include "firmware/nodes/admission.h"
 #include "firmware/nodes/presence.h"
-#include "firmware/persist/files_keeper.h"
-#include "firmware/persist/state_keeper.h"
+#include "firmware/persist/file_publisher.h"
+#include "firmware/persist/state_saver.h"
 #include "firmware/persist/state_transfer.h"
 #include "firmware/polling/poller.h"
 #include "firmware/publish/image_pool.h"
+#include "firmware/publish/neighbour_distributor.h"
 #include "firmware/publish/quarantine.h"
 #include "firmware/publish/snapshot_taker.h"
-#include "firmware/publish/write_back.h"
-#include "firmware/records/roster.h"
+#include "firmware/records/node_table.h"
 
 namespace etcm::firmware {
 
@@ -48,7 +48,7 @@ struct GatewayPorts {
   port::Log& log;
 };
 
-class Gateway final : private ReadingListener, private Errands {
+class Gateway final : private ReadingListener, private RequestSource {
  public:
   // The mesh is open and empty. All arguments must outlive the gateway.
   Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports);
@@ -85,10 +85,10 @@ class Gateway final : private ReadingListener, private Errands {
   const Snapshot& snapshot() const { return snapshots_.latest(); }
 
   // Null where none are wanted.
-  const FilesKeeper* files() const { return files_keeper_ ? &*files_keeper_ : nullptr; }
-  const StateKeeper* kept_state() const { return state_keeper_ ? &*state_keeper_ : nullptr; }
+  const FilePublisher* files() const { return file_publisher_ ? &*file_publisher_ : nullptr; }
+  const StateSaver* kept_state() const { return state_saver_ ? &*state_saver_ : nullptr; }
   const Poller& poller() const { return poller_; }
-  const Roster& roster() const { return roster_; }
+  const NodeTable& nodes() const { return nodes_; }
   const Presence& presence() const { return presence_; }
   const MeshTimes& mesh_times() const { return keeper_.times(); }
   // As published last.
@@ -96,9 +96,10 @@ class Gateway final : private ReadingListener, private Errands {
 
  private:
   bool on_reading(std::uint32_t unit, const NodeReading& reading, port::Instant now) override;
-  port::Instant errand_due(std::uint32_t bus) const override;
-  bool next_errand(std::uint32_t bus, port::Instant now, Errand& errand) override;
-  void on_errand_done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now) override;
+  port::Instant request_due(std::uint32_t bus) const override;
+  bool next_request(std::uint32_t bus, port::Instant now, BusRequest& request) override;
+  void on_request_done(std::uint32_t bus, const port::BusAnswer& answer,
+                       port::Instant now) override;
   void place(NodeRecord& node);
   void publish(port::Instant now);
   void save_state(port::Instant now);
@@ -108,19 +109,19 @@ class Gateway final : private ReadingListener, private Errands {
   const Settings& settings_;
   const GatewayPorts ports_;
   Poller poller_;
-  Roster roster_;
+  NodeTable nodes_;
   MeshKeeper keeper_;
   Presence presence_;
   Admission admission_;
   AddressAssigner assigner_;
-  WriteBack write_back_;
-  std::vector<bool> is_assigning_;  // by bus: whose errand is under way
+  NeighbourDistributor distributor_;
+  std::vector<bool> is_assigning_;  // by bus: whose request is under way
   std::vector<QuarantineEntry> quarantine_;
   SnapshotTaker snapshots_;
   ImagePool images_;
   StateTransfer state_transfer_;
-  std::optional<StateKeeper> state_keeper_;
-  std::optional<FilesKeeper> files_keeper_;
+  std::optional<StateSaver> state_saver_;
+  std::optional<FilePublisher> file_publisher_;
   port::Duration interval_;       // of the polls, as it was when the settings changed last
   port::Instant publish_due_{};   // not before
   std::uint32_t generation_ = 0;  // published last

@@ -33,7 +33,7 @@ port::Instant ServiceWatch::next_deadline() const {
 }
 
 bool ServiceWatch::has_news() const {
-  return gateway_.generation() != told_generation_ || what_is_missing() != told_missing_;
+  return gateway_.generation() != delivered_generation_ || what_is_missing() != told_missing_;
 }
 
 // As it ends the status; with an end of its own, for printf().
@@ -68,7 +68,7 @@ std::string ServiceWatch::what_stalls(port::Instant now) const {
 
 void ServiceWatch::tell_status(port::Instant now) {
   status_due_ = now + status_interval;
-  told_generation_ = gateway_.generation();
+  delivered_generation_ = gateway_.generation();
   told_missing_ = what_is_missing();
   const Snapshot& snapshot = gateway_.snapshot();
   std::array<char, 300> text{};

@@ -54,7 +54,7 @@ class ServiceWatch {
   const port::Duration feed_interval_;
   port::Instant feed_due_ = port::never;
   port::Instant status_due_ = port::never;
-  std::uint32_t told_generation_ = 0;
+  std::uint32_t delivered_generation_ = 0;
   std::string_view told_missing_;
   bool is_starving_ = false;
 };

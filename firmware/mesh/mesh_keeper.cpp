@@ -22,11 +22,11 @@ TextLine& operator<<(TextLine& line, const Counted& counted) {
 
 }  // namespace
 
-MeshKeeper::MeshKeeper(Mesh& mesh, const Settings& settings, Roster& roster,
+MeshKeeper::MeshKeeper(Mesh& mesh, const Settings& settings, NodeTable& nodes,
                        const port::Clock& clock, port::Log& log)
     : mesh_(mesh),
       settings_(settings),
-      roster_(roster),
+      nodes_(nodes),
       clock_(clock),
       log_(log),
       features_(settings.features, mesh.config().features_max),
@@ -39,7 +39,7 @@ void MeshKeeper::join(NodeRecord& node, std::uint32_t generation) {
   if (!is_worth_a_try(node)) return;
   const Before start = before();
   if (const DomainPlace place = place_of(node.position); place != DomainPlace::inside) {
-    return refuse(node, "join", place, start);
+    return reject(node, "join", place, start);
   }
   const AnchorRecord* const anchor = anchors_.find(node.position);
   const bool is_vacant = anchor != nullptr && anchor->is_vacant();
@@ -47,7 +47,7 @@ void MeshKeeper::join(NodeRecord& node, std::uint32_t generation) {
   if (is_vacant) {
     id = anchor->vertex;
   } else if (const Status status = mesh_.join(node.position, id); status != Status::ok) {
-    return refuse(node, "join", status, start);
+    return reject(node, "join", status, start);
   }
   seat(node, id);
   activate_features_at(node.serial);
@@ -63,7 +63,7 @@ void MeshKeeper::move(NodeRecord& node, std::uint32_t generation) {
   if (!is_worth_a_try(node)) return;
   const Before start = before();
   if (const DomainPlace place = place_of(node.position); place != DomainPlace::inside) {
-    return refuse(node, "move", place, start);
+    return reject(node, "move", place, start);
   }
   const Position from = node.placed;
   AnchorRecord* const left = anchor_of(node);
@@ -75,7 +75,7 @@ void MeshKeeper::move(NodeRecord& node, std::uint32_t generation) {
   } else if (left != reached) {
     status = change_vertex(node, left, is_vacant ? reached : nullptr);
   }
-  if (status != Status::ok) return refuse(node, "move", status, start);
+  if (status != Status::ok) return reject(node, "move", status, start);
   seat(node, node.vertex);
   ++epoch_;
   TextLine line;
@@ -90,20 +90,20 @@ void MeshKeeper::leave(NodeRecord& node, const char* why, std::uint32_t generati
   remove_features_at(node.serial);
   const bool lost_features = features_.active_count() != start.features_active;
   // The mesh would only say the same again.
-  if (node.refused_to_leave && node.refused_epoch == epoch_ && !lost_features) return;
+  if (node.rejected_to_leave && node.rejected_epoch == epoch_ && !lost_features) return;
   AnchorRecord* const anchor = anchor_of(node);
   if (anchor != nullptr) anchor->is_taken = false;
   const Status status = anchor != nullptr ? Status::ok : mesh_.leave(node.vertex);
-  node.refused_to_leave = status != Status::ok;
-  // A refusal alone makes room for nobody.
-  if (!node.refused_to_leave || lost_features) {
+  node.rejected_to_leave = status != Status::ok;
+  // A rejection alone makes room for nobody.
+  if (!node.rejected_to_leave || lost_features) {
     ++epoch_;
     changed_ = true;
   }
-  if (node.refused_to_leave) return refuse(node, "leave", status, start);
+  if (node.rejected_to_leave) return reject(node, "leave", status, start);
   serials_[node.vertex.value] = no_serial;
   node.vertex = VertexId::none();
-  node.refusal = {};
+  node.rejection = {};
   TextLine line;
   line << "node " << node.serial << " left (" << why << "): generation " << generation;
   tell_difference(line, start);
@@ -112,41 +112,43 @@ void MeshKeeper::leave(NodeRecord& node, const char* why, std::uint32_t generati
 
 void MeshKeeper::stay(NodeRecord& node) {
   // One outside the domain is not wanted.
-  if (!node.refused_to_leave || place_of(node.placed) != DomainPlace::inside) return;
-  node.refused_to_leave = false;
-  forgive(node);
+  if (!node.rejected_to_leave || place_of(node.placed) != DomainPlace::inside) return;
+  node.rejected_to_leave = false;
+  clear_rejection(node);
   activate_features_at(node.serial);
 }
 
-void MeshKeeper::forgive(NodeRecord& node) {
+void MeshKeeper::clear_rejection(NodeRecord& node) {
   if (!node.is_quarantined()) return;
-  node.refusal = {};
+  node.rejection = {};
   changed_ = true;
 }
 
-void MeshKeeper::retry_refused(std::uint32_t generation) {
+void MeshKeeper::retry_rejected(std::uint32_t generation) {
   const port::Instant started = clock_.now();
   if (started < next_deadline()) return;
   retried_epoch_ = epoch_;
-  for (NodeRecord& node : roster_.records()) {
+  for (NodeRecord& node : nodes_.records()) {
     if (node.is_known() && !node.is_placed() && node.is_quarantined()) join(node, generation);
   }
   update_anchors();
   for (std::uint32_t number = 0; number < features_.records().size(); ++number) {
-    if (features_.refused_count() == 0) break;
-    if (features_.records()[number].refusal != Status::ok) try_feature(number);
+    if (features_.rejected_count() == 0) break;
+    if (features_.records()[number].rejection != Status::ok) try_feature(number);
   }
   const port::Instant ended = clock_.now();
   retry_due_ = ended + retry_share * (ended - started);
 }
 
 bool MeshKeeper::is_short_of_room() const {
-  return std::any_of(roster_.records().begin(), roster_.records().end(),
-                     [](const NodeRecord& node) { return is_want_of_room(node.refusal); }) ||
-         std::any_of(anchors_.records().begin(), anchors_.records().end(),
-                     [](const AnchorRecord& anchor) { return is_want_of_room(anchor.refusal); }) ||
-         std::any_of(features_.records().begin(), features_.records().end(),
-                     [](const FeatureRecord& feature) { return is_want_of_room(feature.refusal); });
+  return std::any_of(nodes_.records().begin(), nodes_.records().end(),
+                     [](const NodeRecord& node) { return is_want_of_room(node.rejection); }) ||
+         std::any_of(
+             anchors_.records().begin(), anchors_.records().end(),
+             [](const AnchorRecord& anchor) { return is_want_of_room(anchor.rejection); }) ||
+         std::any_of(
+             features_.records().begin(), features_.records().end(),
+             [](const FeatureRecord& feature) { return is_want_of_room(feature.rejection); });
 }
 
 MeshKeeper::Before MeshKeeper::before() const {
@@ -184,22 +186,23 @@ void MeshKeeper::tell_difference(TextLine& line, const Before& start) {
 
 // The mesh would only say the same again.
 bool MeshKeeper::is_worth_a_try(const NodeRecord& node) const {
-  return !node.is_quarantined() || node.refused_at != node.position || node.refused_epoch != epoch_;
+  return !node.is_quarantined() || node.rejected_at != node.position ||
+         node.rejected_epoch != epoch_;
 }
 
-void MeshKeeper::refuse(NodeRecord& node, const char* verb, const Refusal& refusal,
+void MeshKeeper::reject(NodeRecord& node, const char* verb, const Rejection& rejection,
                         const Before& start) {
   note_time(start);
-  const bool is_news = node.refusal != refusal || node.refused_at != node.position;
-  if (node.refusal != refusal) node.refused_since = clock_.now();
-  node.refusal = refusal;
-  node.refused_at = node.position;
-  node.refused_epoch = epoch_;
+  const bool is_news = node.rejection != rejection || node.rejected_at != node.position;
+  if (node.rejection != rejection) node.rejected_since = clock_.now();
+  node.rejection = rejection;
+  node.rejected_at = node.position;
+  node.rejected_epoch = epoch_;
   if (is_news) {
     changed_ = true;
     TextLine line;
     line << "node " << node.serial << " cannot " << verb << " at " << node.position << ": ";
-    tell_trouble(line, refusal);
+    tell_trouble(line, rejection);
     log_.write(port::Level::warning, line);
   }
 }
@@ -213,18 +216,18 @@ void MeshKeeper::seat(NodeRecord& node, VertexId id) {
   changed_ = true;
   node.vertex = id;
   node.placed = node.position;
-  node.refusal = {};
+  node.rejection = {};
   serials_[id.value] = node.serial;
   if (AnchorRecord* const anchor = anchors_.find(node.placed); anchor != nullptr) {
     // One that is no longer wanted leaves the vertex to the node.
     anchor->is_taken = !anchor->is_obsolete;
     anchor->vertex = anchor->is_obsolete ? VertexId::none() : id;
-    anchor->refusal = {};
+    anchor->rejection = {};
     activate_features_at(FeatureEnd::anchor(node.placed));
   }
 }
 
-// All or nothing, but for features that the mesh cannot take again: these are refused for
+// All or nothing, but for features that the mesh cannot take again: these are rejected for
 // themselves.
 Status MeshKeeper::change_vertex(NodeRecord& node, AnchorRecord* from, AnchorRecord* to) {
   VertexId id;
@@ -273,8 +276,8 @@ void MeshKeeper::try_feature(std::uint32_t number) {
     changed_ = true;
     return;
   }
-  const bool is_news = record.refusal != status;
-  features_.refuse(number, status, epoch_, clock_.now());
+  const bool is_news = record.rejection != status;
+  features_.reject(number, status, epoch_, clock_.now());
   if (is_news) {
     changed_ = true;
     TextLine line;
@@ -289,13 +292,13 @@ VertexId MeshKeeper::vertex_at(const FeatureEnd& end) const {
     const AnchorRecord* const anchor = anchors_.find(end.position);
     return anchor == nullptr ? VertexId::none() : anchor->vertex;
   }
-  const NodeRecord* const node = roster_.find(end.serial);
+  const NodeRecord* const node = nodes_.find(end.serial);
   return node == nullptr ? VertexId::none() : node->vertex;
 }
 
-void MeshKeeper::tell_trouble(TextLine& line, const Refusal& refusal) const {
-  line << explain(refusal);
-  if (refusal.mesh == Status::ok) return;
+void MeshKeeper::tell_trouble(TextLine& line, const Rejection& rejection) const {
+  line << explain(rejection);
+  if (rejection.mesh == Status::ok) return;
   const Trouble& trouble = mesh_.trouble();
   if (!trouble.other.is_none()) {
     line << " [with " << features_.name(features_.number_of(trouble.other)) << "]";

@@ -4,7 +4,7 @@
 // A node that stands exactly on an anchor takes its place: one vertex is both, and the features of
 // both end there. When the node leaves or moves on, it is the anchor alone again.
 //
-// What the mesh refuses, or stands outside the domain, goes into quarantine, with its reason in the
+// What the mesh rejects, or stands outside the domain, goes into quarantine, with its reason in the
 // log; the mesh stays as it was.
 #pragma once
 
@@ -17,15 +17,15 @@
 #include "etcm/port/log.h"
 #include "firmware/config/settings.h"
 #include "firmware/logging/text_line.h"
-#include "firmware/records/anchor_book.h"
-#include "firmware/records/feature_book.h"
-#include "firmware/records/roster.h"
+#include "firmware/records/anchor_table.h"
+#include "firmware/records/feature_table.h"
+#include "firmware/records/node_table.h"
 
 namespace etcm::firmware {
 
 struct SavedState;
 
-// How long the mesh took to do, or to refuse, what nodes asked of it.
+// How long the mesh took to do, or to reject, what nodes asked of it.
 struct MeshTimes {
   std::uint64_t changes = 0;
   port::Duration last{};
@@ -33,14 +33,14 @@ struct MeshTimes {
   port::Duration total{};
 };
 
-// At most this share of all time is spent on trying again what was refused.
+// At most this share of all time is spent on trying again what was rejected.
 inline constexpr int retry_share = 20;
 
 class MeshKeeper {
  public:
   // The mesh is open and empty; `settings` says what the site is, and its anchors are put in at
   // once. All arguments must outlive the keeper.
-  MeshKeeper(Mesh& mesh, const Settings& settings, Roster& roster, const port::Clock& clock,
+  MeshKeeper(Mesh& mesh, const Settings& settings, NodeTable& nodes, const port::Clock& clock,
              port::Log& log);
 
   // The site in the settings has changed: features and anchors that are no longer there are taken
@@ -55,17 +55,17 @@ class MeshKeeper {
   // `generation` is what the log calls the result.
   void join(NodeRecord& node, std::uint32_t generation);
   void move(NodeRecord& node, std::uint32_t generation);
-  // Also takes the node's features out; they come back with it. Where the mesh refuses, the node
+  // Also takes the node's features out; they come back with it. Where the mesh rejects, the node
   // stays in it without features.
   void leave(NodeRecord& node, const char* why, std::uint32_t generation);
-  // The node answers: where the mesh refused to let it leave, it has its features back.
+  // The node answers: where the mesh would not let it leave, it has its features back.
   void stay(NodeRecord& node);
-  // The node no longer asks for what was refused.
-  void forgive(NodeRecord& node);
+  // The node no longer asks for what was rejected.
+  void clear_rejection(NodeRecord& node);
 
-  // Tries again what was refused, where the mesh has changed in a way that may help: at
+  // Tries again what was rejected, where the mesh has changed in a way that may help: at
   // next_deadline(), so that no more than the share of all time goes into it.
-  void retry_refused(std::uint32_t generation);
+  void retry_rejected(std::uint32_t generation);
   port::Instant next_deadline() const {
     return retried_epoch_ == epoch_ ? port::never : retry_due_;
   }
@@ -74,12 +74,12 @@ class MeshKeeper {
   bool take_changed() { return std::exchange(changed_, false); }
 
   const Mesh& mesh() const { return mesh_; }
-  const FeatureBook& features() const { return features_; }
-  const AnchorBook& anchors() const { return anchors_; }
+  const FeatureTable& features() const { return features_; }
+  const AnchorTable& anchors() const { return anchors_; }
   std::uint32_t node_count() const { return mesh_.node_count() - anchors_.vacant_count(); }
   // By vertex id; meaningful for nodes, no_serial for anchors.
   std::span<const std::uint32_t> serials() const { return serials_; }
-  // Whether something was refused for want of room or budget.
+  // Whether something was rejected for want of room or budget.
   bool is_short_of_room() const;
   const MeshTimes& times() const { return times_; }
 
@@ -94,7 +94,7 @@ class MeshKeeper {
   void tell_difference(TextLine& line, const Before& before);
 
   bool is_worth_a_try(const NodeRecord& node) const;
-  void refuse(NodeRecord& node, const char* verb, const Refusal& refusal, const Before& before);
+  void reject(NodeRecord& node, const char* verb, const Rejection& rejection, const Before& before);
   // The anchor whose place the node has; null: none.
   AnchorRecord* anchor_of(const NodeRecord& node);
   // The node is in the mesh there.
@@ -109,21 +109,21 @@ class MeshKeeper {
   void update_anchors();
   void try_anchor(AnchorRecord& anchor);
   void try_to_remove(AnchorRecord& anchor);
-  void tell_refusal(const AnchorRecord& anchor, const char* what);
+  void report_rejection(const AnchorRecord& anchor, const char* what);
   void expel_from_outside(std::uint32_t generation);
   VertexId vertex_at(const FeatureEnd& end) const;
   DomainPlace place_of(Position position) const { return settings_.domain.place_of(position); }
-  void tell_trouble(TextLine& line, const Refusal& refusal) const;
+  void tell_trouble(TextLine& line, const Rejection& rejection) const;
 
   Mesh& mesh_;
   const Settings& settings_;
-  Roster& roster_;
+  NodeTable& nodes_;
   const port::Clock& clock_;
   port::Log& log_;
-  FeatureBook features_;
-  AnchorBook anchors_;
+  FeatureTable features_;
+  AnchorTable anchors_;
   std::vector<std::uint32_t> serials_;
-  // Counts the changes that may make room for what was refused.
+  // Counts the changes that may make room for what was rejected.
   std::uint32_t epoch_ = 0;
   std::uint32_t retried_epoch_ = 0;
   port::Instant retry_due_{};  // not before

@@ -16,7 +16,7 @@ void MeshKeeper::update_site(std::uint32_t generation) {
   anchors_.replace(settings_.anchors);
   expel_from_outside(generation);
   update_anchors();
-  for (NodeRecord& node : roster_.records()) {
+  for (NodeRecord& node : nodes_.records()) {
     if (node.is_known() && !node.is_placed() && node.is_quarantined()) join(node, generation);
   }
   for (std::uint32_t number = 0; number < features_.records().size(); ++number) {
@@ -29,7 +29,7 @@ void MeshKeeper::update_features() {
   const auto ends_of = [](const FeatureSettings& feature) {
     return std::minmax({feature.from.key(), feature.to.key()});
   };
-  FeatureBook next(settings_.features, mesh_.config().features_max);
+  FeatureTable next(settings_.features, mesh_.config().features_max);
   std::map<std::pair<std::uint64_t, std::uint64_t>, std::uint32_t> number_of;
   for (std::uint32_t number = 0; number < next.records().size(); ++number) {
     number_of.emplace(ends_of(next.records()[number].settings), number);
@@ -57,7 +57,7 @@ void MeshKeeper::update_anchors() {
 }
 
 void MeshKeeper::try_anchor(AnchorRecord& anchor) {
-  if (!anchor.refusal.is_none() && anchor.refused_epoch == epoch_) return;
+  if (!anchor.rejection.is_none() && anchor.rejected_epoch == epoch_) return;
   Status status = mesh_.join(anchor.settings.position, anchor.vertex);
   if (status == Status::duplicate_vertex) {
     // The node that stands there.
@@ -65,50 +65,50 @@ void MeshKeeper::try_anchor(AnchorRecord& anchor) {
     anchor.is_taken = true;
     status = Status::ok;
   }
-  const bool is_news = anchor.refusal != status;
-  if (is_news) anchor.refused_since = clock_.now();
-  anchor.refusal = status;
-  anchor.refused_epoch = epoch_;
+  const bool is_news = anchor.rejection != status;
+  if (is_news) anchor.rejected_since = clock_.now();
+  anchor.rejection = status;
+  anchor.rejected_epoch = epoch_;
   if (status == Status::ok) {
     if (!anchor.is_taken) serials_[anchor.vertex.value] = no_serial;
     activate_features_at(FeatureEnd::anchor(anchor.settings.position));
     changed_ = true;
   } else if (is_news) {
     changed_ = true;
-    tell_refusal(anchor, " is not in the mesh: ");
+    report_rejection(anchor, " is not in the mesh: ");
   }
 }
 
 void MeshKeeper::try_to_remove(AnchorRecord& anchor) {
-  if (!anchor.refusal.is_none() && anchor.refused_epoch == epoch_) return;
+  if (!anchor.rejection.is_none() && anchor.rejected_epoch == epoch_) return;
   const Status status = mesh_.leave(anchor.vertex);
-  const bool is_news = anchor.refusal != status;
-  if (is_news) anchor.refused_since = clock_.now();
-  anchor.refusal = status;
-  anchor.refused_epoch = epoch_;
+  const bool is_news = anchor.rejection != status;
+  if (is_news) anchor.rejected_since = clock_.now();
+  anchor.rejection = status;
+  anchor.rejected_epoch = epoch_;
   if (status == Status::ok) {
     anchor.vertex = VertexId::none();
     changed_ = true;
   } else if (is_news) {
     changed_ = true;
-    tell_refusal(anchor, " is no longer wanted, but the mesh needs it: ");
+    report_rejection(anchor, " is no longer wanted, but the mesh needs it: ");
   }
 }
 
-void MeshKeeper::tell_refusal(const AnchorRecord& anchor, const char* what) {
+void MeshKeeper::report_rejection(const AnchorRecord& anchor, const char* what) {
   TextLine line;
   line << name_of(anchor) << what;
-  tell_trouble(line, anchor.refusal);
+  tell_trouble(line, anchor.rejection);
   log_.write(port::Level::warning, line);
 }
 
 void MeshKeeper::expel_from_outside(std::uint32_t generation) {
-  for (NodeRecord& node : roster_.records()) {
+  for (NodeRecord& node : nodes_.records()) {
     if (!node.is_placed()) continue;
     const DomainPlace place = place_of(node.placed);
     if (place == DomainPlace::inside) continue;
     leave(node, "the domain has changed", generation);
-    if (!node.is_placed()) refuse(node, "stay", place, before());
+    if (!node.is_placed()) reject(node, "stay", place, before());
   }
 }
 

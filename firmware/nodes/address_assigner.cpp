@@ -13,9 +13,9 @@ constexpr std::uint8_t verifications_max = 3;
 
 }  // namespace
 
-AddressAssigner::AddressAssigner(const PollSettings& settings, const Poller& poller, Roster& roster,
-                                 port::Log& log)
-    : settings_(settings), poller_(poller), roster_(roster), log_(log), jobs_(poller.bus_count()) {}
+AddressAssigner::AddressAssigner(const PollSettings& settings, const Poller& poller,
+                                 NodeTable& nodes, port::Log& log)
+    : settings_(settings), poller_(poller), nodes_(nodes), log_(log), jobs_(poller.bus_count()) {}
 
 void AddressAssigner::on_newcomer(std::uint32_t bus, std::uint32_t serial, port::Instant now) {
   Job& job = jobs_[bus];
@@ -34,20 +34,21 @@ port::Instant AddressAssigner::due(std::uint32_t bus) const {
   return std::max(job.due, free_at);
 }
 
-void AddressAssigner::next(std::uint32_t bus, Errand& errand) {
+void AddressAssigner::next(std::uint32_t bus, BusRequest& request) {
   Job& job = jobs_[bus];
   job.due = port::never;
   if (job.step == Step::write) {
     job.registers =
         encode_assignment(poller_.address_of(job.unit), job.serial, poller_.bus(bus).word_order);
-    errand = {.address = default_unit, .first = assignment_register_first, .values = job.registers};
+    request = {
+        .address = default_unit, .first = assignment_register_first, .values = job.registers};
     return;
   }
-  errand = {.address = poller_.address_of(job.unit),
-            .first = node_register_first,
-            .read_count = node_register_count,
-            .spare = stranger_register_spare,
-            .values = {}};
+  request = {.address = poller_.address_of(job.unit),
+             .first = node_register_first,
+             .read_count = node_register_count,
+             .spare = stranger_register_spare,
+             .values = {}};
 }
 
 std::uint32_t AddressAssigner::done(std::uint32_t bus, const port::BusAnswer& answer,
@@ -101,11 +102,11 @@ std::uint32_t AddressAssigner::done(std::uint32_t bus, const port::BusAnswer& an
 }
 
 bool AddressAssigner::is_free(std::uint32_t unit) const {
-  return roster_.at(unit) == nullptr && !poller_.is_sound(unit);
+  return nodes_.at(unit) == nullptr && !poller_.is_sound(unit);
 }
 
 port::Instant AddressAssigner::used_at(std::uint32_t unit) const {
-  return std::max(poller_.counters(unit).answered_at, roster_.released_heard_at(unit));
+  return std::max(poller_.counters(unit).answered_at, nodes_.released_heard_at(unit));
 }
 
 void AddressAssigner::choose(std::uint32_t bus, bool is_first, port::Instant now) {

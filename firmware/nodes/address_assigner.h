@@ -13,25 +13,25 @@
 
 #include "etcm/port/log.h"
 #include "firmware/config/settings.h"
-#include "firmware/polling/errand.h"
+#include "firmware/polling/bus_request.h"
 #include "firmware/polling/poller.h"
-#include "firmware/protocol/node_map.h"
-#include "firmware/records/roster.h"
+#include "firmware/protocol/node_registers.h"
+#include "firmware/records/node_table.h"
 
 namespace etcm::firmware {
 
 class AddressAssigner {
  public:
   // All arguments must outlive this.
-  AddressAssigner(const PollSettings& settings, const Poller& poller, Roster& roster,
+  AddressAssigner(const PollSettings& settings, const Poller& poller, NodeTable& nodes,
                   port::Log& log);
 
   // This node answered at the default unit.
   void on_newcomer(std::uint32_t bus, std::uint32_t serial, port::Instant now);
 
-  // As Errands have them.
+  // As Requests have them.
   port::Instant due(std::uint32_t bus) const;
-  void next(std::uint32_t bus, Errand& errand);
+  void next(std::uint32_t bus, BusRequest& request);
   // Returns the unit where the node answers now, or no_unit while there is no such.
   std::uint32_t done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now);
   // Whom done() spoke of.
@@ -64,7 +64,7 @@ class AddressAssigner {
 
   const PollSettings& settings_;
   const Poller& poller_;
-  Roster& roster_;
+  NodeTable& nodes_;
   port::Log& log_;
   std::vector<Job> jobs_;  // by bus
 };

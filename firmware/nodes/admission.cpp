@@ -16,49 +16,50 @@ constexpr std::uint32_t failures_of_the_gone = 3;
 
 }  // namespace
 
-Admission::Admission(const PollSettings& settings, const FeatureBook& features, Roster& roster,
+Admission::Admission(const PollSettings& settings, const FeatureTable& features, NodeTable& nodes,
                      const Poller& poller, port::Log& log)
     : settings_(settings),
       features_(features),
-      roster_(roster),
+      nodes_(nodes),
       poller_(poller),
       log_(log),
-      doubts_(poller.unit_count()) {}
+      conflicts_(poller.unit_count()) {}
 
 NodeRecord* Admission::admit(std::uint32_t unit, std::uint32_t serial, port::Instant now) {
-  UnitDoubt& doubt = doubts_[unit];
-  NodeRecord* const here = roster_.at(unit);
+  UnitConflict& conflict = conflicts_[unit];
+  NodeRecord* const here = nodes_.at(unit);
   if (here != nullptr && here->serial == serial) {
-    doubt.sightings = 0;
-    if (doubt.doubt == Doubt::waiting) clear(doubt);
+    conflict.sightings = 0;
+    if (conflict.conflict == IdentityConflict::waiting) clear(conflict);
     return here;
   }
-  if (doubt.serial != serial) {
-    clear(doubt);
-    doubt.serial = serial;
-    doubt.doubt = Doubt::waiting;
-    doubt.since = now;
+  if (conflict.serial != serial) {
+    clear(conflict);
+    conflict.serial = serial;
+    conflict.conflict = IdentityConflict::waiting;
+    conflict.since = now;
   }
-  doubt.seen_at = now;
-  doubt.sightings = static_cast<std::uint8_t>(std::min(doubt.sightings + 1, 255));
+  conflict.seen_at = now;
+  conflict.sightings = static_cast<std::uint8_t>(std::min(conflict.sightings + 1, 255));
 
   if (here != nullptr) {
     if (here->serial == swap_words(serial)) {
-      return disbelieve(unit, Doubt::swapped_words, here->serial);
+      return disbelieve(unit, IdentityConflict::swapped_words, here->serial);
     }
-    if (doubt.displaced == serial) return disbelieve(unit, Doubt::same_unit, here->serial);
-    if (doubt.sightings < sightings_wanted) return nullptr;
+    if (conflict.displaced == serial)
+      return disbelieve(unit, IdentityConflict::same_unit, here->serial);
+    if (conflict.sightings < sightings_wanted) return nullptr;
   } else if (!is_named(serial) && is_named(swap_words(serial))) {
-    return disbelieve(unit, Doubt::swapped_words, swap_words(serial));
+    return disbelieve(unit, IdentityConflict::swapped_words, swap_words(serial));
   }
 
-  NodeRecord* node = roster_.find(serial);
+  NodeRecord* node = nodes_.find(serial);
   if (node == nullptr) {
     node = add(serial, now);
-    if (node == nullptr) return disbelieve(unit, Doubt::no_room, no_serial);
+    if (node == nullptr) return disbelieve(unit, IdentityConflict::no_room, no_serial);
   } else if (node->unit != no_unit) {
-    if (doubt.doubt == Doubt::same_serial || node->heard_at > doubt.since) {
-      return disbelieve(unit, Doubt::same_serial, node->unit);
+    if (conflict.conflict == IdentityConflict::same_serial || node->heard_at > conflict.since) {
+      return disbelieve(unit, IdentityConflict::same_serial, node->unit);
     }
     if (!has_gone(*node, now)) return nullptr;
     log_.write(port::Level::info, TextLine()
@@ -70,16 +71,18 @@ NodeRecord* Admission::admit(std::uint32_t unit, std::uint32_t serial, port::Ins
                                       << poller_.name(unit) << ": node " << serial
                                       << " is there now, node " << here->serial << " is not");
   }
-  doubt.displaced = here == nullptr ? no_serial : here->serial;
-  roster_.seat(*node, unit);
-  clear(doubt);
+  conflict.displaced = here == nullptr ? no_serial : here->serial;
+  nodes_.seat(*node, unit);
+  clear(conflict);
   return node;
 }
 
 void Admission::sweep(port::Instant now) {
-  for (std::uint32_t unit = 0; unit < doubts_.size(); ++unit) {
-    UnitDoubt& doubt = doubts_[unit];
-    if (doubt.doubt != Doubt::none && now - doubt.seen_at > settings_.leave_after) clear(doubt);
+  for (std::uint32_t unit = 0; unit < conflicts_.size(); ++unit) {
+    UnitConflict& conflict = conflicts_[unit];
+    if (conflict.conflict != IdentityConflict::none &&
+        now - conflict.seen_at > settings_.leave_after)
+      clear(conflict);
   }
 }
 
@@ -90,9 +93,9 @@ bool Admission::has_gone(const NodeRecord& node, port::Instant now) const {
 
 // Who answers comes before who is missing.
 NodeRecord* Admission::add(std::uint32_t serial, port::Instant now) {
-  if (NodeRecord* const node = roster_.add(serial, now); node != nullptr) return node;
+  if (NodeRecord* const node = nodes_.add(serial, now); node != nullptr) return node;
   NodeRecord* longest = nullptr;
-  for (NodeRecord& node : roster_.records()) {
+  for (NodeRecord& node : nodes_.records()) {
     if (!node.is_missing || node.is_placed()) continue;
     if (longest == nullptr || node.heard_at < longest->heard_at) longest = &node;
   }
@@ -102,35 +105,35 @@ NodeRecord* Admission::add(std::uint32_t serial, port::Instant now) {
                         << " is no longer missed, though it did not come back: there is no room to "
                            "know node "
                         << serial << " too; dismiss those that are missing by a reload");
-  roster_.release(*longest);
+  nodes_.release(*longest);
   changed_ = true;
-  return roster_.add(serial, now);
+  return nodes_.add(serial, now);
 }
 
-NodeRecord* Admission::disbelieve(std::uint32_t unit, Doubt why, std::uint32_t other) {
-  UnitDoubt& doubt = doubts_[unit];
-  if (std::exchange(doubt.doubt, why) == why) return nullptr;
+NodeRecord* Admission::disbelieve(std::uint32_t unit, IdentityConflict why, std::uint32_t other) {
+  UnitConflict& conflict = conflicts_[unit];
+  if (std::exchange(conflict.conflict, why) == why) return nullptr;
   changed_ = true;
   TextLine line;
   switch (why) {
-    case Doubt::none:
-    case Doubt::waiting:
+    case IdentityConflict::none:
+    case IdentityConflict::waiting:
       break;
-    case Doubt::same_serial:
-      line << "two nodes with serial " << doubt.serial << ": " << poller_.name(other) << " and "
+    case IdentityConflict::same_serial:
+      line << "two nodes with serial " << conflict.serial << ": " << poller_.name(other) << " and "
            << poller_.name(unit) << "; the second is ignored, give it a serial of its own";
       break;
-    case Doubt::same_unit:
+    case IdentityConflict::same_unit:
       line << "two nodes answer as " << poller_.name(unit) << ": serials " << other << " and "
-           << doubt.serial << "; the second is ignored, give it a unit of its own";
+           << conflict.serial << "; the second is ignored, give it a unit of its own";
       break;
-    case Doubt::swapped_words:
-      line << poller_.name(unit) << ": answers with serial " << doubt.serial << ", which is "
+    case IdentityConflict::swapped_words:
+      line << poller_.name(unit) << ": answers with serial " << conflict.serial << ", which is "
            << other
            << " with its words swapped; set `word_order` of the bus (ABCD <-> CDAB, BADC <-> DCBA)";
       break;
-    case Doubt::no_room:
-      line << poller_.name(unit) << ": no room to know node " << doubt.serial
+    case IdentityConflict::no_room:
+      line << poller_.name(unit) << ": no room to know node " << conflict.serial
            << " too; too many nodes without a unit, wait for them to leave";
       break;
   }
@@ -138,11 +141,11 @@ NodeRecord* Admission::disbelieve(std::uint32_t unit, Doubt why, std::uint32_t o
   return nullptr;
 }
 
-void Admission::clear(UnitDoubt& doubt) {
-  changed_ = changed_ || doubt.is_alarm();
-  const std::uint32_t displaced = doubt.displaced;
-  doubt = {};
-  doubt.displaced = displaced;
+void Admission::clear(UnitConflict& conflict) {
+  changed_ = changed_ || conflict.is_alarm();
+  const std::uint32_t displaced = conflict.displaced;
+  conflict = {};
+  conflict.displaced = displaced;
 }
 
 }  // namespace etcm::firmware

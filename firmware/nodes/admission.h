@@ -12,39 +12,39 @@
 
 #include "etcm/port/log.h"
 #include "firmware/config/settings.h"
-#include "firmware/nodes/doubt.h"
+#include "firmware/nodes/identity_conflict.h"
 #include "firmware/polling/poller.h"
-#include "firmware/records/feature_book.h"
-#include "firmware/records/roster.h"
+#include "firmware/records/feature_table.h"
+#include "firmware/records/node_table.h"
 
 namespace etcm::firmware {
 
-// What is doubtful at a unit.
-struct UnitDoubt {
+// What is conflicting at a unit.
+struct UnitConflict {
   std::uint32_t serial = no_serial;  // that is not believed
-  Doubt doubt = Doubt::none;
+  IdentityConflict conflict = IdentityConflict::none;
   std::uint8_t sightings = 0;  // of it in a row
   port::Instant since{};
   port::Instant seen_at{};
   std::uint32_t displaced = no_serial;  // the node that was at this unit before the present one
 
-  bool is_alarm() const { return doubt > Doubt::waiting; }
+  bool is_alarm() const { return conflict > IdentityConflict::waiting; }
 };
 
 class Admission {
  public:
   // All arguments must outlive this.
-  Admission(const PollSettings& settings, const FeatureBook& features, Roster& roster,
+  Admission(const PollSettings& settings, const FeatureTable& features, NodeTable& nodes,
             const Poller& poller, port::Log& log);
 
   // The record of the node that answered; null when it is not believed, at least not yet.
   NodeRecord* admit(std::uint32_t unit, std::uint32_t serial, port::Instant now);
 
-  // Forgets doubts that nobody has given reason for lately.
+  // Forgets conflicts that nobody has given reason for lately.
   void sweep(port::Instant now);
 
   // By unit.
-  std::span<const UnitDoubt> doubts() const { return doubts_; }
+  std::span<const UnitConflict> conflicts() const { return conflicts_; }
   // Whether an alarm came or went since the last call.
   bool take_changed() { return std::exchange(changed_, false); }
 
@@ -55,15 +55,15 @@ class Admission {
   // A record for a node that is not known; null where there is no room for it.
   NodeRecord* add(std::uint32_t serial, port::Instant now);
   // Null, always; says why when that is news.
-  NodeRecord* disbelieve(std::uint32_t unit, Doubt doubt, std::uint32_t other);
-  void clear(UnitDoubt& doubt);
+  NodeRecord* disbelieve(std::uint32_t unit, IdentityConflict conflict, std::uint32_t other);
+  void clear(UnitConflict& conflict);
 
   const PollSettings& settings_;
-  const FeatureBook& features_;
-  Roster& roster_;
+  const FeatureTable& features_;
+  NodeTable& nodes_;
   const Poller& poller_;
   port::Log& log_;
-  std::vector<UnitDoubt> doubts_;
+  std::vector<UnitConflict> conflicts_;
   bool changed_ = false;
 };
 

@@ -24,11 +24,11 @@ TextLine last_place_of(const NodeRecord& node, const Poller& poller) {
   return poller.name(node.last_unit);
 }
 
-Presence::Presence(const PollSettings& settings, const Poller& poller, Roster& roster,
+Presence::Presence(const PollSettings& settings, const Poller& poller, NodeTable& nodes,
                    MeshKeeper& keeper, port::Log& log)
     : settings_(settings),
       poller_(poller),
-      roster_(roster),
+      nodes_(nodes),
       keeper_(keeper),
       log_(log),
       clock_(settings, poller.bus_count()),
@@ -68,7 +68,7 @@ void Presence::sweep(port::Instant now, std::uint32_t generation) {
   sweep_due_ = now + sweep_interval_;
   for (Bus& bus : buses_) bus.nodes = 0;
   waiting_ = 0;
-  for (NodeRecord& node : roster_.records()) {
+  for (NodeRecord& node : nodes_.records()) {
     if (!node.is_known()) continue;
     check_node(node, now, generation);
     if (node.is_waiting()) ++waiting_;
@@ -84,12 +84,12 @@ void Presence::update_settings(port::Instant heard_by, port::Instant now) {
 }
 
 void Presence::dismiss_missing() {
-  for (NodeRecord& node : roster_.records()) {
+  for (NodeRecord& node : nodes_.records()) {
     // One that the mesh cannot do without stays known.
     if (!node.is_missing || node.is_placed()) continue;
     log_.write(port::Level::info, TextLine() << "node " << node.serial
                                              << " is no longer missed: dismissed by the reload");
-    roster_.release(node);
+    nodes_.release(node);
     changed_ = true;
   }
 }
@@ -97,7 +97,7 @@ void Presence::dismiss_missing() {
 void Presence::tell_missing(port::Instant now) {
   const NodeRecord* first = nullptr;
   std::uint32_t count = 0;
-  for (const NodeRecord& node : roster_.records()) {
+  for (const NodeRecord& node : nodes_.records()) {
     if (!node.is_missing) continue;
     ++count;
     if (first == nullptr || node.heard_at < first->heard_at) first = &node;
@@ -124,7 +124,7 @@ std::uint32_t Presence::bus_of(const NodeRecord& node) const {
 void Presence::check_node(NodeRecord& node, port::Instant now, std::uint32_t generation) {
   if (node.has_asked_to_leave() && !node.is_placed()) {
     // Nobody waits for it, whatever its bus does.
-    if (now - node.heard_at > settings_.leave_after) roster_.release(node);
+    if (now - node.heard_at > settings_.leave_after) nodes_.release(node);
     return;
   }
   const std::uint32_t bus = bus_of(node);
@@ -144,12 +144,12 @@ void Presence::lose(NodeRecord& node, port::Instant now, std::uint32_t generatio
                           << whole_seconds(now - node.heard_at)
                           << " s; it counts as missing until it answers, or a reload dismisses "
                              "it");
-    roster_.vacate(node);
+    nodes_.vacate(node);
   }
   if (node.is_placed()) {
     keeper_.leave(node, "silent", generation);
   } else {
-    keeper_.forgive(node);
+    keeper_.clear_rejection(node);
   }
 }
 

@@ -14,15 +14,15 @@
 #include "firmware/mesh/mesh_keeper.h"
 #include "firmware/nodes/silence_clock.h"
 #include "firmware/polling/poller.h"
-#include "firmware/protocol/node_map.h"
-#include "firmware/records/roster.h"
+#include "firmware/protocol/node_registers.h"
+#include "firmware/records/node_table.h"
 
 namespace etcm::firmware {
 
 class Presence {
  public:
   // All arguments must outlive this.
-  Presence(const PollSettings& settings, const Poller& poller, Roster& roster, MeshKeeper& keeper,
+  Presence(const PollSettings& settings, const Poller& poller, NodeTable& nodes, MeshKeeper& keeper,
            port::Log& log);
 
   // The gateway's loop turns: before anything is heard in this turn.
@@ -70,7 +70,7 @@ class Presence {
 
   const PollSettings& settings_;
   const Poller& poller_;
-  Roster& roster_;
+  NodeTable& nodes_;
   MeshKeeper& keeper_;
   port::Log& log_;
   SilenceClock clock_;

@@ -82,7 +82,7 @@ void MeshKeeper::clear_mesh() {
   for (AnchorRecord& anchor : anchors_.records()) {
     anchor.vertex = VertexId::none();
     anchor.is_taken = false;
-    anchor.refusal = {};
+    anchor.rejection = {};
   }
   for (std::uint32_t number = 0; number < features_.records().size(); ++number) {
     features_.deactivate(number);

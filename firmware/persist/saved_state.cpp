@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <type_traits>
 
-#include "firmware/records/roster.h"
+#include "firmware/records/node_table.h"
 
 namespace etcm::firmware {
 

@@ -36,9 +36,9 @@ std::optional<std::uint32_t> find_unit(const Poller& poller, const std::string& 
 
 }  // namespace
 
-StateTransfer::StateTransfer(MeshKeeper& keeper, Roster& roster, const Poller& poller)
+StateTransfer::StateTransfer(MeshKeeper& keeper, NodeTable& nodes, const Poller& poller)
     : keeper_(keeper),
-      roster_(roster),
+      nodes_(nodes),
       poller_(poller),
       number_by_vertex_(keeper.mesh().config().vertices_max + 1),
       number_by_feature_(keeper.features().records().size()) {}
@@ -53,7 +53,7 @@ void StateTransfer::write(StateWriter& writer, port::Instant now) {
     const VertexId id{static_cast<IdValue>(value)};
     if (mesh.kind(id) != VertexKind::node || keeper_.serials()[value] == no_serial) continue;
     number_by_vertex_[value] = number++;
-    const NodeRecord* const record = roster_.find(keeper_.serials()[value]);
+    const NodeRecord* const record = nodes_.find(keeper_.serials()[value]);
     SavedNode node = record == nullptr ? SavedNode{} : saved_node(*record, now);
     node.serial = keeper_.serials()[value];
     node.position = mesh.position(id);
@@ -86,7 +86,7 @@ void StateTransfer::write(StateWriter& writer, port::Instant now) {
 
 // One that the mesh cannot do without is a node of the mesh first of all.
 void StateTransfer::write_missing(StateWriter& writer, port::Instant now) const {
-  for (const NodeRecord& node : roster_.records()) {
+  for (const NodeRecord& node : nodes_.records()) {
     if (!node.is_missing || node.is_placed()) continue;
     writer.add(SavedMissing{.node = saved_node(node, now),
                             .has_position = node.has_position(),
@@ -117,24 +117,24 @@ bool StateTransfer::restore(const SavedState& saved, std::uint32_t generation, p
   return false;
 }
 
-// Null where the roster is full.
+// Null where the node table is full.
 NodeRecord* StateTransfer::restore_node(const SavedState& saved, const SavedNode& node,
                                         port::Instant now) {
-  NodeRecord* const record = roster_.add(node.serial, now);
+  NodeRecord* const record = nodes_.add(node.serial, now);
   if (record == nullptr) return record;
   record->position = node.position;
   record->positioned_at = now - std::chrono::milliseconds(node.age_ms);
   record->stale = true;
   if (node.bus == no_saved_bus) return record;
   const auto unit = find_unit(poller_, saved.buses[node.bus], node.unit);
-  if (unit && roster_.at(*unit) == nullptr) roster_.seat(*record, *unit);
+  if (unit && nodes_.at(*unit) == nullptr) nodes_.seat(*record, *unit);
   return record;
 }
 
-// Where the roster is full it is forgotten: who answers comes first.
+// Where the node table is full it is forgotten: who answers comes first.
 void StateTransfer::restore_missing(const SavedState& saved, const SavedMissing& missing,
                                     port::Instant now) {
-  NodeRecord* const record = roster_.add(missing.node.serial, now);
+  NodeRecord* const record = nodes_.add(missing.node.serial, now);
   if (record == nullptr) return;
   record->is_missing = record->stale = true;
   record->heard_at = now - std::chrono::seconds(missing.silence_s);
@@ -146,7 +146,7 @@ void StateTransfer::restore_missing(const SavedState& saved, const SavedMissing&
   const auto unit = find_unit(poller_, saved.buses[missing.node.bus], missing.node.unit);
   if (!unit) return;
   record->last_unit = *unit;
-  roster_.note_gone(*unit, record->heard_at);
+  nodes_.note_gone(*unit, record->heard_at);
 }
 
 }  // namespace etcm::firmware

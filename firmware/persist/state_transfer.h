@@ -1,4 +1,5 @@
-// Between what runs and what is saved: writes down the roster and the mesh, and makes them again.
+// Between what runs and what is saved: writes down the node table and the mesh, and makes them
+// again.
 #pragma once
 
 #include <cstdint>
@@ -7,20 +8,20 @@
 #include "firmware/mesh/mesh_keeper.h"
 #include "firmware/persist/saved_state.h"
 #include "firmware/polling/poller.h"
-#include "firmware/records/roster.h"
+#include "firmware/records/node_table.h"
 
 namespace etcm::firmware {
 
 class StateTransfer {
  public:
   // All arguments must outlive this. The memory that writing needs is taken here.
-  StateTransfer(MeshKeeper& keeper, Roster& roster, const Poller& poller);
+  StateTransfer(MeshKeeper& keeper, NodeTable& nodes, const Poller& poller);
 
   // Adds everything to a state that was begun.
   void write(StateWriter& writer, port::Instant now);
 
-  // Makes the roster and the mesh what they were; both are empty before. All nodes are stale, and
-  // heard last `now`: whoever does not answer leaves like anybody else. Who was missing is so
+  // Makes the node table and the mesh what they were; both are empty before. All nodes are stale,
+  // and heard last `now`: whoever does not answer leaves like anybody else. Who was missing is so
   // still. Where the mesh cannot be the same (features or room have changed), the nodes join one by
   // one. True where it is the same.
   bool restore(const SavedState& saved, std::uint32_t generation, port::Instant now);
@@ -32,7 +33,7 @@ class StateTransfer {
   void restore_missing(const SavedState& saved, const SavedMissing& missing, port::Instant now);
 
   MeshKeeper& keeper_;
-  Roster& roster_;
+  NodeTable& nodes_;
   const Poller& poller_;
   std::vector<std::uint32_t> number_by_vertex_;   // as in SavedFeature
   std::vector<std::uint32_t> number_by_feature_;  // of the saved features, by that in the book

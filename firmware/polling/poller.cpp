@@ -46,15 +46,15 @@ constexpr auto later = [](const auto& a, const auto& b) { return a.due > b.due; 
 }  // namespace
 
 Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
-               ReadingListener& listener, port::Log& log, Errands* errands)
-    : settings_(settings), listener_(listener), log_(log), errands_(errands) {
+               ReadingListener& listener, port::Log& log, RequestSource* requests)
+    : settings_(settings), listener_(listener), log_(log), requests_(requests) {
   for (const PolledBus& bus : buses) {
     Line line{.polled = bus,
               .unit_at = std::vector<std::uint32_t>(256, no_unit),
               .turns = {},
-              .probes = {},
-              .probes_max = std::max(1u, bus.settings->outstanding_max / 2),
-              .probe_cost_max = cost_max(*bus.settings),
+              .retries = {},
+              .retries_max = std::max(1u, bus.settings->outstanding_max / 2),
+              .retry_cost_max = cost_max(*bus.settings),
               .exchange_floor = exchange_floor(*bus.settings)};
     const auto add = [&](const std::vector<UnitRange>& ranges, bool is_listed) {
       for (const UnitRange range : ranges) {
@@ -68,8 +68,8 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
     add(bus.settings->assign, true);
     if (!bus.settings->assign.empty()) add({{default_unit, default_unit}}, true);
     add(bus.settings->scan, false);
-    line.turns.reserve(line.turns.size() + line.sought.size());
-    line.probes.reserve(line.turns.capacity());
+    line.turns.reserve(line.turns.size() + line.discovery.size());
+    line.retries.reserve(line.turns.capacity());
     lines_.push_back(std::move(line));
   }
 }
@@ -81,12 +81,12 @@ void Poller::add_unit(Line& line, std::uint8_t address, bool is_listed) {
                     .address = address,
                     .timeout = timeout_of(*line.polled.settings, address),
                     .is_listed = is_listed,
-                    .is_resting = !is_listed});
+                    .is_undiscovered = !is_listed});
   if (is_listed) {
     line.turns.push_back({.due = port::Instant{}, .unit = unit});
   } else {
-    line.sought.push_back(unit);
-    ++line.resting;
+    line.discovery.push_back(unit);
+    ++line.undiscovered;
   }
 }
 
@@ -97,14 +97,14 @@ port::Instant Poller::update_settings(port::Instant now) {
   const port::Instant asked_by = now + settings_.interval;
   port::Instant heard_by = asked_by;
   for (Line& line : lines_) {
-    line.probe_cost_max = cost_max(*line.polled.settings);
-    heard_by = std::max(heard_by, asked_by + line.probe_cost_max);
-    for (std::vector<Turn>* const turns : {&line.turns, &line.probes}) {
+    line.retry_cost_max = cost_max(*line.polled.settings);
+    heard_by = std::max(heard_by, asked_by + line.retry_cost_max);
+    for (std::vector<Turn>* const turns : {&line.turns, &line.retries}) {
       for (Turn& turn : *turns) turn.due = std::min(turn.due, now + pause_of(turn.unit));
       std::make_heap(turns->begin(), turns->end(), later);
     }
     line.scan_due = std::min(line.scan_due, asked_by);
-    line.scan_allowed = std::min(line.scan_allowed, now + scan_pause(line, line.probe_cost_max));
+    line.scan_allowed = std::min(line.scan_allowed, now + scan_pause(line, line.retry_cost_max));
   }
   return heard_by;
 }
@@ -118,8 +118,8 @@ void Poller::step(port::Instant now) {
     bus.advance(now);
     port::BusAnswer answer;
     while (bus.take_answer(answer)) {
-      if (answer.ticket == errand_ticket) {
-        finish_errand(number, answer, now);
+      if (answer.ticket == request_ticket) {
+        finish_request(number, answer, now);
       } else {
         take(answer, answer.ticket, now);
       }
@@ -132,11 +132,11 @@ void Poller::step(port::Instant now) {
 // Whoever has a share of a busy bus comes before those that are due; their shares are small.
 bool Poller::ask_next(std::uint32_t number, port::Instant now) {
   Line& line = lines_[number];
-  if (errand_start(number, now) <= now && start_errand(number, now)) return true;
+  if (request_start(number, now) <= now && start_request(number, now)) return true;
   if (scan_start(line, now) <= now) {
-    const std::uint32_t sought = next_sought(line, now);
-    if (sought != no_unit) {
-      ask(line, {.due = now, .unit = sought}, Asking::scan, now);
+    const std::uint32_t discovery = next_discovery(line, now);
+    if (discovery != no_unit) {
+      ask(line, {.due = now, .unit = discovery}, Asking::scan, now);
       return true;
     }
     line.scan_due = now + settings_.interval;
@@ -152,7 +152,7 @@ bool Poller::ask_next(std::uint32_t number, port::Instant now) {
     }
     const Turn next = turn;
     turns->pop_back();
-    ask(line, next, turns == &line.probes ? Asking::probe : Asking::turn, now);
+    ask(line, next, turns == &line.retries ? Asking::retry : Asking::turn, now);
     return true;
   }
   return false;
@@ -184,7 +184,7 @@ void Poller::ask(Line& line, const Turn& turn, Asking asking, port::Instant now)
   Unit& unit = units_[turn.unit];
   unit.due = turn.due;
   unit.asking = asking;
-  if (asking == Asking::probe) ++line.probes_under_way;
+  if (asking == Asking::retry) ++line.retries_under_way;
   if (asking == Asking::scan) line.scan_under_way = true;
   unit.asked_at = now;
   ++unit.counters.requests;
@@ -196,27 +196,27 @@ void Poller::ask(Line& line, const Turn& turn, Asking asking, port::Instant now)
 // Where the next question comes from: whoever has waited longest and may be asked. Null for nobody.
 std::vector<Poller::Turn>* Poller::next_turns(Line& line, port::Instant now) const {
   const port::Instant turn = line.turns.empty() ? port::never : line.turns.front().due;
-  const port::Instant probe = probe_due(line, now);
-  if (std::min(turn, probe) > now) return nullptr;
+  const port::Instant retry = retry_due(line, now);
+  if (std::min(turn, retry) > now) return nullptr;
   if (takes_one(line)) {
-    // A probe of a busy line has its share of the time, however long the others have waited; but
+    // A retry of a busy line has its share of the time, however long the others have waited; but
     // where they will soon have been asked it comes after them, unless somebody calls for it.
-    if (turn > now) return &line.probes;
-    const bool is_first = probe <= now && (line.probes.front().due == port::Instant{} ||
-                                           now - probe >= settings_.interval);
-    return is_first ? &line.probes : &line.turns;
+    if (turn > now) return &line.retries;
+    const bool is_first = retry <= now && (line.retries.front().due == port::Instant{} ||
+                                           now - retry >= settings_.interval);
+    return is_first ? &line.retries : &line.turns;
   }
-  return turn <= probe ? &line.turns : &line.probes;
+  return turn <= retry ? &line.turns : &line.retries;
 }
 
 // When a failing unit may be asked, as far as that is known now.
-port::Instant Poller::probe_due(const Line& line, port::Instant now) const {
-  if (line.probes.empty() || line.probes_under_way >= line.probes_max) return port::never;
-  const port::Instant due = line.probes.front().due;
+port::Instant Poller::retry_due(const Line& line, port::Instant now) const {
+  if (line.retries.empty() || line.retries_under_way >= line.retries_max) return port::never;
+  const port::Instant due = line.retries.front().due;
   if (!takes_one(line) || line.turns.empty()) return due;
-  const port::Duration cost = probe_cost(line, units_[line.probes.front().unit]);
+  const port::Duration cost = retry_cost(line, units_[line.retries.front().unit]);
   const bool is_idle = line.turns.front().due > std::max(due, now) + cost;
-  return is_idle ? due : std::max(due, line.probe_allowed);
+  return is_idle ? due : std::max(due, line.retry_allowed);
 }
 
 port::Instant Poller::next_deadline() const {
@@ -226,9 +226,9 @@ port::Instant Poller::next_deadline() const {
     deadline = std::min(deadline, line.polled.bus->next_deadline());
     if (!line.polled.bus->ready()) continue;
     deadline =
-        std::min({deadline, errand_start(number, stepped_at_), scan_start(line, stepped_at_)});
+        std::min({deadline, request_start(number, stepped_at_), scan_start(line, stepped_at_)});
     if (!line.turns.empty()) deadline = std::min(deadline, line.turns.front().due);
-    deadline = std::min(deadline, probe_due(line, stepped_at_));
+    deadline = std::min(deadline, retry_due(line, stepped_at_));
   }
   return deadline;
 }
@@ -242,12 +242,12 @@ bool Poller::is_stalled(std::uint32_t bus, port::Instant now, port::Duration pat
   }
   if (!line.polled.bus->ready()) return false;
   const port::Instant turn = line.turns.empty() ? port::never : line.turns.front().due;
-  const port::Instant due = std::min(turn, probe_due(line, now));
+  const port::Instant due = std::min(turn, retry_due(line, now));
   return due <= now && std::max(due, line.progressed_at) + patience < now;
 }
 
 void Poller::ask_unit_at_once(std::uint32_t unit, port::Instant now) {
-  lines_[units_[unit].bus].probe_allowed = now;
+  lines_[units_[unit].bus].retry_allowed = now;
   bring_forward(unit, port::Instant{});
 }
 
@@ -255,12 +255,12 @@ void Poller::ask_unit_at_once(std::uint32_t unit, port::Instant now) {
 void Poller::bring_forward(std::uint32_t index, port::Instant due) {
   Unit& unit = units_[index];
   Line& line = lines_[unit.bus];
-  if (unit.is_resting) {
-    unit.is_resting = false;
-    --line.resting;
+  if (unit.is_undiscovered) {
+    unit.is_undiscovered = false;
+    --line.undiscovered;
     return ask_again(index, due);
   }
-  for (std::vector<Turn>* const turns : {&line.turns, &line.probes}) {
+  for (std::vector<Turn>* const turns : {&line.turns, &line.retries}) {
     const auto found = std::find_if(turns->begin(), turns->end(),
                                     [&](const Turn& turn) { return turn.unit == index; });
     if (found == turns->end()) continue;
@@ -348,12 +348,12 @@ void Poller::count_sound(std::uint32_t index, port::Instant now) {
   Unit& unit = units_[index];
   Line& line = lines_[unit.bus];
   if ((!unit.has_answered || unit.failures > 0) && line.sound++ == 0) {
-    for (Turn& probe : line.probes) {
-      probe.due = std::min(probe.due, now);
-      units_[probe.unit].failures = std::min(units_[probe.unit].failures, failures_free);
+    for (Turn& retry : line.retries) {
+      retry.due = std::min(retry.due, now);
+      units_[retry.unit].failures = std::min(units_[retry.unit].failures, failures_free);
     }
-    std::make_heap(line.probes.begin(), line.probes.end(), later);
-    line.probe_allowed = now;
+    std::make_heap(line.retries.begin(), line.retries.end(), later);
+    line.retry_allowed = now;
   }
   unit.has_answered = true;
   unit.failures = 0;
@@ -392,7 +392,7 @@ port::Duration Poller::pause_of(std::uint32_t index) const {
 void Poller::ask_again(std::uint32_t index, port::Instant due) {
   const Unit& unit = units_[index];
   Line& line = lines_[unit.bus];
-  std::vector<Turn>& turns = unit.failures > 0 ? line.probes : line.turns;
+  std::vector<Turn>& turns = unit.failures > 0 ? line.retries : line.turns;
   turns.push_back({.due = due, .unit = index});
   std::push_heap(turns.begin(), turns.end(), later);
 }

@@ -10,9 +10,9 @@
 #include "etcm/port/node_bus.h"
 #include "firmware/config/settings.h"
 #include "firmware/logging/text_line.h"
-#include "firmware/polling/errand.h"
+#include "firmware/polling/bus_request.h"
 #include "firmware/polling/poll_counters.h"
-#include "firmware/protocol/node_map.h"
+#include "firmware/protocol/node_registers.h"
 
 namespace etcm::firmware {
 
@@ -55,7 +55,7 @@ class ReadingListener {
 // costs the others 1/32 of its time at the most, and beyond that they are asked as failing units
 // are.
 //
-// Errands wait until nobody is due; on a bus that is always busy they have 1/16 of its time.
+// Requests wait until nobody is due; on a bus that is always busy they have 1/16 of its time.
 //
 // Where no unit of a bus answers, something between is broken, such as a cable: all are asked as
 // often as if they were there, and all at once when the first answers again.
@@ -63,7 +63,7 @@ class Poller {
  public:
   // All arguments must outlive the poller.
   Poller(const PollSettings& settings, std::span<const PolledBus> buses, ReadingListener& listener,
-         port::Log& log, Errands* errands = nullptr);
+         port::Log& log, RequestSource* requests = nullptr);
 
   // Takes what was answered and asks whoever is due.
   void step(port::Instant now);
@@ -97,7 +97,7 @@ class Poller {
   std::uint32_t unit_at(std::uint32_t bus, std::uint8_t address) const {
     return lines_[bus].unit_at[address];
   }
-  // From when on an errand may read or write there (node_bus.h).
+  // From when on an request may read or write there (node_bus.h).
   port::Instant read_free_at(std::uint32_t unit) const;
   port::Instant write_free_at(std::uint32_t unit) const;
   std::uint8_t address_of(std::uint32_t unit) const { return units_[unit].address; }
@@ -109,16 +109,16 @@ class Poller {
   bool is_stalled(std::uint32_t bus, port::Instant now, port::Duration patience) const;
 
  private:
-  static constexpr std::uint32_t errand_ticket = 0xffffffff;
+  static constexpr std::uint32_t request_ticket = 0xffffffff;
 
-  enum class Asking : std::uint8_t { turn, probe, scan };
+  enum class Asking : std::uint8_t { turn, retry, scan };
   struct Unit {
     std::uint32_t bus = 0;
     std::uint8_t address = 0;
     port::Duration timeout{};
     bool has_answered = false;
     bool is_listed = true;         // else it is only looked for
-    bool is_resting = false;       // not listed, and its time to be looked for has not come
+    bool is_undiscovered = false;  // not listed, and its time to be looked for has not come
     Asking asking = Asking::turn;  // why it was asked last
     std::uint8_t torn_repeats = 0;
     std::uint32_t failures = 0;  // in a row
@@ -136,22 +136,22 @@ class Poller {
     PolledBus polled;
     std::vector<std::uint32_t> unit_at;  // by address; no_unit where there is none
     std::vector<Turn> turns;             // of sound units; a heap, the earliest on top
-    std::vector<Turn> probes;            // of failing ones, likewise
+    std::vector<Turn> retries;           // of failing ones, likewise
     std::uint32_t sound = 0;             // units that answered when last asked
-    std::uint32_t probes_under_way = 0;
-    std::uint32_t probes_max = 0;
-    port::Duration probe_cost_max{};      // to a unit that does not answer, where it takes one
-    port::Instant probe_allowed{};        // at others' cost, where it takes one
-    port::Instant call_allowed{};         // likewise, whom somebody calls for
-    std::vector<std::uint32_t> sought{};  // units that are not listed
-    std::size_t sought_next = 0;
-    std::uint32_t resting = 0;
+    std::uint32_t retries_under_way = 0;
+    std::uint32_t retries_max = 0;
+    port::Duration retry_cost_max{};         // to a unit that does not answer, where it takes one
+    port::Instant retry_allowed{};           // at others' cost, where it takes one
+    port::Instant call_allowed{};            // likewise, whom somebody calls for
+    std::vector<std::uint32_t> discovery{};  // units that are not listed
+    std::size_t discovery_next = 0;
+    std::uint32_t undiscovered = 0;
     bool scan_under_way = false;
     port::Instant scan_due{};
     port::Instant scan_allowed{};  // at others' cost
-    bool errand_under_way = false;
-    port::Instant errand_asked_at{};
-    port::Instant errand_allowed{};  // at others' cost
+    bool request_under_way = false;
+    port::Instant request_asked_at{};
+    port::Instant request_allowed{};  // at others' cost
     std::uint32_t under_way = 0;
     port::Instant progressed_at{};  // asked or heard
     port::Duration exchange_floor{};
@@ -165,24 +165,24 @@ class Poller {
   static bool takes_one(const Line& line) {
     return line.polled.settings->outstanding_max == 1 || line.polled.bus->is_one_line();
   }
-  static port::Duration probe_cost(const Line& line, const Unit& unit);
+  static port::Duration retry_cost(const Line& line, const Unit& unit);
   port::RegisterRead read_of(std::uint32_t unit) const;
   void add_unit(Line& line, std::uint8_t address, bool is_listed);
   bool ask_next(std::uint32_t bus, port::Instant now);
   void ask(Line& line, const Turn& turn, Asking asking, port::Instant now);
-  bool start_errand(std::uint32_t bus, port::Instant now);
-  void finish_errand(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now);
-  port::Instant errand_start(std::uint32_t bus, port::Instant now) const;
+  bool start_request(std::uint32_t bus, port::Instant now);
+  void finish_request(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now);
+  port::Instant request_start(std::uint32_t bus, port::Instant now) const;
   static port::Instant scan_start(const Line& line, port::Instant now);
   static port::Instant start_beside(const Line& line, port::Instant due, port::Instant allowed,
                                     port::Instant now);
   static port::Duration cost_of(port::Instant asked_at, const port::BusAnswer& answer,
                                 port::Instant now);
-  std::uint32_t next_sought(Line& line, port::Instant now);
+  std::uint32_t next_discovery(Line& line, port::Instant now);
   void note_cost(Unit& unit, const port::BusAnswer& answer, port::Instant now);
   void rest(std::uint32_t unit);
   std::vector<Turn>* next_turns(Line& line, port::Instant now) const;
-  port::Instant probe_due(const Line& line, port::Instant now) const;
+  port::Instant retry_due(const Line& line, port::Instant now) const;
   void take(const port::BusAnswer& answer, std::uint32_t unit, port::Instant now);
   void count_answer(Unit& unit, port::BusResult result, port::Instant now);
   void miss(std::uint32_t unit, std::string_view why, bool is_silence, port::Instant now);
@@ -196,7 +196,7 @@ class Poller {
   const PollSettings& settings_;
   ReadingListener& listener_;
   port::Log& log_;
-  Errands* errands_;
+  RequestSource* requests_;
   std::vector<Unit> units_;
   std::vector<Line> lines_;
   port::Instant stepped_at_{};

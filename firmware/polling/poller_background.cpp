@@ -1,4 +1,4 @@
-// What the poller does beside those whose turn it is: errands, looking for units, and what each of
+// What the poller does beside those whose turn it is: requests, looking for units, and what each of
 // them, and the units that fail, may cost the others.
 #include <algorithm>
 
@@ -9,9 +9,9 @@ namespace etcm::firmware {
 namespace {
 
 // Units that do not answer get one part in so many of the time of a bus that others want.
-constexpr std::int64_t probe_share = 32;
-// So have errands.
-constexpr std::int64_t errand_share = 16;
+constexpr std::int64_t retry_share = 32;
+// So have requests.
+constexpr std::int64_t request_share = 16;
 
 }  // namespace
 
@@ -37,25 +37,25 @@ void Poller::call_for(std::uint32_t index, port::Instant due, port::Instant now)
   const Unit& unit = units_[index];
   Line& line = lines_[unit.bus];
   if (now < line.call_allowed) return bring_forward(index, due);
-  line.call_allowed = now + probe_cost(line, unit) * probe_share;
+  line.call_allowed = now + retry_cost(line, unit) * retry_share;
   ask_unit_at_once(index, now);
 }
 
 // The most that a question to it costs the others, where the bus takes one at a time.
-port::Duration Poller::probe_cost(const Line& line, const Unit& unit) {
-  return std::max({line.probe_cost_max, unit.timeout + unit.silence + line.exchange_floor,
+port::Duration Poller::retry_cost(const Line& line, const Unit& unit) {
+  return std::max({line.retry_cost_max, unit.timeout + unit.silence + line.exchange_floor,
                    unit.failures > 0 ? unit.cost : port::Duration{}});
 }
 
 // no_unit where none may be asked now.
-std::uint32_t Poller::next_sought(Line& line, port::Instant now) {
-  for (std::size_t looks = 0; looks < line.sought.size(); ++looks) {
-    const std::uint32_t unit = line.sought[line.sought_next];
-    line.sought_next = (line.sought_next + 1) % line.sought.size();
-    if (!units_[unit].is_resting) continue;
+std::uint32_t Poller::next_discovery(Line& line, port::Instant now) {
+  for (std::size_t looks = 0; looks < line.discovery.size(); ++looks) {
+    const std::uint32_t unit = line.discovery[line.discovery_next];
+    line.discovery_next = (line.discovery_next + 1) % line.discovery.size();
+    if (!units_[unit].is_undiscovered) continue;
     if (line.polled.bus->read_free_at(read_of(unit), now) > now) continue;
-    units_[unit].is_resting = false;
-    --line.resting;
+    units_[unit].is_undiscovered = false;
+    --line.undiscovered;
     return unit;
   }
   return no_unit;
@@ -66,56 +66,57 @@ std::uint32_t Poller::next_sought(Line& line, port::Instant now) {
 port::Instant Poller::start_beside(const Line& line, port::Instant due, port::Instant allowed,
                                    port::Instant now) {
   if (due == port::never || line.turns.empty()) return due;
-  const port::Duration cost = takes_one(line) ? line.probe_cost_max : port::Duration{};
+  const port::Duration cost = takes_one(line) ? line.retry_cost_max : port::Duration{};
   const bool is_idle = line.turns.front().due > std::max(due, now) + cost;
   return is_idle ? due : std::max(due, allowed);
 }
 
-port::Instant Poller::errand_start(std::uint32_t number, port::Instant now) const {
+port::Instant Poller::request_start(std::uint32_t number, port::Instant now) const {
   const Line& line = lines_[number];
-  if (errands_ == nullptr || line.errand_under_way) return port::never;
-  return start_beside(line, errands_->errand_due(number), line.errand_allowed, now);
+  if (requests_ == nullptr || line.request_under_way) return port::never;
+  return start_beside(line, requests_->request_due(number), line.request_allowed, now);
 }
 
 port::Instant Poller::scan_start(const Line& line, port::Instant now) {
-  if (line.resting == 0 || line.scan_under_way) return port::never;
+  if (line.undiscovered == 0 || line.scan_under_way) return port::never;
   return start_beside(line, line.scan_due, line.scan_allowed, now);
 }
 
-bool Poller::start_errand(std::uint32_t number, port::Instant now) {
-  Errand errand;
-  if (!errands_->next_errand(number, now, errand)) return false;
+bool Poller::start_request(std::uint32_t number, port::Instant now) {
+  BusRequest request;
+  if (!requests_->next_request(number, now, request)) return false;
   Line& line = lines_[number];
-  line.errand_under_way = true;
-  line.errand_asked_at = line.progressed_at = now;
+  line.request_under_way = true;
+  line.request_asked_at = line.progressed_at = now;
   ++line.under_way;
-  const port::Duration timeout = timeout_of(*line.polled.settings, errand.address);
-  if (errand.read_count > 0) {
-    line.polled.bus->start_read({.unit = errand.address,
-                                 .first = errand.first,
-                                 .count = errand.read_count,
+  const port::Duration timeout = timeout_of(*line.polled.settings, request.address);
+  if (request.read_count > 0) {
+    line.polled.bus->start_read({.unit = request.address,
+                                 .first = request.first,
+                                 .count = request.read_count,
                                  .timeout = timeout,
-                                 .ticket = errand_ticket,
-                                 .spare = errand.spare},
+                                 .ticket = request_ticket,
+                                 .spare = request.spare},
                                 now);
   } else {
-    line.polled.bus->start_write({.unit = errand.address,
-                                  .first = errand.first,
-                                  .values = errand.values,
+    line.polled.bus->start_write({.unit = request.address,
+                                  .first = request.first,
+                                  .values = request.values,
                                   .timeout = timeout,
-                                  .ticket = errand_ticket},
+                                  .ticket = request_ticket},
                                  now);
   }
   return true;
 }
 
-void Poller::finish_errand(std::uint32_t number, const port::BusAnswer& answer, port::Instant now) {
+void Poller::finish_request(std::uint32_t number, const port::BusAnswer& answer,
+                            port::Instant now) {
   Line& line = lines_[number];
-  line.errand_under_way = false;
+  line.request_under_way = false;
   --line.under_way;
   line.progressed_at = now;
-  line.errand_allowed = now + cost_of(line.errand_asked_at, answer, now) * (errand_share - 1);
-  errands_->on_errand_done(number, answer, now);
+  line.request_allowed = now + cost_of(line.request_asked_at, answer, now) * (request_share - 1);
+  requests_->on_request_done(number, answer, now);
 }
 
 // What a request has cost the others.
@@ -132,15 +133,15 @@ void Poller::note_cost(Unit& unit, const port::BusAnswer& answer, port::Instant 
   if (unit.asking == Asking::turn) {
     // Who was never there is asked again in the time of those that fail.
     if (answer.result != port::BusResult::ok && !unit.has_answered) {
-      line.probe_allowed = std::max(line.probe_allowed, now + cost * (probe_share - 1));
+      line.retry_allowed = std::max(line.retry_allowed, now + cost * (retry_share - 1));
     }
     return;
   }
-  if (unit.asking == Asking::probe) {
-    --line.probes_under_way;
+  if (unit.asking == Asking::retry) {
+    --line.retries_under_way;
     // Who answers takes no more than those that are there.
     if (answer.result != port::BusResult::ok) {
-      line.probe_allowed = now + cost * (probe_share - 1);
+      line.retry_allowed = now + cost * (retry_share - 1);
     }
     return;
   }
@@ -161,8 +162,8 @@ port::Duration Poller::scan_pause(const Line& line, port::Duration cost) const {
 void Poller::rest(std::uint32_t index) {
   Unit& unit = units_[index];
   unit.has_answered = false;
-  unit.is_resting = true;
-  ++lines_[unit.bus].resting;
+  unit.is_undiscovered = true;
+  ++lines_[unit.bus].undiscovered;
 }
 
 }  // namespace etcm::firmware

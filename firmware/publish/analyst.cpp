@@ -59,7 +59,7 @@ void reserve(MeshAnalysis& analysis, const AnalysisSettings& settings) {
   }
 }
 
-void Analyst::look_at(const Mesh& mesh, const FeatureBook& features, Snapshot& snapshot) {
+void Analyst::look_at(const Mesh& mesh, const FeatureTable& features, Snapshot& snapshot) {
   if (settings_.radio_range == 0 && settings_.sensing_range == 0) return;
   MeshAnalysis& analysis = snapshot.analysis;
   analysis.radio_range = settings_.radio_range;
@@ -108,7 +108,7 @@ void Analyst::look_at_links(const Mesh& mesh, const Mesh& devices, MeshAnalysis&
   }
 }
 
-void Analyst::look_at_relays(const Mesh& mesh, const Mesh& devices, const FeatureBook& features,
+void Analyst::look_at_relays(const Mesh& mesh, const Mesh& devices, const FeatureTable& features,
                              MeshAnalysis& analysis) {
   const std::uint64_t count = relays(mesh, devices, settings_.radio_range, relays_);
   analysis.relay_count = saturated(count);
@@ -129,7 +129,7 @@ void Analyst::look_at_coverage(const Mesh& mesh, const Mesh& devices, MeshAnalys
   }
 }
 
-void Analyst::look_at_gaps(const Mesh& mesh, const Mesh& devices, const FeatureBook& features,
+void Analyst::look_at_gaps(const Mesh& mesh, const Mesh& devices, const FeatureTable& features,
                            MeshAnalysis& analysis) {
   analysis.gap_count = barrier_gaps(mesh, devices, settings_.sensing_range, gaps_);
   analysis.unwatched_gap_count = 0;

@@ -8,7 +8,7 @@
 #include "etcm/analysis.h"
 #include "firmware/config/settings.h"
 #include "firmware/publish/snapshot.h"
-#include "firmware/records/feature_book.h"
+#include "firmware/records/feature_table.h"
 #include "firmware/site/coverage_domain.h"
 
 namespace etcm::firmware {
@@ -27,15 +27,15 @@ class Analyst {
   // Fills snapshot.analysis, and the subgraphs in snapshot.neighbours. The snapshot is of this
   // mesh, and its nodes that are no anchors are the devices. O(n log n): a few microseconds a
   // vertex.
-  void look_at(const Mesh& mesh, const FeatureBook& features, Snapshot& snapshot);
+  void look_at(const Mesh& mesh, const FeatureTable& features, Snapshot& snapshot);
 
  private:
   const Mesh& devices_alone(const Mesh& mesh, const Snapshot& snapshot);
   void look_at_links(const Mesh& mesh, const Mesh& devices, MeshAnalysis& analysis);
-  void look_at_relays(const Mesh& mesh, const Mesh& devices, const FeatureBook& features,
+  void look_at_relays(const Mesh& mesh, const Mesh& devices, const FeatureTable& features,
                       MeshAnalysis& analysis);
   void look_at_coverage(const Mesh& mesh, const Mesh& devices, MeshAnalysis& analysis);
-  void look_at_gaps(const Mesh& mesh, const Mesh& devices, const FeatureBook& features,
+  void look_at_gaps(const Mesh& mesh, const Mesh& devices, const FeatureTable& features,
                     MeshAnalysis& analysis);
   void mark_subgraphs(const Mesh& mesh, Snapshot& snapshot);
 

@@ -4,7 +4,8 @@
 
 namespace etcm::firmware {
 
-ImagePool::ImagePool(const MeshMapCapacity& capacity, std::size_t ready, std::size_t images_max)
+ImagePool::ImagePool(const MeshRegisterCapacity& capacity, std::size_t ready,
+                     std::size_t images_max)
     : capacity_(capacity) {
   images_.reserve(images_max);
   for (std::size_t i = 0; i < ready; ++i) {

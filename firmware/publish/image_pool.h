@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "etcm/port/mesh_server.h"
-#include "firmware/publish/mesh_map.h"
+#include "firmware/publish/mesh_registers.h"
 #include "firmware/publish/snapshot.h"
 
 namespace etcm::firmware {
@@ -17,13 +17,13 @@ namespace etcm::firmware {
 class ImagePool {
  public:
   // Takes the memory of `ready` images at once, and room to know `images_max`.
-  ImagePool(const MeshMapCapacity& capacity, std::size_t ready, std::size_t images_max);
+  ImagePool(const MeshRegisterCapacity& capacity, std::size_t ready, std::size_t images_max);
 
   // The snapshot as registers.
   std::shared_ptr<const port::RegisterImage> encode(const Snapshot& snapshot);
 
  private:
-  const MeshMapCapacity capacity_;
+  const MeshRegisterCapacity capacity_;
   std::vector<std::shared_ptr<port::RegisterImage>> images_;
 };
 

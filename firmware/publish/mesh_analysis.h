@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "etcm/types.h"
-#include "firmware/protocol/mesh_map_layout.h"
+#include "firmware/protocol/mesh_register_layout.h"
 
 namespace etcm::firmware {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "firmware/protocol/node_map.h"
+#include "firmware/protocol/node_registers.h"
 
 namespace etcm::firmware {
 

@@ -3,56 +3,60 @@
 namespace etcm::firmware {
 
 const char* explain(const QuarantineEntry& entry) {
-  switch (entry.doubt) {
-    case Doubt::none:
-    case Doubt::waiting:
-      return explain(entry.refusal);
-    case Doubt::same_serial:
+  switch (entry.conflict) {
+    case IdentityConflict::none:
+    case IdentityConflict::waiting:
+      return explain(entry.rejection);
+    case IdentityConflict::same_serial:
       return "another node has this serial too: give one of them a serial of its own";
-    case Doubt::same_unit:
+    case IdentityConflict::same_unit:
       return "another node answers at this unit too: give one of them a unit of its own";
-    case Doubt::swapped_words:
+    case IdentityConflict::swapped_words:
       return "a known serial with its words swapped: set `word_order` of the bus";
-    case Doubt::no_room:
+    case IdentityConflict::no_room:
       return "too many nodes without a unit are known already: wait for them to leave";
   }
   return "";
 }
 
-std::size_t quarantine_max(const Roster& roster, const FeatureBook& features,
-                           const AnchorBook& anchors, const Admission& admission) {
-  return roster.records().size() + features.records().size() + anchors.records().size() +
-         admission.doubts().size();
+std::size_t quarantine_max(const NodeTable& nodes, const FeatureTable& features,
+                           const AnchorTable& anchors, const Admission& admission) {
+  return nodes.records().size() + features.records().size() + anchors.records().size() +
+         admission.conflicts().size();
 }
 
-void list_quarantine(const Roster& roster, const FeatureBook& features, const AnchorBook& anchors,
-                     const Admission& admission, std::vector<QuarantineEntry>& list) {
+void list_quarantine(const NodeTable& nodes, const FeatureTable& features,
+                     const AnchorTable& anchors, const Admission& admission,
+                     std::vector<QuarantineEntry>& list) {
   list.clear();
-  for (const NodeRecord& node : roster.records()) {
+  for (const NodeRecord& node : nodes.records()) {
     if (!node.is_known() || !node.is_quarantined()) continue;
     list.push_back({.serial = node.serial,
                     .unit = node.unit,
-                    .place = node.refused_at,
-                    .refusal = node.refusal,
-                    .since = node.refused_since});
+                    .place = node.rejected_at,
+                    .rejection = node.rejection,
+                    .since = node.rejected_since});
   }
   std::uint32_t number = 0;
   for (const FeatureRecord& feature : features.records()) {
     ++number;
-    if (feature.refusal == Status::ok) continue;
-    list.push_back({.feature = number, .refusal = feature.refusal, .since = feature.refused_since});
+    if (feature.rejection == Status::ok) continue;
+    list.push_back(
+        {.feature = number, .rejection = feature.rejection, .since = feature.rejected_since});
   }
   for (const AnchorRecord& anchor : anchors.records()) {
-    if (anchor.refusal.is_none()) continue;
+    if (anchor.rejection.is_none()) continue;
     list.push_back({.place = anchor.settings.position,
-                    .refusal = anchor.refusal,
-                    .since = anchor.refused_since});
+                    .rejection = anchor.rejection,
+                    .since = anchor.rejected_since});
   }
   std::uint32_t unit = 0;
-  for (const UnitDoubt& doubt : admission.doubts()) {
-    if (doubt.is_alarm()) {
-      list.push_back(
-          {.serial = doubt.serial, .unit = unit, .doubt = doubt.doubt, .since = doubt.since});
+  for (const UnitConflict& conflict : admission.conflicts()) {
+    if (conflict.is_alarm()) {
+      list.push_back({.serial = conflict.serial,
+                      .unit = unit,
+                      .conflict = conflict.conflict,
+                      .since = conflict.since});
     }
     ++unit;
   }

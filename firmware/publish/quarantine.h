@@ -7,10 +7,10 @@
 
 #include "etcm/port/clock.h"
 #include "firmware/nodes/admission.h"
-#include "firmware/records/anchor_book.h"
-#include "firmware/records/feature_book.h"
-#include "firmware/records/roster.h"
-#include "firmware/site/refusal.h"
+#include "firmware/records/anchor_table.h"
+#include "firmware/records/feature_table.h"
+#include "firmware/records/node_table.h"
+#include "firmware/site/rejection.h"
 
 namespace etcm::firmware {
 
@@ -19,8 +19,8 @@ struct QuarantineEntry {
   std::uint32_t feature = 0;         // its number, counted from 1 as configured; 0: it is none
   std::uint32_t unit = no_unit;      // where the node answers, if that is known
   Position place{};                  // where the node or the anchor cannot be, if it is one
-  Refusal refusal{};                 // none: it did not come so far
-  Doubt doubt = Doubt::none;         // about who the node is
+  Rejection rejection{};             // none: it did not come so far
+  IdentityConflict conflict = IdentityConflict::none;  // about who the node is
   port::Instant since{};
 };
 
@@ -28,12 +28,13 @@ struct QuarantineEntry {
 const char* explain(const QuarantineEntry& entry);
 
 // The most entries there can be.
-std::size_t quarantine_max(const Roster& roster, const FeatureBook& features,
-                           const AnchorBook& anchors, const Admission& admission);
+std::size_t quarantine_max(const NodeTable& nodes, const FeatureTable& features,
+                           const AnchorTable& anchors, const Admission& admission);
 
 // Replaces what is in `list`: nodes by record, then features and anchors, then units with a
-// doubtful answer. Allocates nothing where the list has room for quarantine_max().
-void list_quarantine(const Roster& roster, const FeatureBook& features, const AnchorBook& anchors,
-                     const Admission& admission, std::vector<QuarantineEntry>& list);
+// conflicting answer. Allocates nothing where the list has room for quarantine_max().
+void list_quarantine(const NodeTable& nodes, const FeatureTable& features,
+                     const AnchorTable& anchors, const Admission& admission,
+                     std::vector<QuarantineEntry>& list);
 
 }  // namespace etcm::firmware

@@ -8,25 +8,27 @@ namespace etcm::firmware {
 namespace {
 
 constexpr auto reasons = std::to_array<QuarantineReason>({
-    {1, DomainPlace::outside, Doubt::none, "it stands outside the domain"},
-    {2, DomainPlace::in_hole, Doubt::none, "it stands in a hole of the domain"},
-    {10, Status::duplicate_vertex, Doubt::none, "another node stands exactly there"},
-    {11, Status::bad_coordinate, Doubt::none, "a coordinate is out of range"},
-    {12, Status::zero_length_feature, Doubt::none, "the feature begins where it ends"},
-    {13, Status::repeated_feature, Doubt::none, "the feature is in the mesh already"},
-    {14, Status::overlapping_features, Doubt::none, "the feature runs along a part of another"},
-    {15, Status::crossing_features, Doubt::none, "features would cross"},
-    {16, Status::endpoint_in_use, Doubt::none, "a feature ends there"},
-    {20, Status::out_of_vertices, Doubt::none, "vertices_max is reached"},
-    {21, Status::out_of_features, Doubt::none, "features_max is reached"},
-    {22, Status::steiner_budget, Doubt::none, "steiner_max is reached"},
-    {23, Status::step_limit, Doubt::none, "steps_max is reached"},
-    {24, Status::grid_exhausted, Doubt::none, "a stretch of a feature is too short to be split"},
-    {30, Status::ok, Doubt::same_serial, "another node has this serial"},
-    {31, Status::ok, Doubt::same_unit, "another node answers at this unit"},
-    {32, Status::ok, Doubt::swapped_words, "a known serial with its words swapped"},
-    {33, Status::ok, Doubt::no_room, "too many nodes without a unit are known"},
-    {other_reason, Status::ok, Doubt::none, "anything else; the log says what"},
+    {1, DomainPlace::outside, IdentityConflict::none, "it stands outside the domain"},
+    {2, DomainPlace::in_hole, IdentityConflict::none, "it stands in a hole of the domain"},
+    {10, Status::duplicate_vertex, IdentityConflict::none, "another node stands exactly there"},
+    {11, Status::bad_coordinate, IdentityConflict::none, "a coordinate is out of range"},
+    {12, Status::zero_length_feature, IdentityConflict::none, "the feature begins where it ends"},
+    {13, Status::repeated_feature, IdentityConflict::none, "the feature is in the mesh already"},
+    {14, Status::overlapping_features, IdentityConflict::none,
+     "the feature runs along a part of another"},
+    {15, Status::crossing_features, IdentityConflict::none, "features would cross"},
+    {16, Status::endpoint_in_use, IdentityConflict::none, "a feature ends there"},
+    {20, Status::out_of_vertices, IdentityConflict::none, "vertices_max is reached"},
+    {21, Status::out_of_features, IdentityConflict::none, "features_max is reached"},
+    {22, Status::steiner_budget, IdentityConflict::none, "steiner_max is reached"},
+    {23, Status::step_limit, IdentityConflict::none, "steps_max is reached"},
+    {24, Status::grid_exhausted, IdentityConflict::none,
+     "a stretch of a feature is too short to be split"},
+    {30, Status::ok, IdentityConflict::same_serial, "another node has this serial"},
+    {31, Status::ok, IdentityConflict::same_unit, "another node answers at this unit"},
+    {32, Status::ok, IdentityConflict::swapped_words, "a known serial with its words swapped"},
+    {33, Status::ok, IdentityConflict::no_room, "too many nodes without a unit are known"},
+    {other_reason, Status::ok, IdentityConflict::none, "anything else; the log says what"},
 });
 
 constexpr bool has_codes_in_order() {
@@ -41,9 +43,9 @@ static_assert(has_codes_in_order());
 
 std::span<const QuarantineReason> quarantine_reasons() { return reasons; }
 
-std::uint16_t reason_code(const Refusal& refusal, Doubt doubt) {
+std::uint16_t reason_code(const Rejection& rejection, IdentityConflict conflict) {
   const auto found = std::find_if(reasons.begin(), reasons.end(), [&](const auto& reason) {
-    return reason.refusal == refusal && reason.doubt == doubt;
+    return reason.rejection == rejection && reason.conflict == conflict;
   });
   return found == reasons.end() ? other_reason : found->code;
 }

@@ -5,15 +5,15 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/nodes/doubt.h"
-#include "firmware/site/refusal.h"
+#include "firmware/nodes/identity_conflict.h"
+#include "firmware/site/rejection.h"
 
 namespace etcm::firmware {
 
 struct QuarantineReason {
   std::uint16_t code;
-  Refusal refusal;
-  Doubt doubt;
+  Rejection rejection;
+  IdentityConflict conflict;
   const char* meaning;  // for the guide
 };
 
@@ -21,6 +21,6 @@ std::span<const QuarantineReason> quarantine_reasons();
 
 // other_reason where the table has none.
 inline constexpr std::uint16_t other_reason = 255;
-std::uint16_t reason_code(const Refusal& refusal, Doubt doubt);
+std::uint16_t reason_code(const Rejection& rejection, IdentityConflict conflict);
 
 }  // namespace etcm::firmware

@@ -7,7 +7,7 @@
 #include "etcm/mesh.h"
 #include "firmware/publish/mesh_analysis.h"
 #include "firmware/site/feature_end.h"
-#include "firmware/site/refusal.h"
+#include "firmware/site/rejection.h"
 
 namespace etcm::firmware {
 
@@ -25,7 +25,7 @@ struct SnapshotVertex {
   bool stale = false;
   bool lacks_fix = false;     // stale although its node answers
   bool is_anchor = false;     // a fixed point of the site; to the mesh it is a node
-  Refusal refusal{};          // of a node: why the mesh does not have it where it is now
+  Rejection rejection{};      // of a node: why the mesh does not have it where it is now
   std::uint32_t serial = 0;   // of a node that is no anchor
   std::uint32_t unit = 0;     // that answers for a node; of all buses, from 0; no_unit: sought
   std::uint32_t feature = 0;  // a Steiner vertex stands on it; counted from 1 as configured
@@ -42,13 +42,13 @@ struct SnapshotNeighbour {
 };
 
 // A node that is known and not in the mesh.
-struct SnapshotOutsider {
+struct SnapshotUnplacedNode {
   std::uint32_t serial = 0;
   std::uint32_t unit = 0;
   bool is_missing = false;  // its unit is then where it answered last
   bool has_position = false;
   Position position;
-  Refusal refusal;  // none: it is missing, has not told where it is, or has asked to leave
+  Rejection rejection;  // none: it is missing, has not told where it is, or has asked to leave
 };
 
 // A configured feature that is not in the mesh.
@@ -56,7 +56,7 @@ struct SnapshotMissingFeature {
   std::uint32_t number = 0;  // from 1 as configured
   FeatureEnd from;
   FeatureEnd to;
-  Refusal refusal;  // none: it waits for its ends
+  Rejection rejection;  // none: it waits for its ends
 };
 
 enum class QuarantineKind : std::uint8_t { none, node, feature, anchor, answer };
@@ -64,7 +64,7 @@ enum class QuarantineKind : std::uint8_t { none, node, feature, anchor, answer }
 struct SnapshotQuarantined {
   QuarantineKind kind = QuarantineKind::none;
   std::uint16_t reason = 0;   // its code (quarantine_reason.h)
-  std::uint32_t serial = 0;   // of a node, or of a doubtful answer
+  std::uint32_t serial = 0;   // of a node, or of a conflicting answer
   std::uint32_t feature = 0;  // its number, from 1 as configured
   std::uint16_t bus = 0;      // of the unit that answers, from 1 as configured; 0: not known
   std::uint16_t unit = 0;     // its address
@@ -91,7 +91,7 @@ struct Snapshot {
   std::uint64_t mesh_hash = 0;
   std::vector<SnapshotVertex> vertices;
   std::vector<SnapshotNeighbour> neighbours;
-  std::vector<SnapshotOutsider> outsiders{};
+  std::vector<SnapshotUnplacedNode> unplaced_nodes{};
   std::vector<SnapshotMissingFeature> missing_features{};
   std::vector<SnapshotQuarantined> quarantine{};
   MeshAnalysis analysis{};

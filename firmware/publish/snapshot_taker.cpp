@@ -10,7 +10,7 @@ namespace etcm::firmware {
 
 using namespace std::chrono_literals;
 
-MeshMapCapacity map_capacity(const Settings& settings) {
+MeshRegisterCapacity register_capacity(const Settings& settings) {
   const auto analysis = [](std::uint32_t range) {
     return range == 0 ? 0u : static_cast<std::uint32_t>(analysis_list_max);
   };
@@ -30,9 +30,9 @@ MeshMapCapacity map_capacity(const Settings& settings) {
 void reserve(Snapshot& snapshot, const Settings& settings, std::uint32_t nodes) {
   snapshot.vertices.reserve(settings.mesh.vertices_max);
   snapshot.neighbours.reserve(std::size_t{neighbours_per_vertex_max} * settings.mesh.vertices_max);
-  snapshot.outsiders.reserve(nodes);
+  snapshot.unplaced_nodes.reserve(nodes);
   snapshot.missing_features.reserve(settings.mesh.features_max);
-  snapshot.quarantine.reserve(map_capacity(settings).quarantined);
+  snapshot.quarantine.reserve(register_capacity(settings).quarantined);
   reserve(snapshot.analysis, settings.analysis);
 }
 
@@ -43,12 +43,12 @@ SnapshotTaker::SnapshotTaker(const Settings& settings, std::uint32_t nodes)
 }
 
 const Snapshot& SnapshotTaker::take(std::uint32_t generation, const MeshKeeper& keeper,
-                                    const Roster& roster, const Poller& poller,
+                                    const NodeTable& nodes, const Poller& poller,
                                     const Presence& presence,
                                     std::span<const QuarantineEntry> quarantine,
                                     port::Instant now) {
   const Mesh& mesh = keeper.mesh();
-  const FeatureBook& features = keeper.features();
+  const FeatureTable& features = keeper.features();
   snapshot_.generation = generation;
   snapshot_.anchor_count = keeper.anchors().vacant_count();
   snapshot_.node_count = mesh.node_count() - snapshot_.anchor_count;
@@ -60,7 +60,7 @@ const Snapshot& SnapshotTaker::take(std::uint32_t generation, const MeshKeeper& 
   snapshot_.silent_bus_count = presence.silent_bus_count();
   snapshot_.mesh_hash = mesh.hash();
   copy_mesh(keeper);
-  look_at_nodes(roster, now);
+  look_at_nodes(nodes, now);
   look_at_features(features);
   look_at_quarantine(poller, quarantine, now);
   analyst_.look_at(mesh, features, snapshot_);
@@ -108,11 +108,11 @@ void SnapshotTaker::copy_mesh(const MeshKeeper& keeper) {
   snapshot_.edge_count = static_cast<std::uint32_t>(snapshot_.neighbours.size() / 2);
 }
 
-void SnapshotTaker::look_at_nodes(const Roster& roster, port::Instant now) {
-  snapshot_.outsiders.clear();
+void SnapshotTaker::look_at_nodes(const NodeTable& nodes, port::Instant now) {
+  snapshot_.unplaced_nodes.clear();
   snapshot_.stale_count = snapshot_.waiting_count = snapshot_.missing_count = 0;
   port::Duration oldest{};
-  for (const NodeRecord& node : roster.records()) {
+  for (const NodeRecord& node : nodes.records()) {
     if (!node.is_known()) continue;
     if (node.is_missing) ++snapshot_.missing_count;
     if (!node.is_placed()) {
@@ -124,7 +124,7 @@ void SnapshotTaker::look_at_nodes(const Roster& roster, port::Instant now) {
     vertex.unit = node.unit;
     vertex.stale = node.stale;
     vertex.lacks_fix = node.lacks_fix;
-    vertex.refusal = node.refusal;
+    vertex.rejection = node.rejection;
     if (node.stale) ++snapshot_.stale_count;
   }
   snapshot_.oldest_age_ms = static_cast<std::uint32_t>(
@@ -133,15 +133,15 @@ void SnapshotTaker::look_at_nodes(const Roster& roster, port::Instant now) {
 
 void SnapshotTaker::look_at_outsider(const NodeRecord& node) {
   if (node.is_waiting()) ++snapshot_.waiting_count;
-  snapshot_.outsiders.push_back({.serial = node.serial,
-                                 .unit = node.is_missing ? node.last_unit : node.unit,
-                                 .is_missing = node.is_missing,
-                                 .has_position = node.has_position(),
-                                 .position = node.position,
-                                 .refusal = node.refusal});
+  snapshot_.unplaced_nodes.push_back({.serial = node.serial,
+                                      .unit = node.is_missing ? node.last_unit : node.unit,
+                                      .is_missing = node.is_missing,
+                                      .has_position = node.has_position(),
+                                      .position = node.position,
+                                      .rejection = node.rejection});
 }
 
-void SnapshotTaker::look_at_features(const FeatureBook& features) {
+void SnapshotTaker::look_at_features(const FeatureTable& features) {
   snapshot_.missing_features.clear();
   const std::span<const FeatureRecord> records = features.records();
   for (std::uint32_t number = 0; number < records.size(); ++number) {
@@ -150,7 +150,7 @@ void SnapshotTaker::look_at_features(const FeatureBook& features) {
     snapshot_.missing_features.push_back({.number = number + 1,
                                           .from = record.settings.from,
                                           .to = record.settings.to,
-                                          .refusal = record.refusal});
+                                          .rejection = record.rejection});
   }
 }
 
@@ -161,11 +161,11 @@ void SnapshotTaker::look_at_quarantine(const Poller& poller,
   for (const QuarantineEntry& entry : quarantine) {
     if (snapshot_.quarantine.size() == snapshot_.quarantine.capacity()) return;
     SnapshotQuarantined& listed = snapshot_.quarantine.emplace_back();
-    listed.kind = entry.doubt != Doubt::none  ? QuarantineKind::answer
-                  : entry.feature != 0        ? QuarantineKind::feature
-                  : entry.serial != no_serial ? QuarantineKind::node
-                                              : QuarantineKind::anchor;
-    listed.reason = reason_code(entry.refusal, entry.doubt);
+    listed.kind = entry.conflict != IdentityConflict::none ? QuarantineKind::answer
+                  : entry.feature != 0                     ? QuarantineKind::feature
+                  : entry.serial != no_serial              ? QuarantineKind::node
+                                                           : QuarantineKind::anchor;
+    listed.reason = reason_code(entry.rejection, entry.conflict);
     listed.serial = entry.serial == no_serial ? 0 : entry.serial;
     listed.feature = entry.feature;
     if (entry.unit != no_unit) {

@@ -13,15 +13,15 @@
 #include "firmware/nodes/presence.h"
 #include "firmware/polling/poller.h"
 #include "firmware/publish/analyst.h"
-#include "firmware/publish/mesh_map.h"
+#include "firmware/publish/mesh_registers.h"
 #include "firmware/publish/quarantine.h"
 #include "firmware/publish/snapshot.h"
-#include "firmware/records/roster.h"
+#include "firmware/records/node_table.h"
 
 namespace etcm::firmware {
 
 // How much of each kind a snapshot may list, and registers have room for.
-MeshMapCapacity map_capacity(const Settings& settings);
+MeshRegisterCapacity register_capacity(const Settings& settings);
 
 // Takes its memory at once, for so many nodes.
 void reserve(Snapshot& snapshot, const Settings& settings, std::uint32_t nodes);
@@ -35,7 +35,7 @@ class SnapshotTaker {
   void update_site(const SiteDomain& domain) { analyst_.take_site(domain); }
 
   // Good until the next call.
-  const Snapshot& take(std::uint32_t generation, const MeshKeeper& keeper, const Roster& roster,
+  const Snapshot& take(std::uint32_t generation, const MeshKeeper& keeper, const NodeTable& nodes,
                        const Poller& poller, const Presence& presence,
                        std::span<const QuarantineEntry> quarantine, port::Instant now);
   // The one taken last; empty before.
@@ -43,10 +43,10 @@ class SnapshotTaker {
 
  private:
   void copy_mesh(const MeshKeeper& keeper);
-  void look_at_nodes(const Roster& roster, port::Instant now);
+  void look_at_nodes(const NodeTable& nodes, port::Instant now);
   void look_at_outsider(const NodeRecord& node);
   std::uint16_t state_of(const MeshKeeper& keeper) const;
-  void look_at_features(const FeatureBook& features);
+  void look_at_features(const FeatureTable& features);
   void look_at_quarantine(const Poller& poller, std::span<const QuarantineEntry> quarantine,
                           port::Instant now);
 

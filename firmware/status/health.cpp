@@ -30,7 +30,7 @@ bool are_buses_heard(const StatusSources& sources, port::Instant now, TextWriter
 bool is_nobody_missing(const StatusSources& sources, TextWriter& reason) {
   const NodeRecord* first = nullptr;
   std::uint32_t count = 0;
-  for (const NodeRecord& node : sources.gateway.roster().records()) {
+  for (const NodeRecord& node : sources.gateway.nodes().records()) {
     if (!node.is_missing) continue;
     ++count;
     if (first == nullptr || node.heard_at < first->heard_at) first = &node;

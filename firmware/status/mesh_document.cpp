@@ -1,6 +1,6 @@
 #include "firmware/status/mesh_document.h"
 
-#include "firmware/records/roster.h"
+#include "firmware/records/node_table.h"
 #include "firmware/status/bus_meter.h"
 
 namespace etcm::firmware {
@@ -15,7 +15,7 @@ enum : std::uint32_t {
   long_links,
   gaps,
   vertices,
-  outsiders,
+  unplaced_nodes,
   relays,
   holes,
   missing_features,
@@ -36,10 +36,10 @@ void write_point(Point point, TextWriter& piece) {
   piece.decimal(units(point.y), coordinate_digits) << "]";
 }
 
-void write_refusal(const Refusal& refusal, TextWriter& piece) {
-  if (refusal.is_none()) return;
+void write_rejection(const Rejection& rejection, TextWriter& piece) {
+  if (rejection.is_none()) return;
   piece << ",\"refused\":";
-  piece.json(explain(refusal));
+  piece.json(explain(rejection));
 }
 
 // The serial of a node, the place of an anchor.
@@ -83,8 +83,8 @@ bool MeshDocument::write_next(Cursor& cursor, port::Instant, TextWriter& piece) 
     case vertices:
       write_vertex(cursor, piece);
       return true;
-    case outsiders:
-      write_outsider(cursor, piece);
+    case unplaced_nodes:
+      write_unplaced_node(cursor, piece);
       return true;
     case missing_features:
       write_missing_feature(cursor, piece);
@@ -204,16 +204,16 @@ void MeshDocument::write_vertex_head(const SnapshotVertex& vertex, std::uint32_t
     piece << ",\"in_mesh\":true,\"stale\":";
     piece.yes_or_no(vertex.stale);
     if (vertex.lacks_fix) piece << ",\"no_fix\":true";
-    write_refusal(vertex.refusal, piece);
+    write_rejection(vertex.rejection, piece);
   } else {
     piece << "\"kind\":\"steiner\",\"feature\":" << vertex.feature;
   }
   piece << ",\"neighbours\":[";
 }
 
-void MeshDocument::write_outsider(Cursor& cursor, TextWriter& piece) const {
-  if (cursor.item >= snapshot_.outsiders.size()) return cursor.next_section();
-  const SnapshotOutsider& node = snapshot_.outsiders[cursor.item++];
+void MeshDocument::write_unplaced_node(Cursor& cursor, TextWriter& piece) const {
+  if (cursor.item >= snapshot_.unplaced_nodes.size()) return cursor.next_section();
+  const SnapshotUnplacedNode& node = snapshot_.unplaced_nodes[cursor.item++];
   piece << ",\n{\"type\":\"Feature\",\"geometry\":";
   if (node.has_position) {
     piece << "{\"type\":\"Point\",\"coordinates\":[" << node.position.x << "," << node.position.y
@@ -225,7 +225,7 @@ void MeshDocument::write_outsider(Cursor& cursor, TextWriter& piece) const {
   write_unit(node.unit, piece);
   piece << ",\"in_mesh\":false";
   if (node.is_missing) piece << ",\"missing\":true";
-  write_refusal(node.refusal, piece);
+  write_rejection(node.rejection, piece);
   piece << "}}";
 }
 
@@ -258,7 +258,7 @@ void MeshDocument::write_missing_feature(Cursor& cursor, TextWriter& piece) cons
   write_end(feature.from, piece);
   piece << ",\"to\":";
   write_end(feature.to, piece);
-  write_refusal(feature.refusal, piece);
+  write_rejection(feature.rejection, piece);
   piece << "}}";
 }
 

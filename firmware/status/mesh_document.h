@@ -42,7 +42,7 @@ class MeshDocument final : public Document {
   void write_place_head(Point place, TextWriter& piece) const;
   void write_vertex(Cursor& cursor, TextWriter& piece) const;
   void write_vertex_head(const SnapshotVertex& vertex, std::uint32_t row, TextWriter& piece) const;
-  void write_outsider(Cursor& cursor, TextWriter& piece) const;
+  void write_unplaced_node(Cursor& cursor, TextWriter& piece) const;
   void write_edges(Cursor& cursor, bool constrained, TextWriter& piece) const;
   void write_missing_feature(Cursor& cursor, TextWriter& piece) const;
   void write_unit(std::uint32_t unit, TextWriter& piece) const;

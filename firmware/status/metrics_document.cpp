@@ -40,7 +40,7 @@ std::uint32_t count_of(Scope scope, const Context& context) {
     case Scope::unit:
       return context.poller().unit_count();
     case Scope::node:
-      return static_cast<std::uint32_t>(context.sources.gateway.roster().records().size());
+      return static_cast<std::uint32_t>(context.sources.gateway.nodes().records().size());
   }
   return 0;
 }
@@ -121,9 +121,9 @@ void write_served(const Context& context, std::uint32_t, TextWriter& piece) {
   piece << context.name << "{server=\"modbus\"} " << context.sources.masters.requests << "\n"
         << context.name << "{server=\"http\"} " << context.sources.readers.requests << "\n";
 }
-void write_refused(const Context& context, std::uint32_t, TextWriter& piece) {
-  piece << context.name << "{server=\"modbus\"} " << context.sources.masters.refused << "\n"
-        << context.name << "{server=\"http\"} " << context.sources.readers.refused << "\n";
+void write_rejected(const Context& context, std::uint32_t, TextWriter& piece) {
+  piece << context.name << "{server=\"modbus\"} " << context.sources.masters.rejected << "\n"
+        << context.name << "{server=\"http\"} " << context.sources.readers.rejected << "\n";
 }
 
 void write_memory(const Context& context, std::uint32_t, TextWriter& piece) {
@@ -168,7 +168,7 @@ void write_node(const Context& context, std::uint32_t serial, port::Instant sinc
 }
 
 const NodeRecord& record(const Context& context, std::uint32_t index) {
-  return context.sources.gateway.roster().records()[index];
+  return context.sources.gateway.nodes().records()[index];
 }
 
 void write_node_age(const Context& context, std::uint32_t index, TextWriter& piece) {
@@ -301,7 +301,7 @@ constexpr std::array families{
     Family{"etcm_requests_total", "counter", "Requests of clients.", Scope::gateway, write_served},
     Family{"etcm_refused_total", "counter",
            "Requests that were wrong, and clients that were turned away.", Scope::gateway,
-           write_refused},
+           write_rejected},
     Family{"process_resident_memory_bytes", "gauge", "Memory of the process that is in RAM.",
            Scope::gateway, write_memory},
     Family{"etcm_bus_busy_seconds_total", "counter",

@@ -115,7 +115,7 @@ void StatusDocument::write_counts(TextWriter& piece) const {
 // One node a piece.
 void StatusDocument::write_missing(Cursor& cursor, port::Instant asked_at,
                                    TextWriter& piece) const {
-  const std::span<const NodeRecord> nodes = sources_.gateway.roster().records();
+  const std::span<const NodeRecord> nodes = sources_.gateway.nodes().records();
   for (std::uint32_t look = 0; look < missing_looks_max; ++look) {
     if (cursor.item >= nodes.size()) {
       piece << "],\n\"quarantine\":[";
@@ -205,7 +205,7 @@ bool AgesDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWriter
       cursor.next_section();
       return true;
     case ages: {
-      const std::span<const NodeRecord> nodes = sources_.gateway.roster().records();
+      const std::span<const NodeRecord> nodes = sources_.gateway.nodes().records();
       for (std::uint32_t look = 0; look < age_looks_max; ++look) {
         if (cursor.item >= nodes.size()) {
           cursor.next_section();

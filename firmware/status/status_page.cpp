@@ -33,7 +33,7 @@ StatusPage::StatusPage(const StatusSources& sources, std::uint32_t readers_max)
       now_(sources.started_at) {
   for (Kept& kept : kept_) {
     reserve(kept.snapshot, sources.settings,
-            static_cast<std::uint32_t>(sources.gateway.roster().records().size()));
+            static_cast<std::uint32_t>(sources.gateway.nodes().records().size()));
   }
 }
 

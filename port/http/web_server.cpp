@@ -82,7 +82,7 @@ class WebServer::Callbacks {
     ++server.counters_.requests;
     client->overdue = server.now_ + server.options_.answer_time_max;
     if (!is_read) {
-      ++server.counters_.refused;
+      ++server.counters_.rejected;
       const Response response = empty_response();
       if (!response || !add_common_headers(response.get()) ||
           MHD_add_response_header(response.get(), MHD_HTTP_HEADER_ALLOW, "GET, HEAD") != MHD_YES) {
@@ -141,7 +141,7 @@ class WebServer::Callbacks {
                                    const char* path) {
     const WebAnswer answer = server.site_.begin(place_of(server, client), path);
     client.is_reading = true;
-    if (answer.status >= 400) ++server.counters_.refused;
+    if (answer.status >= 400) ++server.counters_.rejected;
     const Tag tag = tag_of(answer.version);
     const char* const known =
         MHD_lookup_connection_value(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_IF_NONE_MATCH);
@@ -237,7 +237,7 @@ void WebServer::exhausted(const char* why) {
 }
 
 void WebServer::turn_away(std::uint32_t host) {
-  ++counters_.refused;
+  ++counters_.rejected;
   log_->write(Level::warning, "a browser at " + host_text(host) +
                                   " is turned away: its network is not in allow of [http]; add it "
                                   "there if it may see everything");
@@ -286,7 +286,7 @@ void WebServer::close_overdue() {
 void WebServer::hang_up(Client& client) {
   ::shutdown(client.descriptor, SHUT_RDWR);
   client.overdue = never;
-  ++counters_.refused;
+  ++counters_.rejected;
 }
 
 }  // namespace etcm::port

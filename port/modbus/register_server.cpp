@@ -19,7 +19,7 @@ void RegisterServer::allow(std::vector<Network> networks, Log& log) {
   listener_.allow(std::move(networks));
 }
 
-void RegisterServer::refused(const SocketAddress& peer, bool is_full) {
+void RegisterServer::rejected(const SocketAddress& peer, bool is_full) {
   if (log_ == nullptr) return;
   log_->write(Level::warning,
               "a client at " + host_text(peer.host) + " is turned away: " +

@@ -31,7 +31,7 @@ class RegisterServer final : public MeshServer, private RequestHandler {
  private:
   void connected(std::size_t client) override { pinned_[client] = image_; }
   void disconnected(std::size_t client) override { pinned_[client].reset(); }
-  void refused(const SocketAddress& peer, bool is_full) override;
+  void rejected(const SocketAddress& peer, bool is_full) override;
   void displaced(const SocketAddress& peer) override;
   void exhausted(const char* why) override;
   std::size_t answer(std::size_t client, std::uint8_t unit, std::span<const std::uint8_t> request,

@@ -73,7 +73,7 @@ class TcpListener::Client final : private EventHandler {
                                                         out.subspan(mbap_header_bytes));
       if (pdu > 0) unsent_end_ += write_header(out, request.transaction, request.unit, pdu);
     }
-    if (next == FrameReader::Next::broken) ++listener_.counters_.refused;
+    if (next == FrameReader::Next::broken) ++listener_.counters_.rejected;
     return next != FrameReader::Next::broken;
   }
 
@@ -120,8 +120,8 @@ void TcpListener::accepted(FileDescriptor socket, const SocketAddress& peer) {
   if (Client* const place = allowed ? find_place() : nullptr) {
     place->open(std::move(socket), peer);
   } else {
-    ++counters_.refused;
-    handler_.refused(peer, allowed);
+    ++counters_.rejected;
+    handler_.rejected(peer, allowed);
   }
 }
 

@@ -22,7 +22,7 @@ class RequestHandler {
   virtual void connected(std::size_t client) = 0;
   virtual void disconnected(std::size_t client) = 0;
   // Somebody was turned away: there was no place left, or `peer` may not connect.
-  virtual void refused(const SocketAddress& peer, bool is_full) {
+  virtual void rejected(const SocketAddress& peer, bool is_full) {
     static_cast<void>(peer);
     static_cast<void>(is_full);
   }

@@ -93,7 +93,7 @@ TEST_F(NodesBySerial, TwoNodesWithOneSerialAreAnAlarmNotAFlipFlop) {
   ASSERT_EQ(quarantine().size(), 1u);
   EXPECT_EQ(quarantine()[0].serial, 7u);
   EXPECT_EQ(quarantine()[0].unit, 1u);
-  EXPECT_EQ(quarantine()[0].doubt, Doubt::same_serial);
+  EXPECT_EQ(quarantine()[0].conflict, IdentityConflict::same_serial);
   EXPECT_EQ(rig_.server.header("quarantined_count"), 1u);
   EXPECT_EQ(rig_.server.header("state"), snapshot_state::partial);
   // The second goes: all is well again.
@@ -127,7 +127,7 @@ TEST_F(NodesBySerial, TwoNodesAtOneUnitAreAnAlarmNotAFlipFlop) {
   EXPECT_EQ(rig_.log.count("is there now"), 1u) << logged();
   EXPECT_EQ(rig_.mesh.node_count(), 1u);
   ASSERT_EQ(quarantine().size(), 1u);
-  EXPECT_EQ(quarantine()[0].doubt, Doubt::same_unit);
+  EXPECT_EQ(quarantine()[0].conflict, IdentityConflict::same_unit);
 }
 
 TEST_F(NodesBySerial, ASwappedSerialIsNotBelievedAndSaidOnce) {

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 
-#include "drawing.h"
 #include "fakes.h"
 #include "firmware/gateway/gateway.h"
-#include "firmware/publish/mesh_map.h"
+#include "firmware/publish/mesh_registers.h"
+#include "geojson.h"
 
 namespace etcm::firmware {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "fakes.h"
 #include "firmware/polling/poller.h"
-#include "firmware/protocol/node_map.h"
+#include "firmware/protocol/node_registers.h"
 #include "modbus/replies.h"
 #include "modbus/tcp_bus.h"
 

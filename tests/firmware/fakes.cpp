@@ -4,8 +4,8 @@
 #include <stdexcept>
 
 #include "etcm/config.h"
-#include "firmware/protocol/words.h"
-#include "firmware/publish/mesh_map_tables.h"
+#include "firmware/protocol/register_pairs.h"
+#include "firmware/publish/mesh_register_tables.h"
 
 namespace etcm::firmware {
 

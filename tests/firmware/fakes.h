@@ -11,7 +11,7 @@
 #include "etcm/mesh.h"
 #include "firmware/config/settings.h"
 #include "firmware/gateway/gateway.h"
-#include "firmware/protocol/node_map.h"
+#include "firmware/protocol/node_registers.h"
 
 namespace etcm::firmware {
 
@@ -117,9 +117,9 @@ class RecordingFiles final : public port::MeshFiles {
     is_check_ = false;
     if (!failing) nodes_written.push_back(mesh.node_count());
   }
-  bool is_writing() const override { return has_news_ && is_hanging; }
+  bool is_writing() const override { return has_news_ && is_unresponsive; }
   bool take_result(port::DiskResult& result) override {
-    if (!has_news_ || (is_hanging && !is_check_)) return false;
+    if (!has_news_ || (is_unresponsive && !is_check_)) return false;
     has_news_ = false;
     if (is_check_) {
       result = {.ok = !is_folder_missing, .why = is_folder_missing ? "no such folder" : ""};
@@ -129,7 +129,7 @@ class RecordingFiles final : public port::MeshFiles {
     return true;
   }
   bool failing = false;
-  bool is_hanging = false;  // while it writes
+  bool is_unresponsive = false;  // while it writes
   bool is_folder_missing = false;
   std::uint32_t checks = 0;
   std::uint32_t attempts = 0;

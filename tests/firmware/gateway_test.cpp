@@ -5,8 +5,8 @@
 
 #include "etcm/audit.h"
 #include "fakes.h"
-#include "firmware/protocol/words.h"
-#include "firmware/publish/mesh_map.h"
+#include "firmware/protocol/register_pairs.h"
+#include "firmware/publish/mesh_registers.h"
 
 namespace etcm::firmware {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "fakes.h"
 #include "firmware/polling/poller.h"
-#include "firmware/protocol/node_map.h"
+#include "firmware/protocol/node_registers.h"
 #include "modbus/replies.h"
 #include "modbus/rtu_bus.h"
 #include "support/emulated.h"
@@ -112,29 +112,29 @@ class LateLine final : public port::RtuLine {
 };
 
 // Reads and writes between the polls, at any unit that is free for them.
-class Interruptions final : public Errands {
+class Interruptions final : public RequestSource {
  public:
   Interruptions(std::uint8_t units, const LateLine& line) : units_(units), line_(line) {}
   const Poller* poller = nullptr;  // null: there are none
-  port::Instant errand_due(std::uint32_t) const override {
+  port::Instant request_due(std::uint32_t) const override {
     return poller == nullptr ? port::never : due_;
   }
-  bool next_errand(std::uint32_t, port::Instant now, Errand& errand) override {
+  bool next_request(std::uint32_t, port::Instant now, BusRequest& request) override {
     const auto unit = static_cast<std::uint32_t>(random_() % units_);
     due_ = now + random_() % 700 * 1ms;
-    errand = {.address = static_cast<std::uint8_t>(unit + 1), .values = {}};
+    request = {.address = static_cast<std::uint8_t>(unit + 1), .values = {}};
     if (random_() % 2 == 0) {
       if (poller->read_free_at(unit) > now) return false;
-      errand.read_count = node_register_count;
-      errand.spare = stranger_register_spare;
+      request.read_count = node_register_count;
+      request.spare = stranger_register_spare;
     } else {
       if (poller->write_free_at(unit) > now) return false;
-      errand.first = configuration_register_first;
-      errand.values = std::span(written_).first(1 + random_() % 2);
+      request.first = configuration_register_first;
+      request.values = std::span(written_).first(1 + random_() % 2);
     }
     return true;
   }
-  void on_errand_done(std::uint32_t, const port::BusAnswer& answer, port::Instant now) override {
+  void on_request_done(std::uint32_t, const port::BusAnswer& answer, port::Instant now) override {
     if (answer.result != port::BusResult::ok) return;
     EXPECT_LE(now - line_.answers_asked_at[answer.unit], timeout + on_the_line)
         << "unit " << int{answer.unit};
@@ -163,7 +163,7 @@ class LateSite final : public ReadingListener {
   LateSite(const Site& site, Latency latency)
       : line(serial_, std::move(latency)),
         readings(site.units + 1u),
-        errands(site.units, line),
+        requests(site.units, line),
         // Who does not answer is asked as often as the others.
         poll_{.interval = site.interval, .absent_interval = site.interval},
         settings_{.name = "yard",
@@ -174,7 +174,7 @@ class LateSite final : public ReadingListener {
                   .quiet = 50ms,
                   .outstanding_max = 1,
                   .send_enable = {}} {
-    if (site.is_interrupted) errands.poller = &poller_;
+    if (site.is_interrupted) requests.poller = &poller_;
   }
 
   // Until so many questions were heard.
@@ -215,7 +215,7 @@ class LateSite final : public ReadingListener {
   LateLine line;
   std::vector<std::uint32_t> readings;  // by unit
   RecordingLog log;
-  Interruptions errands;
+  Interruptions requests;
 
  private:
   port::Instant now_{1h};
@@ -226,7 +226,7 @@ class LateSite final : public ReadingListener {
       log,
       {.name = "yard", .line = serial_, .quiet = 50ms, .reopen_interval = 1s, .send_enable = {}}};
   std::vector<PolledBus> polled_{{.bus = &bus_, .settings = &settings_}};
-  Poller poller_{poll_, polled_, *this, log, &errands};
+  Poller poller_{poll_, polled_, *this, log, &requests};
 };
 
 TEST(LateAnswers, TheAnswerToTheFirstQuestionIsNotTakenForTheThirds) {
@@ -339,7 +339,7 @@ TEST_P(LateUnits, NorWhereNobodyElseIsOnTheLine) {
 TEST_P(LateUnits, NorBetweenErrandsAndWrites) {
   LateSite site(LateUnits::site(true), latency());
   site.run(60'000 / test::thinning_if_slow);
-  EXPECT_GT(site.errands.answered, 100u);
+  EXPECT_GT(site.requests.answered, 100u);
 }
 
 // Against a line on which they are not asked at all; those that are in time now and then have some

@@ -297,7 +297,7 @@ TEST_F(MissingOverARestart, IsKnownWithinTheHourSinceWhen) {
   const auto after = make_rig();
   after->start();
   after->gateway->restore(after->clock.now());
-  const auto records = after->gateway->roster().records();
+  const auto records = after->gateway->nodes().records();
   const auto missing = std::find_if(records.begin(), records.end(),
                                     [](const NodeRecord& node) { return node.is_missing; });
   ASSERT_NE(missing, records.end());

@@ -110,7 +110,7 @@ class History {
   }
 
   void check() {
-    for (const NodeRecord& record : rig_.gateway->roster().records()) {
+    for (const NodeRecord& record : rig_.gateway->nodes().records()) {
       if (!record.is_missing) continue;
       const std::uint32_t bus = record.serial / 1000 - 1;
       const Node& each = nodes_[bus][record.serial % 1000 - 1];

@@ -201,7 +201,7 @@ TEST(BusSilence, ABusWhoseOnlyNodeAskedToLeaveIsNot) {
   rig.run(10s);
   expect_nobody_left(rig);
   EXPECT_EQ(rig.server.header("state"), 0u);
-  EXPECT_EQ(rig.gateway->roster().records()[0].is_known(), false);
+  EXPECT_EQ(rig.gateway->nodes().records()[0].is_known(), false);
 }
 
 TEST(GatewayPause, ExpelsNobody) {

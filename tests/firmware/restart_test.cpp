@@ -6,7 +6,7 @@
 
 #include "etcm/audit.h"
 #include "fakes.h"
-#include "firmware/persist/state_keeper.h"
+#include "firmware/persist/state_saver.h"
 #include "memory_store.h"
 
 namespace etcm::firmware {

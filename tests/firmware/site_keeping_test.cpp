@@ -1,11 +1,11 @@
 // Anchors, features and the domain in a running gateway, and how they change while it runs.
 #include <gtest/gtest.h>
 
-#include "drawing.h"
 #include "etcm/audit.h"
 #include "etcm/config.h"
 #include "fakes.h"
 #include "firmware/mesh/mesh_keeper.h"
+#include "geojson.h"
 
 namespace etcm::firmware {
 namespace {
@@ -353,7 +353,7 @@ TEST(SiteKeeping, ANodeThatCouldNotLeaveHasItsFeaturesBack) {
     rig.run(4s);
     EXPECT_EQ(rig.log.count("node 1005 cannot leave"), 2u);
     EXPECT_EQ(rig.server.header("features_active"), 2u);
-    // Without a fix it is there too; and where it is somewhere else, that is refused for itself.
+    // Without a fix it is there too; and where it is somewhere else, that is rejected for itself.
     rig.put(5, 50, 50 + moves, moves == 0 ? std::uint16_t{0} : node_status::fix_valid);
     rig.run(1s);
     EXPECT_EQ(rig.server.header("features_active"), 3u) << moves;
@@ -396,11 +396,11 @@ class BusyClock final : public port::Clock {
 
 // Many features that cannot be, and a node that moves all the time.
 TEST(SiteKeeping, RefusedFeaturesAreNotTriedAtEachMove) {
-  constexpr std::uint32_t refused_count = 10;
+  constexpr std::uint32_t rejected_count = 10;
   Settings settings;
   settings.mesh = {.vertices_max = 100, .features_max = 20};
   settings.features = {feature(1, 2)};  // across all others
-  for (std::uint32_t i = 0; i < refused_count; ++i) {
+  for (std::uint32_t i = 0; i < rejected_count; ++i) {
     settings.features.push_back(feature(100 + i, 200 + i));
   }
   std::vector<std::byte> memory(storage_bytes(settings.mesh));
@@ -408,36 +408,36 @@ TEST(SiteKeeping, RefusedFeaturesAreNotTriedAtEachMove) {
   ASSERT_EQ(mesh.open(memory, settings.mesh), Status::ok);
   BusyClock clock;
   RecordingLog log;
-  Roster roster(100);
-  MeshKeeper keeper(mesh, settings, roster, clock, log);
+  NodeTable nodes(100);
+  MeshKeeper keeper(mesh, settings, nodes, clock, log);
   const auto join = [&](std::uint32_t serial, std::int32_t x, std::int32_t y) {
-    NodeRecord* const node = roster.add(serial, clock.now());
+    NodeRecord* const node = nodes.add(serial, clock.now());
     node->position = {x, y};
     keeper.join(*node, 1);
     return node;
   };
   NodeRecord* const barrier = join(1, 0, 0);
   join(2, 1000, 0);
-  for (std::uint32_t i = 0; i < refused_count; ++i) {
+  for (std::uint32_t i = 0; i < rejected_count; ++i) {
     join(100 + i, 50 + 70 * static_cast<std::int32_t>(i), 90);
     join(200 + i, 50 + 70 * static_cast<std::int32_t>(i), -90);
   }
   NodeRecord* const rover = join(3, 0, 500);
-  const FeatureRecord& refused = keeper.features().records()[1];
-  ASSERT_EQ(keeper.features().refused_count(), refused_count);
+  const FeatureRecord& rejected = keeper.features().records()[1];
+  ASSERT_EQ(keeper.features().rejected_count(), rejected_count);
 
   const port::Instant begin = clock.now();
   std::uint32_t tries = 0;
   for (std::int32_t move = 1; move <= 500; ++move) {
     rover->position = {move, 500};
     keeper.move(*rover, 1);
-    const std::uint32_t before = refused.refused_epoch;
-    keeper.retry_refused(1);
-    tries += refused.refused_epoch != before;
+    const std::uint32_t before = rejected.rejected_epoch;
+    keeper.retry_rejected(1);
+    tries += rejected.rejected_epoch != before;
     clock.pass(5ms);
   }
   const auto tries_max =
-      static_cast<std::uint32_t>((clock.now() - begin) / (retry_share * refused_count * 1ms)) + 1;
+      static_cast<std::uint32_t>((clock.now() - begin) / (retry_share * rejected_count * 1ms)) + 1;
   EXPECT_LE(tries, tries_max);
   EXPECT_GE(tries * 2, tries_max);
 
@@ -445,8 +445,8 @@ TEST(SiteKeeping, RefusedFeaturesAreNotTriedAtEachMove) {
   keeper.leave(*barrier, "silent", 1);
   ASSERT_LE(keeper.next_deadline(), clock.now() + 1s);
   clock.pass(keeper.next_deadline() - clock.now());
-  keeper.retry_refused(1);
-  EXPECT_EQ(keeper.features().active_count(), refused_count);
+  keeper.retry_rejected(1);
+  EXPECT_EQ(keeper.features().active_count(), rejected_count);
   EXPECT_EQ(keeper.next_deadline(), port::never);
 }
 

@@ -334,7 +334,7 @@ TEST_F(StatusPageTest, MetricsAreWhatPrometheusReads) {
   open_page();
   put_square();
   run(12s);
-  masters_.refused = 3;
+  masters_.rejected = 3;
   const std::string metrics = get("/metrics");
   EXPECT_STREQ(answer_.media_type, metrics_media_type);
   const std::regex sample(

@@ -14,7 +14,7 @@
 #include "etcm/port/clock.h"
 #include "firmware/gateway/gateway.h"
 #include "firmware/logging/limited_log.h"
-#include "firmware/protocol/node_map.h"
+#include "firmware/protocol/node_registers.h"
 #include "posix/mesh_folder.h"
 #include "support/allocation_watch.h"
 #include "support/scratch_folder.h"
@@ -178,8 +178,8 @@ class SteadyMemory : public testing::Test {
   std::vector<std::uint64_t> memory_;
   Mesh mesh_;
   Clock clock_;
-  CountingLog told_;
-  LimitedLog log_{told_, clock_};
+  CountingLog delivered_;
+  LimitedLog log_{delivered_, clock_};
   QuietBus bus_;
   PinningServer server_;
   const test::ScratchFolder scratch_;
@@ -204,7 +204,7 @@ TEST_F(SteadyMemory, AnHourOfPollingTakesNone) {
 TEST_F(SteadyMemory, AnHourOfComingAndGoingTakesNone) {
   for (std::uint32_t round = 0; round < 12; ++round) eventful(round);
   const std::size_t published = server_.published;
-  const std::size_t lines = told_.lines;
+  const std::size_t lines = delivered_.lines;
   std::size_t allocations = 1;
   {
     test::AllocationWatch watch;
@@ -213,7 +213,7 @@ TEST_F(SteadyMemory, AnHourOfComingAndGoingTakesNone) {
   }
   EXPECT_EQ(allocations, 0u);
   EXPECT_GT(server_.published, published + 1000);
-  EXPECT_GT(told_.lines, lines);
+  EXPECT_GT(delivered_.lines, lines);
   EXPECT_FALSE(scratch_.read("files/a mesh with a name that no short string holds.svg").empty());
 }
 
@@ -221,7 +221,7 @@ TEST_F(SteadyMemory, MinutesWithoutTheFolderOfTheFilesTakeNone) {
   for (std::uint32_t round = 0; round < 12; ++round) eventful(round);
   std::filesystem::remove_all(scratch_.path("files"));
   eventful(12);
-  const std::size_t lines = told_.lines;
+  const std::size_t lines = delivered_.lines;
   std::size_t allocations = 1;
   {
     test::AllocationWatch watch;
@@ -229,7 +229,7 @@ TEST_F(SteadyMemory, MinutesWithoutTheFolderOfTheFilesTakeNone) {
     allocations = watch.allocations();
   }
   EXPECT_EQ(allocations, 0u);
-  EXPECT_GT(told_.lines, lines);
+  EXPECT_GT(delivered_.lines, lines);
 }
 
 }  // namespace

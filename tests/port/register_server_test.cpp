@@ -171,8 +171,8 @@ TEST_F(Server, AClientThatNeverReadsHoldsUpNobodyAndGetsAllItsAnswersInTheEnd) {
   std::size_t received = 0;
   for (int round = 0; round < 20; ++round) {
     // Until its requests pile up at both ends: then no more are taken.
-    for (int refused = 0; refused < 20;) {
-      refused = send_on() ? 0 : refused + 1;
+    for (int rejected = 0; rejected < 20;) {
+      rejected = send_on() ? 0 : rejected + 1;
       loop_.wait(Duration{});
       ASSERT_LT(requests, 5'000'000u) << "the server takes requests without end";
     }
@@ -299,7 +299,7 @@ TEST_F(Server, OnlyWhoIsAllowedIsServed) {
   EXPECT_EQ(log.lines[0],
             "a client at 127.0.0.1 is turned away: its network is not in allow of [server]; add it "
             "there if it may read the mesh");
-  EXPECT_EQ(server_.counters().refused, 1u);
+  EXPECT_EQ(server_.counters().rejected, 1u);
   EXPECT_EQ(server_.counters().clients, 0u);
   server_.allow({everybody}, log);
   EXPECT_EQ(ask(connect(), 1, 0), 1);

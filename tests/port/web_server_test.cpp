@@ -131,7 +131,7 @@ TEST_F(WebServerTest, WhoIsNotAllowedIsTurnedAway) {
   const FileDescriptor after = client("GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
   EXPECT_TRUE(turn_until([&] { return is_gone(after.get()); }));
   EXPECT_EQ(site_.begun, 1u);
-  EXPECT_EQ(counters_.refused, 2u);
+  EXPECT_EQ(counters_.rejected, 2u);
   ASSERT_EQ(log.lines.size(), 1u);
   EXPECT_EQ(log.lines[0],
             "a browser at 127.0.0.1 is turned away: its network is not in allow of [http]; add it "
@@ -160,7 +160,7 @@ TEST_F(WebServerTest, OtherMethodsAreRefusedAndReachNobody) {
     EXPECT_TRUE(receive(socket.get(), "\r\n\r\n").starts_with("HTTP/1.1 405 ")) << method;
   }
   EXPECT_EQ(site_.begun, 0u);
-  EXPECT_EQ(counters_.refused, 7u);
+  EXPECT_EQ(counters_.rejected, 7u);
 }
 
 TEST_F(WebServerTest, APathIsOnlyEverText) {
@@ -216,7 +216,7 @@ TEST_F(WebServerTest, ARequestThatDripsInRunsOutOfTime) {
   }
   EXPECT_TRUE(is_gone(slow.get()));
   EXPECT_EQ(counters_.clients, 0u);
-  EXPECT_EQ(counters_.refused, 1u);
+  EXPECT_EQ(counters_.rejected, 1u);
 }
 
 TEST_F(WebServerTest, ASlowReaderHoldsUpNobodyAndIsClosedInTheEnd) {

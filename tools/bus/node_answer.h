@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "firmware/protocol/node_map.h"
+#include "firmware/protocol/node_registers.h"
 #include "master.h"
 
 namespace etcm::bus {

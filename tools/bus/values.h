@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/protocol/node_map.h"
+#include "firmware/protocol/node_registers.h"
 
 namespace etcm::bus {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "firmware/protocol/node_map.h"
+#include "firmware/protocol/node_registers.h"
 #include "modbus/replies.h"
 #include "modbus/tcp_listener.h"
 #include "script.h"

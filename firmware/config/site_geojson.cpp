@@ -1,0 +1,366 @@
+#include "firmware/config/site_geojson.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "etcm/files/decimal.h"
+#include "etcm/files/error.h"
+#include "etcm/files/json.h"
+#include "firmware/config/site.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+using files::InputError;
+using files::JsonValue;
+using Kind = JsonValue::Kind;
+
+constexpr std::size_t mistakes_max = 20;
+constexpr std::size_t name_bytes_max = 64;
+
+enum class Role : std::uint8_t { feature, domain, hole };
+
+// What one feature of the file says beside its geometry.
+struct Label {
+  std::string name;
+  Role role = Role::feature;
+  const JsonValue* serials = nullptr;   // of the coordinates of a line
+  std::optional<std::uint32_t> serial;  // of a point
+};
+
+struct Line {
+  std::vector<Position> points;
+  std::string name;
+  std::string place;
+};
+
+// Names go to the log and to the page: a line of text, not too long.
+std::string printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }, ' ');
+  if (text.size() > name_bytes_max) {
+    std::size_t end = name_bytes_max;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;
+    text.resize(end);
+  }
+  return text;
+}
+
+std::string child(const std::string& where, std::size_t index) {
+  return where + "/" + std::to_string(index);
+}
+
+class Drawing {
+ public:
+  Drawing(Settings& settings, std::vector<std::string>& mistakes)
+      : settings_(settings), grid_(settings.site), mistakes_(mistakes) {}
+
+  void read(const JsonValue& root) {
+    const std::string type = type_of(root, "");
+    if (type == "FeatureCollection") {
+      const JsonValue& features = member(root, "", "features", Kind::array);
+      for (std::size_t i = 0; i < features.items.size(); ++i) {
+        if (!try_feature(features.items[i], child("features", i))) return;
+      }
+    } else if (type == "Feature") {
+      try_feature(root, "");
+    } else {
+      fail(root, "", "a " + type + " says nothing but its geometry; make it a FeatureCollection");
+    }
+    finish();
+  }
+
+ private:
+  // False: there have been so many mistakes that more of them help nobody.
+  bool try_feature(const JsonValue& feature, const std::string& where) {
+    try {
+      read_feature(feature, where);
+    } catch (const InputError& error) {
+      if (++mistake_count_ > mistakes_max) {
+        mistakes_.push_back(settings_.site.path + ": more mistakes follow; correct these first");
+        return false;
+      }
+      mistakes_.push_back(error.what());
+    }
+    return true;
+  }
+
+  void read_feature(const JsonValue& feature, const std::string& where) {
+    if (type_of(feature, where) != "Feature") {
+      fail(feature, where, "is no Feature; write \"type\": \"Feature\", with a geometry");
+    }
+    const JsonValue* const geometry = feature.find("geometry");
+    if (geometry == nullptr || geometry->kind == Kind::null) return;  // draws nothing
+    const Label label = read_label(feature, where);
+    read_geometry(*geometry, inside(where, "geometry"), label);
+  }
+
+  Label read_label(const JsonValue& feature, const std::string& where) {
+    Label label;
+    const JsonValue* const properties = feature.find("properties");
+    if (properties == nullptr || properties->kind == Kind::null) return label;
+    const std::string here = inside(where, "properties");
+    if (properties->kind != Kind::object) {
+      fail(*properties, here, "must be an object or null");
+    }
+    const JsonValue* const name = properties->find("name");
+    if (name != nullptr && name->kind == Kind::text) label.name = printable(name->text);
+    const JsonValue* const role = properties->find("kind");
+    if (role != nullptr && role->kind != Kind::null) label.role = role_of(*role, here + "/kind");
+    const JsonValue* const serial = properties->find("serial");
+    if (serial != nullptr) label.serial = serial_of(*serial, here + "/serial");
+    const JsonValue* const serials = properties->find("serials");
+    if (serials != nullptr && serials->kind != Kind::null) label.serials = serials;
+    return label;
+  }
+
+  // A feature of any other kind is a line like all others: maps have many kinds.
+  static Role role_of(const JsonValue& value, const std::string&) {
+    if (value.text == "domain") return Role::domain;
+    if (value.text == "hole") return Role::hole;
+    return Role::feature;
+  }
+
+  std::optional<std::uint32_t> serial_of(const JsonValue& value, const std::string& where) const {
+    if (value.kind == Kind::null) return std::nullopt;
+    const auto number =
+        value.kind == Kind::number ? files::Decimal::parse(value.text) : std::nullopt;
+    const auto serial = number ? number->to_integer() : std::nullopt;
+    if (!serial || *serial < 0 || *serial >= no_serial) {
+      fail(value, where, "is no serial; give a whole number from 0 to 4294967294, or null");
+    }
+    return static_cast<std::uint32_t>(*serial);
+  }
+
+  void read_geometry(const JsonValue& geometry, const std::string& where, const Label& label) {
+    const std::string type = type_of(geometry, where);
+    if (label.role != Role::feature && type != "Polygon" && type != "MultiPolygon") {
+      fail(geometry, where,
+           "a " + type +
+               " cannot be a domain or a hole; draw it as a Polygon, or take its 'kind' "
+               "out");
+    }
+    if (type == "GeometryCollection") {
+      fail(geometry, where, "a GeometryCollection; write its parts as features of their own");
+    }
+    const std::string here = where + "/coordinates";
+    const JsonValue& coordinates = member(geometry, where, "coordinates", Kind::array);
+    if (type == "Point") {
+      read_point(coordinates, here, label);
+    } else if (type == "LineString") {
+      read_line(coordinates, here, label, label.serials);
+    } else if (type == "MultiLineString") {
+      each_part(coordinates, here, label.serials,
+                [&](const JsonValue& part, const std::string& at, const JsonValue* serials) {
+                  read_line(part, at, label, serials);
+                });
+    } else if (type == "Polygon") {
+      read_polygon(coordinates, here, label, label.serials);
+    } else if (type == "MultiPolygon") {
+      each_part(coordinates, here, label.serials,
+                [&](const JsonValue& part, const std::string& at, const JsonValue* serials) {
+                  read_polygon(part, at, label, serials);
+                });
+    } else {
+      fail(geometry, where,
+           "the geometry '" + printable(type) +
+               "' is unknown here; use Point, LineString, MultiLineString, Polygon or "
+               "MultiPolygon");
+    }
+  }
+
+  void read_point(const JsonValue& coordinates, const std::string& where, const Label& label) {
+    const Position position = position_of(coordinates, where);
+    note(position, coordinates, where, label.serial);
+    if (!label.serial) anchors_.push_back(position);
+  }
+
+  void read_polygon(const JsonValue& rings, const std::string& where, const Label& label,
+                    const JsonValue* serials) {
+    each_part(rings, where, serials,
+              [&](const JsonValue& ring, const std::string& at, const JsonValue* ring_serials) {
+                const std::size_t first = read_line(ring, at, label, ring_serials);
+                const std::vector<Position>& points = lines_[first].points;
+                if (points.front() != points.back()) {
+                  lines_.pop_back();
+                  fail(ring, at, "the ring is not closed; repeat its first coordinate at the end");
+                }
+                if (points.size() < 4) {
+                  lines_.pop_back();
+                  fail(ring, at, "the ring has no area; give it three different corners at least");
+                }
+                if (label.role == Role::feature) return;
+                auto& edges = label.role == Role::domain ? outline_ : holes_;
+                for (std::size_t i = 1; i < points.size(); ++i) {
+                  edges.push_back({.from = to_point(points[i - 1]), .to = to_point(points[i])});
+                }
+              });
+  }
+
+  // Returns the index of the new line.
+  std::size_t read_line(const JsonValue& coordinates, const std::string& where, const Label& label,
+                        const JsonValue* serials) {
+    if (coordinates.kind != Kind::array) fail(coordinates, where, "must be an array of positions");
+    if (serials != nullptr &&
+        (serials->kind != Kind::array || serials->items.size() != coordinates.items.size())) {
+      fail(*serials, where,
+           "has " + std::to_string(coordinates.items.size()) +
+               " positions, and 'serials' does not fit; give it as many entries, null where no "
+               "node stands");
+    }
+    Line line{.points = {},
+              .name = label.name,
+              .place = settings_.site.path + ":" + std::to_string(coordinates.line)};
+    for (std::size_t i = 0; i < coordinates.items.size(); ++i) {
+      const std::string at = child(where, i);
+      const Position position = position_of(coordinates.items[i], at);
+      note(position, coordinates.items[i], at,
+           serials != nullptr ? serial_of(serials->items[i], at) : std::nullopt);
+      // Tools write the same position twice, and rounding makes two the same.
+      if (line.points.empty() || line.points.back() != position) line.points.push_back(position);
+    }
+    if (line.points.size() < 2) {
+      fail(coordinates, where, "a line of fewer than two different positions; take it out");
+    }
+    lines_.push_back(std::move(line));
+    return lines_.size() - 1;
+  }
+
+  template <class Each>
+  void each_part(const JsonValue& parts, const std::string& where, const JsonValue* serials,
+                 const Each& each) {
+    if (parts.kind != Kind::array) fail(parts, where, "must be an array");
+    if (serials != nullptr &&
+        (serials->kind != Kind::array || serials->items.size() != parts.items.size())) {
+      fail(*serials, where,
+           "has " + std::to_string(parts.items.size()) +
+               " parts, and 'serials' does not fit; give it one list for each of them");
+    }
+    for (std::size_t i = 0; i < parts.items.size(); ++i) {
+      const JsonValue* part_serials = serials != nullptr ? &serials->items[i] : nullptr;
+      if (part_serials != nullptr && part_serials->kind == Kind::null) part_serials = nullptr;
+      each(parts.items[i], child(where, i), part_serials);
+    }
+  }
+
+  Position position_of(const JsonValue& value, const std::string& where) const {
+    // A third number is a height, which a plane has not.
+    if (value.kind != Kind::array || value.items.size() < 2) {
+      fail(value, where, "is no position; give it as [x, y]");
+    }
+    const auto number = [&](const JsonValue& item) {
+      const auto decimal =
+          item.kind == Kind::number ? files::Decimal::parse(item.text) : std::nullopt;
+      if (!decimal)
+        fail(item, where,
+             "holds " + std::string(to_string(item.kind)) +
+                 " where a number must be; give it as [x, y]");
+      return *decimal;
+    };
+    return grid_.place(value.line, where + ": ", number(value.items[0]), number(value.items[1]));
+  }
+
+  // A node stands here, where a serial is given.
+  void note(Position position, const JsonValue& at, const std::string& where,
+            std::optional<std::uint32_t> serial) {
+    if (!serial) return;
+    const std::uint64_t key = FeatureEnd::anchor(position).key();
+    const auto [here, is_new] = serial_at_.emplace(key, *serial);
+    if (!is_new && here->second != *serial) {
+      fail(at, where,
+           "node " + std::to_string(*serial) + " stands where node " +
+               std::to_string(here->second) + " does; correct one of the serials");
+    }
+    const auto [place, is_first] = place_of_.emplace(*serial, key);
+    if (!is_first && place->second != key) {
+      fail(at, where,
+           "node " + std::to_string(*serial) +
+               " stands at two places of this file; correct one of the serials");
+    }
+  }
+
+  FeatureEnd end_at(Position position) const {
+    const FeatureEnd anchor = FeatureEnd::anchor(position);
+    const auto found = serial_at_.find(anchor.key());
+    return found == serial_at_.end() ? anchor : FeatureEnd(found->second);
+  }
+
+  void add_anchor(const FeatureEnd& end, const std::string& place) {
+    if (end.is_anchor && anchored_.insert(end.key()).second) {
+      settings_.anchors.push_back({.position = end.position, .place = place});
+    }
+  }
+
+  // Now that it is known at which places nodes stand.
+  void finish() {
+    std::set<std::pair<std::uint64_t, std::uint64_t>> drawn;
+    for (const Line& line : lines_) {
+      for (std::size_t i = 1; i < line.points.size(); ++i) {
+        const FeatureEnd from = end_at(line.points[i - 1]);
+        const FeatureEnd to = end_at(line.points[i]);
+        add_anchor(from, line.place);
+        add_anchor(to, line.place);
+        if (!drawn.insert(std::minmax(from.key(), to.key())).second) continue;
+        settings_.features.push_back(
+            {.from = from, .to = to, .name = line.name, .place = line.place});
+      }
+    }
+    for (const Position position : anchors_) {
+      add_anchor(end_at(position), settings_.site.path);
+    }
+    settings_.domain = {std::move(outline_), std::move(holes_)};
+  }
+
+  std::string type_of(const JsonValue& value, const std::string& where) const {
+    if (value.kind != Kind::object) fail(value, where, "must be an object");
+    return member(value, where, "type", Kind::text).text;
+  }
+
+  const JsonValue& member(const JsonValue& object, const std::string& where, const char* key,
+                          Kind kind) const {
+    const JsonValue* const found = object.kind == Kind::object ? object.find(key) : nullptr;
+    if (found == nullptr) {
+      fail(object, where,
+           std::string("'") + key + "' is missing; is this a GeoJSON file? Export it as one");
+    }
+    if (found->kind != kind) {
+      fail(*found, inside(where, key), std::string("must be ") + to_string(kind));
+    }
+    return *found;
+  }
+
+  static std::string inside(const std::string& where, const std::string& key) {
+    return where.empty() ? key : where + "/" + key;
+  }
+
+  [[noreturn]] void fail(const JsonValue& at, const std::string& where,
+                         const std::string& what) const {
+    throw InputError(settings_.site.path, at.line, (where.empty() ? "" : where + ": ") + what);
+  }
+
+  Settings& settings_;
+  const SiteGrid grid_;
+  std::vector<std::string>& mistakes_;
+  std::size_t mistake_count_ = 0;
+  std::vector<Line> lines_;
+  std::vector<Position> anchors_;                     // points of their own
+  std::map<std::uint64_t, std::uint32_t> serial_at_;  // by the key of the place
+  std::map<std::uint32_t, std::uint64_t> place_of_;   // by serial
+  std::set<std::uint64_t> anchored_;
+  std::vector<DomainEdge> outline_;
+  std::vector<DomainEdge> holes_;
+};
+
+}  // namespace
+
+void read_site_geojson(Settings& settings, std::vector<std::string>& mistakes) {
+  Drawing(settings, mistakes).read(files::read_json(settings.site.path));
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,112 @@
+#include "firmware/config/toml_table.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string_view>
+
+namespace etcm::firmware {
+
+namespace {
+
+std::string place_of(const std::string& file, const toml::node& node) {
+  return file + ":" + std::to_string(node.source().begin.line);
+}
+
+// How many letters must be put in, taken out or exchanged to make one word of the other.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+// The word that was most likely meant, or an empty one.
+std::string likeliest(const std::set<std::string>& words, std::string_view typed) {
+  std::string best;
+  std::size_t best_distance = std::max<std::size_t>(typed.size() / 3, 1) + 1;
+  for (const std::string& word : words) {
+    const std::size_t distance = edit_distance(word, typed);
+    if (distance < best_distance) {
+      best = word;
+      best_distance = distance;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+const toml::node* TomlTable::find(const std::string& key) {
+  known_.insert(key);
+  return table_.get(key);
+}
+
+void TomlTable::mistake(const toml::node& node, const std::string& what) {
+  mistakes_.push_back(place_of(file_, node) + ": " + what);
+}
+
+void TomlTable::require(const std::string& key, const std::string& example) {
+  if (find(key) == nullptr) {
+    mistake(table_, in_toml_table("'" + key + "' is missing") + "; add it, such as " + example);
+  }
+}
+
+void TomlTable::each(const std::string& key, const std::function<void(TomlTable&)>& each_table) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return;
+  const toml::array* tables = node->as_array();
+  const std::size_t bracket = name_.find(']');
+  const std::string within =
+      name_.empty() ? "" : name_.substr(name_.rfind('[') + 1, bracket - name_.rfind('[') - 1) + ".";
+  const std::string name = "[[" + within + key + "]]";
+  if (tables == nullptr || !tables->is_array_of_tables()) {
+    mistake(*node, "'" + key + "' must be a list of tables; begin each with " + name);
+    return;
+  }
+  for (const toml::node& element : *tables) {
+    TomlTable toml_table(file_, *element.as_table(), name, mistakes_);
+    each_table(toml_table);
+    toml_table.finish();
+  }
+}
+
+void TomlTable::sub(const std::string& key, const std::function<void(TomlTable&)>& table) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return;
+  if (!node->is_table()) {
+    mistake(*node, "'" + key + "' must be a table; begin it with [" + key + "]");
+    return;
+  }
+  TomlTable toml_table(file_, *node->as_table(), "[" + key + "]", mistakes_);
+  table(toml_table);
+  toml_table.finish();
+}
+
+void TomlTable::finish() {
+  for (const auto& [key, node] : table_) {
+    const std::string typed(key.str());
+    if (known_.contains(typed)) continue;
+    std::string list;
+    for (const std::string& name : known_) list += (list.empty() ? "" : ", ") + name;
+    const std::string meant = likeliest(known_, typed);
+    mistakes_.push_back(file_ + ":" + std::to_string(key.source().begin.line) + ": " +
+                        in_toml_table("'" + typed + "' is unknown") + "; " +
+                        (meant.empty() ? "" : "did you mean '" + meant + "'? ") +
+                        "known here: " + list);
+  }
+}
+
+std::string TomlTable::place() const { return place_of(file_, table_); }
+
+std::string TomlTable::in_toml_table(const std::string& what) const {
+  return name_.empty() ? what : what + " in " + name_;
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,122 @@
+#include "firmware/persist/state_saver.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "firmware/persist/disk_timeout.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+// Generations between two saves, and some that were under way.
+std::uint32_t generations_per(port::Duration interval, port::Duration pause) {
+  return static_cast<std::uint32_t>(interval / pause) + 8;
+}
+
+}  // namespace
+
+StateSaver::StateSaver(const Settings& settings, port::Duration pause, port::Store& store,
+                       port::Log& log)
+    : settings_(settings),
+      store_(store),
+      log_(log),
+      writer_(saved_state_size_max(settings)),
+      generations_between_(generations_per(settings.state->interval, pause)) {}
+
+std::optional<SavedState> StateSaver::load() {
+  for (const port::Copy copy : {port::Copy::last, port::Copy::previous}) {
+    const std::span<const std::byte> bytes = store_.load(copy);
+    if (bytes.empty()) continue;
+    SavedState state;
+    const std::string fault = judge(bytes, state);
+    const bool is_last = copy == port::Copy::last;
+    if (fault.empty()) {
+      if (!is_last) log_.write(port::Level::warning, "state: takes the copy before the last");
+      return state;
+    }
+    log_.write(port::Level::warning,
+               std::string("state: ") + (is_last ? "the last" : "the previous") +
+                   " copy is not used, " + fault + "; it is kept as " + settings_.state->folder +
+                   "/" + std::string(store_.set_aside(copy)));
+  }
+  return std::nullopt;
+}
+
+// What is wrong with a state here; empty where nothing is.
+std::string StateSaver::judge(std::span<const std::byte> bytes, SavedState& state) const {
+  if (std::string fault = decode_state(bytes, state); !fault.empty()) return fault;
+  const auto is_here = [&](const std::string& saved) {
+    return std::any_of(settings_.buses.begin(), settings_.buses.end(),
+                       [&](const BusSettings& bus) { return saved_bus_name(bus.name) == saved; });
+  };
+  if (state.buses.empty() || std::any_of(state.buses.begin(), state.buses.end(), is_here))
+    return "";
+  return "it is of another configuration, without any bus of this one (it has " +
+         state.buses.front() + ")";
+}
+
+void StateSaver::step(port::Instant now) {
+  port::DiskResult result;
+  if (!store_.take_result(result)) {
+    if (!is_saving_ || is_unresponsive_ || now - tried_at_ < disk_timeout) return;
+    is_unresponsive_ = true;
+    log_.write(
+        port::Level::error,
+        "state: the disk of `folder` of [state] does not answer, look at it: a restart would "
+        "find an earlier state; goes on without");
+    return;
+  }
+  const bool was_unresponsive = std::exchange(is_unresponsive_, false);
+  is_saving_ = false;
+  if (result.ok) {
+    saved_content_ = saving_content_;
+    saved_next_ = saving_next_;
+    if (is_failing() || was_unresponsive) log_.write(port::Level::info, "state is saved again");
+    failure_.clear();
+    return;
+  }
+  is_dirty_ = true;
+  if (result.why == failure_) return;
+  failure_ = result.why;
+  log_.write(port::Level::error, "state is not saved: " + failure_ + "; goes on, and tries again");
+}
+
+port::Instant StateSaver::next_deadline() const {
+  // How a save went is heard soon enough in a step that something else asks for.
+  if (!is_dirty_ || is_saving_) return port::never;
+  return was_tried_ ? tried_at_ + settings_.state->interval : port::Instant{};
+}
+
+StateWriter& StateSaver::begin(std::uint32_t generation, std::uint64_t mesh_hash) {
+  constexpr std::uint32_t last = std::numeric_limits<std::uint32_t>::max();
+  // Saves come one interval apart, and one may fail or be under way while the power does.
+  const std::uint32_t ahead = is_ending_ ? 1 : 2 * generations_between_;
+  written_generation_ = generation;
+  written_next_ = generation < last - ahead ? generation + ahead : last;
+  writer_.begin(generation, written_next_, mesh_hash);
+  return writer_;
+}
+
+void StateSaver::save(port::Instant now) {
+  const std::span<const std::byte> bytes = writer_.finish();
+  was_tried_ = true;
+  tried_at_ = now;
+  is_dirty_ = false;
+  const bool is_promise_kept = written_generation_ + generations_between_ < saved_next_;
+  if (writer_.content() == saved_content_ && is_promise_kept && !is_ending_) return;
+  if (is_ending_ && writer_.content() == saved_content_ && written_next_ == saved_next_) return;
+  saving_content_ = writer_.content();
+  saving_next_ = written_next_;
+  is_saving_ = true;
+  store_.start_save(bytes);
+}
+
+void StateSaver::finish() {
+  is_ending_ = true;
+  is_dirty_ = true;
+  was_tried_ = false;
+}
+
+}  // namespace etcm::firmware

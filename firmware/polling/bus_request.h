@@ -1,0 +1,36 @@
+// Single requests that somebody else than the poller has for the units of a bus: they wait until
+// the polls leave time.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "etcm/port/clock.h"
+#include "etcm/port/node_bus.h"
+
+namespace etcm::firmware {
+
+struct BusRequest {
+  std::uint8_t address = 0;
+  std::uint16_t first = 0;                // register
+  std::uint16_t read_count = 0;           // of registers to read; 0: it is a write
+  std::uint16_t spare = 0;                // as RegisterRead has it
+  std::span<const std::uint16_t> values;  // to write; needed during the call only
+};
+
+class RequestSource {
+ public:
+  // When there may be a request for this bus; `never` where nothing but time or an answer can bring
+  // one.
+  virtual port::Instant request_due(std::uint32_t bus) const = 0;
+  // Sets the next request, if there is one at this moment. It will be sent.
+  virtual bool next_request(std::uint32_t bus, port::Instant now, BusRequest& request) = 0;
+  // What came of it: the next call for this bus after next_request() gave one.
+  virtual void on_request_done(std::uint32_t bus, const port::BusAnswer& answer,
+                               port::Instant now) = 0;
+
+ protected:
+  ~RequestSource() = default;
+};
+
+}  // namespace etcm::firmware

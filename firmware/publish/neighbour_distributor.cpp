@@ -1,0 +1,211 @@
+#include "firmware/publish/neighbour_distributor.h"
+
+#include <algorithm>
+
+namespace etcm::firmware {
+
+namespace {
+
+constexpr std::uint8_t tries_max = 3;
+// So many nodes are looked at before others have their turn.
+constexpr std::uint32_t looks_max = 64;
+// As many whole serials as one write can carry.
+constexpr std::uint16_t neighbour_registers_max = port::write_registers_max / 2 * 2;
+
+// The codes of a node that has no such function or registers.
+constexpr std::uint8_t illegal_function = 1;
+constexpr std::uint8_t illegal_address = 2;
+
+// Different for different lists, as good as always.
+std::uint64_t fingerprint_of(std::span<const std::uint32_t> serials) {
+  std::uint64_t value = 0x9e3779b97f4a7c15u + serials.size();
+  for (const std::uint32_t serial : serials) {
+    value = (value ^ serial) * 0xbf58476d1ce4e5b9u;
+    value ^= value >> 29;
+  }
+  return value;
+}
+
+}  // namespace
+
+NeighbourDistributor::NeighbourDistributor(const Settings& settings, const Poller& poller,
+                                           const NodeTable& nodes, const MeshKeeper& keeper,
+                                           port::Log& log)
+    : settings_(settings),
+      poller_(poller),
+      nodes_(nodes),
+      keeper_(keeper),
+      log_(log),
+      neighbours_(settings.write_back.is_enabled ? settings.mesh.vertices_max : 0),
+      delivered_(settings.write_back.is_enabled ? nodes.records().size() : 0),
+      jobs_(settings.write_back.is_enabled ? poller.bus_count() : 0) {}
+
+void NeighbourDistributor::invalidate() {
+  for (Job& job : jobs_) job.unseen = static_cast<std::uint32_t>(delivered_.size());
+}
+
+port::Instant NeighbourDistributor::due(std::uint32_t bus) const {
+  if (jobs_.empty()) return port::never;
+  const Job& job = jobs_[bus];
+  return job.place != no_place || job.unseen > 0 ? port::Instant{} : job.retry_at;
+}
+
+bool NeighbourDistributor::next(std::uint32_t bus, std::uint32_t generation, port::Instant now,
+                                BusRequest& request) {
+  if (jobs_.empty()) return false;
+  Job& job = jobs_[bus];
+  if (job.place != no_place && !is_same(job, bus)) {
+    job.place = no_place;
+    job.unseen = static_cast<std::uint32_t>(delivered_.size());
+  }
+  if (job.place != no_place) {
+    request = next_part(job);
+    return true;
+  }
+  if (job.unseen == 0) {
+    if (job.retry_at > now) return false;
+    job.unseen = static_cast<std::uint32_t>(delivered_.size());
+  }
+  if (job.unseen == delivered_.size()) job.retry_at = port::never;
+  const auto records = nodes_.records();
+  for (std::uint32_t looks = 0; looks < looks_max && job.unseen > 0; ++looks) {
+    const std::uint32_t place = job.cursor;
+    job.cursor = (job.cursor + 1) % static_cast<std::uint32_t>(delivered_.size());
+    --job.unseen;
+    const NodeRecord& node = records[place];
+    if (!node.is_known() || node.unit == no_unit || poller_.bus_of(node.unit) != bus) continue;
+    DeliveredConfig& told = delivered_[place];
+    if (!needs_write(node, told, job, now)) continue;
+    job.place = place;
+    fill(job, bus, generation, told);
+    request = next_part(job);
+    return true;
+  }
+  return false;
+}
+
+// Whether the node is to be written now.
+bool NeighbourDistributor::needs_write(const NodeRecord& node, DeliveredConfig& told, Job& job,
+                                       port::Instant now) {
+  if (told.serial != node.serial || told.boot_count != node.boot_count) {
+    told = {.serial = node.serial, .boot_count = node.boot_count};
+  }
+  if (told.is_rejected) return false;
+  list_ = {};
+  if (node.is_placed()) {
+    list_ = neighbours_.of(keeper_.mesh(), node.vertex, keeper_.serials());
+  } else if (!told.is_written) {
+    return false;  // it has never had any
+  }
+  const std::uint64_t fingerprint = fingerprint_of(list_);
+  if (told.is_written && told.fingerprint == fingerprint) return false;
+  if (told.tries > 0 && told.tried == fingerprint) {
+    if (told.tries >= tries_max) return false;
+    if (now < told.retry_at) {
+      job.retry_at = std::min(job.retry_at, told.retry_at);
+      return false;
+    }
+  } else {
+    told.tries = 0;
+  }
+  if ((node.stale && !node.lacks_fix) || !poller_.is_sound(node.unit)) {
+    job.retry_at = std::min(job.retry_at, now + settings_.poll.interval);
+    return false;
+  }
+  // What it says of an earlier write must not be taken for what it says of this one.
+  if (const port::Instant free_at = poller_.write_free_at(node.unit); free_at > now) {
+    job.retry_at = std::min(job.retry_at, free_at);
+    return false;
+  }
+  told.tried = job.fingerprint = fingerprint;
+  return true;
+}
+
+// Whether the node under way is still the one it was, and on this bus: it may have left, booted or
+// gone elsewhere meanwhile.
+bool NeighbourDistributor::is_same(const Job& job, std::uint32_t bus) const {
+  const NodeRecord& node = nodes_.records()[job.place];
+  const DeliveredConfig& told = delivered_[job.place];
+  return node.serial == told.serial && node.boot_count == told.boot_count && node.unit != no_unit &&
+         poller_.bus_of(node.unit) == bus;
+}
+
+void NeighbourDistributor::fill(Job& job, std::uint32_t bus, std::uint32_t generation,
+                                const DeliveredConfig& told) const {
+  const std::size_t count = std::min<std::size_t>(list_.size(), configuration_neighbours_max);
+  job.count = static_cast<std::uint16_t>(encode_configuration(
+      generation, list_.first(count), poller_.bus(bus).word_order, job.registers));
+  job.written = 0;
+  // On a serial line a late answer must not be taken for one to the next try: that has other
+  // ranges.
+  job.is_split = job.count > port::write_registers_max || told.tries % 2 == 1;
+}
+
+BusRequest NeighbourDistributor::next_part(Job& job) const {
+  const NodeRecord& node = nodes_.records()[job.place];
+  const auto registers = std::span<const std::uint16_t>(job.registers).first(job.count);
+  BusRequest request{.address = poller_.address_of(node.unit), .values = {}};
+  const auto neighbours_end = static_cast<std::uint16_t>(job.count - configuration_head_count);
+  if (!job.is_split) {
+    request.first = configuration_register_first;
+    request.values = registers;
+  } else if (job.written < neighbours_end) {
+    const auto begin = static_cast<std::uint16_t>(configuration_head_count + job.written);
+    const std::size_t part =
+        std::min<std::size_t>(neighbour_registers_max, neighbours_end - job.written);
+    request.first = static_cast<std::uint16_t>(configuration_register_first + begin);
+    request.values = registers.subspan(begin, part);
+  } else {
+    request.first = configuration_register_first;
+    request.values = registers.first(configuration_head_count);
+  }
+  job.written = static_cast<std::uint16_t>(job.written + request.values.size());
+  return request;
+}
+
+void NeighbourDistributor::done(std::uint32_t bus, const port::BusAnswer& answer,
+                                port::Instant now) {
+  Job& job = jobs_[bus];
+  DeliveredConfig& told = delivered_[job.place];
+  if (!is_same(job, bus) || answer.result == port::BusResult::link_lost) {
+    job.place = no_place;
+    job.retry_at = std::min(job.retry_at, now + settings_.poll.interval);
+    return;
+  }
+  if (answer.result != port::BusResult::ok) {
+    job.place = no_place;
+    fail(told, answer, now);
+    if (told.tries < tries_max && !told.is_rejected) {
+      job.retry_at = std::min(job.retry_at, told.retry_at);
+    }
+    return;
+  }
+  if (job.written < job.count) return;
+  told.is_written = true;
+  told.fingerprint = job.fingerprint;
+  told.tries = 0;
+  job.place = no_place;
+}
+
+void NeighbourDistributor::fail(DeliveredConfig& told, const port::BusAnswer& answer,
+                                port::Instant now) {
+  if (answer.result == port::BusResult::exception &&
+      (answer.exception == illegal_function || answer.exception == illegal_address)) {
+    told.is_rejected = true;
+    log_.write(port::Level::info, TextLine()
+                                      << "node " << told.serial
+                                      << " has no registers for its neighbours: exception "
+                                      << answer.exception << "; it is not written until it boots");
+    return;
+  }
+  ++told.tries;
+  told.retry_at = now + settings_.poll.absent_interval;
+  if (told.tries == tries_max) {
+    log_.write(port::Level::warning,
+               TextLine() << "node " << told.serial
+                          << " was not told its neighbours: " << to_string(answer.result)
+                          << ", three times; tried again when they change");
+  }
+}
+
+}  // namespace etcm::firmware

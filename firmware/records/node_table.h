@@ -1,0 +1,106 @@
+// Who is known: the nodes by serial, whichever unit they answer at.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "etcm/mesh.h"
+#include "etcm/port/clock.h"
+#include "firmware/config/settings.h"
+#include "firmware/polling/poller.h"
+#include "firmware/protocol/node_registers.h"
+#include "firmware/site/rejection.h"
+
+namespace etcm::firmware {
+
+struct NodeRecord {
+  std::uint32_t serial = no_serial;   // no_serial: the record is free
+  std::uint32_t unit = no_unit;       // where it answers; no_unit: it was there once, and is sought
+  std::uint32_t last_unit = no_unit;  // where it answered last; no_unit: on none there is now
+  port::Instant known_since{};
+  port::Instant heard_at{};
+  port::Duration heard{};  // the same, as the clock of its bus showed it (silence_clock.h)
+  port::Instant positioned_at{};
+  Position position;         // last reported with a valid fix
+  std::uint16_t status = 0;  // bits of node_status, last reported
+  std::uint16_t boot_count = 0;
+  bool stale = false;      // its position is no longer fresh
+  bool lacks_fix = false;  // it is stale although it answers
+  bool is_missing = false;
+
+  // In the mesh.
+  VertexId vertex;  // none: not in the mesh
+  Position placed;  // where the mesh has it
+
+  // In quarantine; tried again when the node reports another place or the mesh made room.
+  Rejection rejection;
+  bool rejected_to_leave = false;  // the mesh could not do without it
+  Position rejected_at;
+  std::uint32_t rejected_epoch = 0;
+  port::Instant rejected_since{};
+
+  bool is_known() const { return serial != no_serial; }
+  bool is_placed() const { return !vertex.is_none(); }
+  bool is_quarantined() const { return !rejection.is_none(); }
+  bool has_position() const { return positioned_at != port::Instant{}; }
+  bool has_asked_to_leave() const { return (status & node_status::leaving) != 0; }
+  // It answers, and has not told yet where it is.
+  bool is_waiting() const {
+    return is_known() && !is_missing && !is_placed() && !is_quarantined() && !has_asked_to_leave();
+  }
+};
+
+// A node keeps its record when it changes its unit, its port or its bus, and while it is missing.
+// The memory is fixed: one record for each unit, and some for nodes whose unit another one has now
+// and for those that are missing.
+constexpr std::uint32_t roster_capacity(std::uint32_t unit_count) {
+  return unit_count + unit_count / 4 + 16;
+}
+
+// As many units as the poller has for these settings.
+std::uint32_t count_units(const Settings& settings);
+
+class NodeTable {
+ public:
+  explicit NodeTable(std::uint32_t unit_count);
+
+  // The node that answers at a unit, or null.
+  NodeRecord* at(std::uint32_t unit);
+  // When the node that went from this unit last was heard; the origin: there was none.
+  port::Instant released_heard_at(std::uint32_t unit) const { return released_heard_at_[unit]; }
+  // A node went from this unit, in an earlier run.
+  void note_gone(std::uint32_t unit, port::Instant heard_at) {
+    released_heard_at_[unit] = heard_at;
+  }
+  // All records, free ones between them.
+  std::span<NodeRecord> records() { return records_; }
+  std::span<const NodeRecord> records() const { return records_; }
+
+  // The record of a serial, or null.
+  NodeRecord* find(std::uint32_t serial);
+
+  // A record for a serial that has none, at no unit; null when all are in use.
+  NodeRecord* add(std::uint32_t serial, port::Instant now);
+  // The node answers at this unit from now on. Whoever was known there is at none.
+  void seat(NodeRecord& node, std::uint32_t unit);
+  // It answers at no unit any more; the one it had is free for others.
+  void vacate(NodeRecord& node);
+  void release(NodeRecord& node);
+
+ private:
+  static constexpr std::uint32_t no_slot = 0xffffffff;
+  struct Entry {
+    std::uint32_t serial;
+    std::uint32_t slot;
+  };
+  std::vector<Entry>::iterator lower_bound(std::uint32_t serial);
+
+  std::vector<NodeRecord> records_;
+  std::vector<std::uint32_t> free_;     // slots
+  std::vector<Entry> by_serial_;        // sorted
+  std::vector<std::uint32_t> by_unit_;  // slots
+  std::vector<port::Instant> released_heard_at_;
+};
+
+}  // namespace etcm::firmware

@@ -1,0 +1,388 @@
+// What is saved and when, and what of it is believed.
+#include "firmware/persist/state_saver.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "fakes.h"
+#include "firmware/records/node_table.h"
+#include "memory_store.h"
+#include "support/allocation_watch.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+Settings settings_with_state() {
+  Settings settings;
+  settings.mesh = {.vertices_max = 100, .features_max = 10};
+  for (const char* const name : {"yard", "gate"}) {
+    settings.buses.emplace_back();
+    settings.buses.back().name = name;
+  }
+  settings.state = StateSettings{.folder = "/state", .interval = 1min};
+  return settings;
+}
+
+void write_all(StateWriter& writer) {
+  writer.add_bus("yard");
+  writer.add_bus("gate");
+  writer.add(SavedNode{.serial = 1001, .position = {-5, 7}, .age_ms = 123456, .bus = 0, .unit = 7});
+  writer.add(
+      SavedNode{.serial = 0xfffffffe, .position = {9, -9}, .age_ms = 0, .bus = 1, .unit = 1});
+  writer.add(SavedNode{.serial = 3, .position = {0, 0}});
+  writer.add(Position{position_max, -position_max});
+  writer.add(SavedFeature{.from = 0, .to = 3});
+  writer.add(SteinerPlace{.feature = 0, .point = {-(std::int64_t{1} << 51), 77}});
+  writer.add(SavedMissing{
+      .node = {.serial = 17, .position = {4, -4}, .age_ms = 99'000, .bus = 1, .unit = 9},
+      .has_position = true,
+      .silence_s = 5'000'000});
+  writer.add(SavedMissing{.node = {.serial = 18}, .silence_s = 31});
+}
+
+std::vector<std::byte> example() {
+  StateWriter writer(1000);
+  writer.begin(41, 99, 0x0123456789abcdef);
+  write_all(writer);
+  const auto bytes = writer.finish();
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(SavedStateForm, SaysAgainWhatWasWritten) {
+  SavedState state;
+  ASSERT_EQ(decode_state(example(), state), "");
+  EXPECT_EQ(state.generation, 41u);
+  EXPECT_EQ(state.next_generation, 99u);
+  EXPECT_EQ(state.mesh_hash, 0x0123456789abcdefu);
+  EXPECT_EQ(state.buses, (std::vector<std::string>{"yard", "gate"}));
+  ASSERT_EQ(state.nodes.size(), 3u);
+  EXPECT_EQ(state.nodes[0].serial, 1001u);
+  EXPECT_EQ(state.nodes[0].position, (Position{-5, 7}));
+  EXPECT_EQ(state.nodes[0].age_ms, 123456u);
+  EXPECT_EQ(state.nodes[0].unit, 7);
+  EXPECT_EQ(state.nodes[1].bus, 1);
+  EXPECT_EQ(state.nodes[2].bus, no_saved_bus);
+  EXPECT_EQ(state.anchors, (std::vector{Position{position_max, -position_max}}));
+  ASSERT_EQ(state.features.size(), 1u);
+  EXPECT_EQ(state.features[0].to, 3u);
+  ASSERT_EQ(state.steiner.size(), 1u);
+  EXPECT_EQ(state.steiner[0].point, (Point{-(std::int64_t{1} << 51), 77}));
+  ASSERT_EQ(state.missing.size(), 2u);
+  EXPECT_EQ(state.missing[0].node.serial, 17u);
+  EXPECT_EQ(state.missing[0].node.position, (Position{4, -4}));
+  EXPECT_EQ(state.missing[0].node.age_ms, 99'000u);
+  EXPECT_EQ(state.missing[0].node.bus, 1);
+  EXPECT_EQ(state.missing[0].node.unit, 9);
+  EXPECT_TRUE(state.missing[0].has_position);
+  EXPECT_EQ(state.missing[0].silence_s, 5'000'000u);
+  EXPECT_FALSE(state.missing[1].has_position);
+}
+
+// What a gateway of the time before nodes could be missing has left on the disk.
+TEST(SavedStateForm, ReadsForm1) {
+  auto bytes = example();
+  bytes[0] = std::byte{1};
+  bytes.erase(bytes.begin() + 40, bytes.begin() + 44);  // the count of missing nodes
+  bytes.resize(bytes.size() - 2 * 24);
+  SavedState state;
+  ASSERT_EQ(decode_state(bytes, state), "");
+  EXPECT_EQ(state.generation, 41u);
+  ASSERT_EQ(state.nodes.size(), 3u);
+  EXPECT_EQ(state.nodes[0].serial, 1001u);
+  ASSERT_EQ(state.steiner.size(), 1u);
+  EXPECT_EQ(state.steiner[0].point, (Point{-(std::int64_t{1} << 51), 77}));
+  EXPECT_TRUE(state.missing.empty());
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_EQ(decode_state(std::span(bytes).first(size), state), "it is cut off") << size;
+  }
+}
+
+TEST(SavedStateForm, IsTheOneItsHeaderDescribes) {
+  const auto bytes = example();
+  EXPECT_EQ(bytes.size(), 44u + 5 + 5 + 3 * 20 + 8 + 8 + 20 + 2 * 24);
+  const auto at = [&](std::size_t i) { return std::to_integer<unsigned>(bytes[i]); };
+  EXPECT_EQ(at(0), 2u);
+  EXPECT_EQ(at(4), 41u);
+  EXPECT_EQ(at(8), 99u);
+  EXPECT_EQ(at(12), 0xefu);
+  EXPECT_EQ(at(19), 0x01u);
+  EXPECT_EQ((std::vector{at(20), at(24), at(28), at(32), at(36), at(40)}),
+            (std::vector{2u, 3u, 1u, 1u, 1u, 2u}));
+  EXPECT_EQ(at(44), 4u);
+  EXPECT_EQ(at(45), unsigned{'y'});
+  EXPECT_EQ(at(54), 1001u & 0xff);
+}
+
+TEST(SavedStateForm, RefusesWhatIsCutOffOrTooLong) {
+  const auto bytes = example();
+  SavedState state;
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_EQ(decode_state(std::span(bytes).first(size), state), "it is cut off") << size;
+  }
+  auto longer = bytes;
+  longer.push_back({});
+  EXPECT_EQ(decode_state(longer, state), "it is too long");
+}
+
+TEST(SavedStateForm, RefusesOtherVersions) {
+  auto bytes = example();
+  SavedState state;
+  bytes[0] = std::byte{3};
+  EXPECT_EQ(decode_state(bytes, state), "it is from a newer gateway (form 3, this one knows 2)");
+  bytes[0] = std::byte{0};
+  EXPECT_EQ(decode_state(bytes, state), "it is from an older gateway (form 0, this one knows 2)");
+}
+
+TEST(SavedStateForm, TakesNoMemoryForCountsThatCannotBe) {
+  for (std::size_t count = 20; count < 44; count += 4) {
+    auto bytes = example();
+    for (std::size_t i = 0; i < 4; ++i) bytes[count + i] = std::byte{0xff};
+    SavedState state;
+    EXPECT_EQ(decode_state(bytes, state), "it is cut off") << count;
+  }
+}
+
+TEST(SavedStateForm, AnyByteChangedIsReadWithoutHarm) {
+  const auto bytes = example();
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    for (const int value : {0x00, 0x01, 0x7f, 0x80, 0xff}) {
+      auto changed = bytes;
+      changed[i] = static_cast<std::byte>(value);
+      SavedState state;
+      if (!decode_state(changed, state).empty()) continue;
+      for (const SavedFeature& feature : state.features) {
+        ASSERT_LT(std::max(feature.from, feature.to), state.nodes.size() + state.anchors.size());
+      }
+    }
+  }
+}
+
+TEST(SavedStateForm, RefusesWhatContradictsItself) {
+  StateWriter writer(1000);
+  SavedState state;
+  writer.begin(7, 7, 0);
+  EXPECT_EQ(decode_state(writer.finish(), state), "its generations contradict each other");
+  writer.begin(7, 8, 0);
+  writer.add(SavedNode{.serial = 5});
+  writer.add(SavedNode{.serial = 5});
+  EXPECT_EQ(decode_state(writer.finish(), state), "two nodes have one serial");
+  writer.begin(7, 8, 0);
+  writer.add(SavedNode{.serial = 5});
+  writer.add(SavedMissing{.node = {.serial = 5}});
+  EXPECT_EQ(decode_state(writer.finish(), state), "two nodes have one serial");
+  writer.begin(7, 8, 0);
+  writer.add(SavedMissing{.node = {.serial = 5, .bus = 0}});
+  EXPECT_EQ(decode_state(writer.finish(), state), "node 5 is on a bus it does not name");
+  writer.begin(7, 8, 0);
+  writer.add(SavedNode{.serial = 5, .bus = 0});
+  EXPECT_EQ(decode_state(writer.finish(), state), "node 5 is on a bus it does not name");
+  writer.begin(7, 8, 0);
+  writer.add(SavedNode{.serial = no_serial});
+  EXPECT_EQ(decode_state(writer.finish(), state), "a node has no serial");
+  writer.begin(7, 8, 0);
+  writer.add(SavedFeature{.from = 0, .to = 0});
+  EXPECT_EQ(decode_state(writer.finish(), state), "a feature ends at no node");
+}
+
+TEST(SavedStateForm, FitsWhatASettingAllows) {
+  Settings settings = settings_with_state();
+  settings.buses.front().name = std::string(300, 'n');
+  settings.buses.front().units = {{.first = 1, .last = 200}, {.first = 150, .last = 210}};
+  StateWriter writer(saved_state_size_max(settings));
+  const test::AllocationWatch watch;
+  writer.begin(1, 2, 0);
+  for (const BusSettings& bus : settings.buses) writer.add_bus(bus.name);
+  for (std::uint32_t i = 0; i < 50; ++i) writer.add(SavedNode{.serial = i});
+  for (std::uint32_t i = 0; i < 10; ++i) writer.add(SavedFeature{.from = i, .to = i + 1});
+  for (std::uint32_t i = 0; i < 50; ++i) writer.add(SteinerPlace{});
+  const std::uint32_t known = roster_capacity(count_units(settings));
+  for (std::uint32_t i = 0; i < known; ++i) writer.add(SavedMissing{});
+  EXPECT_LE(writer.finish().size(), saved_state_size_max(settings));
+  EXPECT_EQ(watch.allocations(), 0u);
+}
+
+class StateSaverTest : public testing::Test {
+ protected:
+  // What the gateway does in a step.
+  void step(std::int32_t x) {
+    keeper_.step(clock_.now());
+    if (!keeper_.is_due(clock_.now())) return;
+    StateWriter& writer = keeper_.begin(generation_, static_cast<std::uint64_t>(x));
+    writer.add_bus("yard");
+    writer.add(SavedNode{.serial = 1, .position = {x, 0}});
+    keeper_.save(clock_.now());
+  }
+  SavedState saved() const {
+    SavedState state;
+    EXPECT_EQ(decode_state(store_.last, state), "");
+    return state;
+  }
+  const Settings settings_ = settings_with_state();
+  SimulatedClock clock_;
+  RecordingLog log_;
+  MemoryStore store_;
+  StateSaver keeper_{settings_, 100ms, store_, log_};
+  std::uint32_t generation_ = 1;
+};
+
+TEST_F(StateSaverTest, SavesAtOnceAndThenAtTheMostOnceEveryInterval) {
+  EXPECT_FALSE(keeper_.is_due(clock_.now())) << "nothing was published";
+  EXPECT_EQ(keeper_.next_deadline(), port::never);
+  for (std::int32_t i = 0; i < 6000; ++i) {
+    keeper_.mark_dirty();
+    ++generation_;
+    step(i);
+    clock_.pass(100ms);
+  }
+  EXPECT_EQ(store_.saves, 10u);
+  EXPECT_LE(keeper_.next_deadline(), clock_.now() + 1min);
+}
+
+TEST_F(StateSaverTest, SavesNothingThatIsSavedAlready) {
+  for (int i = 0; i < 100; ++i) {
+    keeper_.mark_dirty();
+    step(5);
+    clock_.pass(1min);
+  }
+  EXPECT_EQ(store_.saves, 1u);
+  EXPECT_EQ(keeper_.next_deadline(), port::never);
+}
+
+TEST_F(StateSaverTest, NoGenerationIsGivenOutTwiceWhateverTheMomentOfThePowerFailure) {
+  // The mesh goes to and fro, so that what is saved is often what was.
+  for (std::int32_t i = 0; i < 20'000; ++i) {
+    keeper_.mark_dirty();
+    ++generation_;
+    step(i / 3000 % 2);
+    ASSERT_GT(saved().next_generation, generation_);
+    clock_.pass(100ms);
+  }
+  EXPECT_LT(store_.saves, 33u);
+}
+
+TEST_F(StateSaverTest, TheLastStateGoesOnWithTheVeryNextGeneration) {
+  keeper_.mark_dirty();
+  step(1);
+  generation_ = 5;
+  keeper_.step(clock_.now());
+  keeper_.finish();
+  step(1);
+  EXPECT_EQ(store_.saves, 2u);
+  EXPECT_EQ(saved().next_generation, 6u);
+  keeper_.step(clock_.now());
+  keeper_.finish();
+  step(1);
+  EXPECT_EQ(store_.saves, 2u) << "once is enough";
+}
+
+TEST_F(StateSaverTest, SaysOnceThatItCannotSaveTriesAgainAndSaysWhenItCan) {
+  store_.why = "/state: cannot write the file (No space left on device); make room on that disk";
+  for (int i = 0; i < 600; ++i) {
+    keeper_.mark_dirty();
+    step(i);
+    clock_.pass(1s);
+  }
+  EXPECT_EQ(store_.saves, 10u);
+  EXPECT_EQ(log_.lines, (std::vector<std::string>{"state is not saved: " + store_.why +
+                                                  "; goes on, and tries again"}));
+  EXPECT_TRUE(keeper_.is_failing());
+  store_.why = "/state: cannot write the file (Input/output error); the disk may be failing";
+  for (int i = 0; i < 120; ++i, clock_.pass(1s)) step(1);
+  EXPECT_EQ(log_.lines.size(), 2u) << "another reason is news";
+  store_.why.clear();
+  for (int i = 0; i < 120; ++i, clock_.pass(1s)) step(1);
+  EXPECT_EQ(log_.lines.back(), "state is saved again");
+  EXPECT_EQ(log_.lines.size(), 3u);
+  EXPECT_FALSE(keeper_.is_failing());
+}
+
+TEST_F(StateSaverTest, WaitsForASaveThatTakesLong) {
+  store_.is_slow = true;
+  for (int i = 0; i < 600; ++i, clock_.pass(1s)) {
+    keeper_.mark_dirty();
+    step(i);
+  }
+  EXPECT_EQ(store_.saves, 1u);
+  store_.is_slow = false;
+  step(1);
+  step(2);
+  EXPECT_EQ(store_.saves, 2u);
+}
+
+TEST_F(StateSaverTest, SaysOnceThatTheDiskDoesNotAnswer) {
+  store_.is_slow = true;
+  for (int i = 0; i < 9; ++i, clock_.pass(1s)) {
+    keeper_.mark_dirty();
+    step(i);
+  }
+  EXPECT_TRUE(log_.lines.empty()) << "it may be slow";
+  for (int i = 0; i < 600; ++i, clock_.pass(1s)) step(i);
+  EXPECT_EQ(log_.lines,
+            (std::vector<std::string>{
+                "state: the disk of `folder` of [state] does not answer, look at it: a restart "
+                "would find an earlier state; goes on without"}));
+  store_.is_slow = false;
+  step(1);
+  EXPECT_EQ(log_.lines.back(), "state is saved again");
+  EXPECT_EQ(log_.lines.size(), 2u);
+  // One that fails after all is not saved.
+  clock_.pass(2min);
+  store_.is_slow = true;
+  keeper_.mark_dirty();
+  step(700);
+  clock_.pass(20s);
+  step(700);
+  EXPECT_EQ(log_.count("does not answer"), 2u) << "said anew when it comes back";
+  store_.is_slow = false;
+  store_.why = "/state: cannot write the file (Input/output error); the disk may be failing";
+  clock_.pass(2min);
+  step(701);
+  clock_.pass(2min);
+  step(701);
+  EXPECT_EQ(log_.count("state is not saved: /state: cannot write"), 1u);
+  EXPECT_EQ(log_.count("state is saved again"), 1u);
+  store_.why.clear();
+  clock_.pass(2min);
+  step(702);
+  step(702);
+  EXPECT_EQ(log_.count("state is saved again"), 2u);
+}
+
+TEST_F(StateSaverTest, LoadsTheLastElseThePrevious) {
+  EXPECT_FALSE(keeper_.load().has_value());
+  EXPECT_TRUE(log_.lines.empty());
+  store_.last = store_.previous = example();
+  ASSERT_TRUE(keeper_.load().has_value());
+  EXPECT_TRUE(log_.lines.empty());
+  store_.last[0] = std::byte{9};
+  const auto state = keeper_.load();
+  ASSERT_TRUE(state.has_value());
+  EXPECT_EQ(state->generation, 41u);
+  EXPECT_EQ(log_.lines,
+            (std::vector<std::string>{
+                "state: the last copy is not used, it is from a newer gateway (form 9, this one "
+                "knows 2); it is kept as /state/aside-1",
+                "state: takes the copy before the last"}));
+  EXPECT_EQ(store_.aside.size(), 1u);
+}
+
+TEST_F(StateSaverTest, RefusesTheStateOfAnotherConfiguration) {
+  StateWriter writer(1000);
+  writer.begin(1, 2, 0);
+  writer.add_bus("roof");
+  const auto bytes = writer.finish();
+  store_.last.assign(bytes.begin(), bytes.end());
+  EXPECT_FALSE(keeper_.load().has_value());
+  EXPECT_EQ(log_.lines,
+            (std::vector<std::string>{
+                "state: the last copy is not used, it is of another configuration, without any bus "
+                "of this one (it has roof); it is kept as /state/aside-1"}));
+}
+
+}  // namespace
+}  // namespace etcm::firmware
