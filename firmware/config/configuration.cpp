@@ -82,14 +82,14 @@ class AnchoredPart {
     Status status = mesh.open(memory, config);
     if (status == Status::ok) status = mesh.build(positions_, ends_);
     if (status == Status::ok) return;
-    const Trouble& trouble = mesh.trouble();
+    const ErrorDetail& error_detail = mesh.error_detail();
     const auto feature_of = [&](FeatureId id) {
       return id.is_none() || id.value >= features_.size() ? nullptr : features_[id.value];
     };
-    const FeatureSettings* feature = feature_of(trouble.feature);
-    const FeatureSettings* other = feature_of(trouble.other);
+    const FeatureSettings* feature = feature_of(error_detail.feature);
+    const FeatureSettings* other = feature_of(error_detail.other);
     // Of two in each other's way the later one is told off.
-    if (feature != nullptr && other != nullptr && trouble.other > trouble.feature) {
+    if (feature != nullptr && other != nullptr && error_detail.other > error_detail.feature) {
       std::swap(feature, other);
     }
     const std::string what = feature != nullptr ? feature->place + ": " + text_of(*feature) : path;

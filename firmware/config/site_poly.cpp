@@ -73,7 +73,7 @@ SiteDomain domain_of(const ConstraintGraph& graph, const files::GridGraph& grid,
   Status status = mesh.open(memory, config);
   if (status == Status::ok) status = mesh.build(grid.nodes, grid.features);
   if (status != Status::ok) {
-    throw InputError(files::describe_refusal(graph, grid, mesh.trouble()));
+    throw InputError(files::describe_refusal(graph, grid, mesh.error_detail()));
   }
   const std::size_t count = mesh.triangle_count();
   std::vector<Region> closed(count);

@@ -202,7 +202,7 @@ void MeshKeeper::reject(NodeRecord& node, const char* verb, const Rejection& rej
     changed_ = true;
     TextLine line;
     line << "node " << node.serial << " cannot " << verb << " at " << node.position << ": ";
-    tell_trouble(line, rejection);
+    report_error_detail(line, rejection);
     log_.write(port::Level::warning, line);
   }
 }
@@ -282,7 +282,7 @@ void MeshKeeper::try_feature(std::uint32_t number) {
     changed_ = true;
     TextLine line;
     line << features_.name(number) << " refused: ";
-    tell_trouble(line, status);
+    report_error_detail(line, status);
     log_.write(port::Level::warning, line);
   }
 }
@@ -296,16 +296,16 @@ VertexId MeshKeeper::vertex_at(const FeatureEnd& end) const {
   return node == nullptr ? VertexId::none() : node->vertex;
 }
 
-void MeshKeeper::tell_trouble(TextLine& line, const Rejection& rejection) const {
+void MeshKeeper::report_error_detail(TextLine& line, const Rejection& rejection) const {
   line << explain(rejection);
   if (rejection.mesh == Status::ok) return;
-  const Trouble& trouble = mesh_.trouble();
-  if (!trouble.other.is_none()) {
-    line << " [with " << features_.name(features_.number_of(trouble.other)) << "]";
+  const ErrorDetail& error_detail = mesh_.error_detail();
+  if (!error_detail.other.is_none()) {
+    line << " [with " << features_.name(features_.number_of(error_detail.other)) << "]";
   }
-  if (!trouble.vertex.is_none() && mesh_.kind(trouble.vertex) == VertexKind::node) {
-    const std::uint32_t serial = serials_[trouble.vertex.value];
-    const AnchorRecord* const anchor = anchors_.find(mesh_.position(trouble.vertex));
+  if (!error_detail.vertex.is_none() && mesh_.kind(error_detail.vertex) == VertexKind::node) {
+    const std::uint32_t serial = serials_[error_detail.vertex.value];
+    const AnchorRecord* const anchor = anchors_.find(mesh_.position(error_detail.vertex));
     if (serial != no_serial) {
       line << " [node " << serial << "]";
     } else if (anchor != nullptr) {

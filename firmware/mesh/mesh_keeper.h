@@ -113,7 +113,7 @@ class MeshKeeper {
   void expel_from_outside(std::uint32_t generation);
   VertexId vertex_at(const FeatureEnd& end) const;
   DomainPlace place_of(Position position) const { return settings_.domain.place_of(position); }
-  void tell_trouble(TextLine& line, const Rejection& rejection) const;
+  void report_error_detail(TextLine& line, const Rejection& rejection) const;
 
   Mesh& mesh_;
   const Settings& settings_;

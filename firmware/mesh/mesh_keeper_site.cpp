@@ -61,7 +61,7 @@ void MeshKeeper::try_anchor(AnchorRecord& anchor) {
   Status status = mesh_.join(anchor.settings.position, anchor.vertex);
   if (status == Status::duplicate_vertex) {
     // The node that stands there.
-    anchor.vertex = mesh_.trouble().vertex;
+    anchor.vertex = mesh_.error_detail().vertex;
     anchor.is_taken = true;
     status = Status::ok;
   }
@@ -98,7 +98,7 @@ void MeshKeeper::try_to_remove(AnchorRecord& anchor) {
 void MeshKeeper::report_rejection(const AnchorRecord& anchor, const char* what) {
   TextLine line;
   line << name_of(anchor) << what;
-  tell_trouble(line, anchor.rejection);
+  report_error_detail(line, anchor.rejection);
   log_.write(port::Level::warning, line);
 }
 

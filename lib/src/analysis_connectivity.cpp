@@ -17,7 +17,7 @@ class Forest {
     for (IdValue v = 0; v < m.vertex_end; ++v) scratch_[v].part = VertexId{v};
   }
 
-  Connectivity grow(const SquaredLength& reach) noexcept {
+  Connectivity grow(const SquaredLength& feasible) noexcept {
     Connectivity result;
     result.parts = m_.vertex_count() == 0 ? 0u : 1u;
     // A part joins at least one other in each round, so there are half as many afterwards.
@@ -30,7 +30,7 @@ class Forest {
         if (one == other) continue;
         scratch_[one.value].part = other;
         const SquaredLength length = length_of(e);
-        if (length > reach) ++result.parts;
+        if (length > feasible) ++result.parts;
         if (length > result.least) {
           result.least = length;
           result.from = from;

@@ -182,24 +182,24 @@ class Coverage {
     for_each_edge(m_, [&](Edge e) {
       const bool on_hull = flat || m_.topology.apex(e) == infinite_vertex ||
                            m_.topology.apex(m_.topology.twin(e)) == infinite_vertex;
-      if (on_hull) visit_stretch(m_.at(m_.topology.origin(e)), m_.at(m_.topology.target(e)));
+      if (on_hull) visit_segment(m_.at(m_.topology.origin(e)), m_.at(m_.topology.target(e)));
     });
   }
 
-  // Stretches of features with the domain on one side only, and edges of the hull that belong to
-  // none. A feature crosses no other, so the pieces of a stretch have the same on their sides.
+  // Segments of features with the domain on one side only, and edges of the hull that belong to
+  // none. A feature crosses no other, so the subsegments of a segment have the same on their sides.
   void visit_boundary(const MeshState& d) noexcept {
-    for (IdValue value = 0; value < d.section_end; ++value) {
-      const SectionId s{value};
-      if (!is_laid(d, s)) continue;
-      const Stretch piece = march(d, d.section(s).from, d.section(s).to);
-      if (piece.is_edge && bounds(d, piece.edge)) {
-        visit_stretch(d.at(d.section(s).from), d.at(d.section(s).to));
+    for (IdValue value = 0; value < d.segment_end; ++value) {
+      const SegmentId s{value};
+      if (!is_linked(d, s)) continue;
+      const Subsegment subsegment = march(d, d.segment(s).from, d.segment(s).to);
+      if (subsegment.is_edge && bounds(d, subsegment.edge)) {
+        visit_segment(d.at(d.segment(s).from), d.at(d.segment(s).to));
       }
     }
     for_each_edge(d, [&](Edge e) {
       if (d.topology.is_constrained(e) || !bounds(d, e)) return;
-      visit_stretch(d.at(d.topology.origin(e)), d.at(d.topology.target(e)));
+      visit_segment(d.at(d.topology.origin(e)), d.at(d.topology.target(e)));
     });
     for (IdValue value = 1; value < d.vertex_end; ++value) {
       if (d.is_node(VertexId{value})) visit_corner(d, VertexId{value});
@@ -212,7 +212,7 @@ class Coverage {
   }
 
   // Between its ends.
-  void visit_stretch(const Point& from, const Point& to) noexcept {
+  void visit_segment(const Point& from, const Point& to) noexcept {
     const VertexId start = nearest_vertex(m_, from);
     // Sensors at both ends see all of it.
     if (squared_distance(from, to) <= squared_range(range_, 1) && m_.at(start) == from &&
@@ -230,7 +230,7 @@ class Coverage {
     }
   }
 
-  // Where stretches end: a peak if the distance falls along each of them.
+  // Where segments end: a peak if the distance falls along each of them.
   void visit_corner(const MeshState& d, VertexId corner) noexcept {
     const Point& place = d.at(corner);
     Spokes spokes(d.topology, corner);

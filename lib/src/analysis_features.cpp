@@ -14,8 +14,9 @@ std::uint32_t hops(const SquaredLength& length, std::uint32_t range) noexcept {
   std::uint32_t fewer = 0;
   for (int bit = 26; bit >= 0; --bit) {
     const std::uint32_t next = fewer + (std::uint32_t{1} << bit);
-    const Int256 reach = Wide::product(limbs(squared_range(range, 0)), Wide::product(next, next));
-    if ((reach - goal).is_negative()) fewer = next;
+    const Int256 feasible =
+        Wide::product(limbs(squared_range(range, 0)), Wide::product(next, next));
+    if ((feasible - goal).is_negative()) fewer = next;
   }
   return fewer + 1;
 }
@@ -33,11 +34,11 @@ bool has_device(const Mesh& devices, const Point& place) noexcept {
 
 // One of the features that the vertex is on, the same whatever the history; none: it is on none.
 FeatureId feature_at(const MeshState& m, VertexId v) noexcept {
-  const SectionId first = m.owner(v).section();
+  const SegmentId first = m.owner(v).segment();
   if (m.owner(v).role() != Role::node) return internal::feature_of(m, first);
   FeatureId least{};
-  StepBound bound(m.section_end);
-  for (SectionId s = first; !s.is_none(); s = next_at(m, s, v)) {
+  StepBound bound(m.segment_end);
+  for (SegmentId s = first; !s.is_none(); s = next_at(m, s, v)) {
     bound.step();
     const FeatureId feature = internal::feature_of(m, s);
     if (least.is_none() || feature < least) least = feature;
@@ -66,9 +67,9 @@ class GapSearch {
       : m_(state_of(mesh)), sensors_(sensors), range_(range), out_(out) {}
 
   std::uint32_t run() noexcept {
-    for (IdValue value = 0; value < m_.section_end; ++value) {
-      const SectionId root{value};
-      if (is_laid(m_, root) && internal::feature_of(m_, root).value == value) follow(root);
+    for (IdValue value = 0; value < m_.segment_end; ++value) {
+      const SegmentId root{value};
+      if (is_linked(m_, root) && internal::feature_of(m_, root).value == value) follow(root);
     }
     return count_;
   }
@@ -81,16 +82,16 @@ class GapSearch {
 
   Stop stop_at(VertexId v) const noexcept { return {v, has_device(sensors_, m_.at(v))}; }
 
-  void follow(SectionId root) noexcept {
-    Stop from = stop_at(m_.section(root).from);
-    StepBound bound(m_.section_end);
-    for (SectionId s = root; !s.is_none(); s = m_.section(s).next) {
+  void follow(SegmentId root) noexcept {
+    Stop from = stop_at(m_.segment(root).from);
+    StepBound bound(m_.segment_end);
+    for (SegmentId s = root; !s.is_none(); s = m_.segment(s).next) {
       bound.step();
-      const VertexId end = m_.section(s).to;
-      for (VertexId head = m_.section(s).from; head != end;) {
+      const VertexId end = m_.segment(s).to;
+      for (VertexId head = m_.segment(s).from; head != end;) {
         head = march(m_, head, end).tail;
         const Stop to = stop_at(head);
-        const bool is_last = head == end && m_.section(s).next.is_none();
+        const bool is_last = head == end && m_.segment(s).next.is_none();
         if (!to.senses && !is_last) continue;
         look_between(internal::feature_of(m_, root), from, to);
         from = to;
@@ -136,7 +137,7 @@ std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_
     if (m.owner(v).role() == Role::free || has_device(devices, m.at(v))) continue;
     add({m.at(v), feature_at(m, v), v});
   }
-  for_each_piece(m, [&](SectionId s, VertexId head, VertexId tail) {
+  for_each_subsegment(m, [&](SegmentId s, VertexId head, VertexId tail) {
     const FeatureId feature = internal::feature_of(m, s);
     const Point& from = m.at(head);
     const Point& to = m.at(tail);

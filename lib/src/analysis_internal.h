@@ -20,14 +20,14 @@ void for_each_edge(const MeshState& m, Visit visit) noexcept {
   }
 }
 
-// Calls visit(section, head, tail) for each piece of each feature.
+// Calls visit(segment, head, tail) for each subsegment of each feature.
 template <class Visit>
-void for_each_piece(const MeshState& m, Visit visit) noexcept {
-  for (IdValue value = 0; value < m.section_end; ++value) {
-    const SectionId s{value};
-    if (!is_laid(m, s)) continue;
-    const VertexId end = m.section(s).to;
-    for (VertexId head = m.section(s).from; head != end;) {
+void for_each_subsegment(const MeshState& m, Visit visit) noexcept {
+  for (IdValue value = 0; value < m.segment_end; ++value) {
+    const SegmentId s{value};
+    if (!is_linked(m, s)) continue;
+    const VertexId end = m.segment(s).to;
+    for (VertexId head = m.segment(s).from; head != end;) {
       const VertexId tail = march(m, head, end).tail;
       visit(s, head, tail);
       head = tail;

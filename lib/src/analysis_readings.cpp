@@ -12,8 +12,8 @@ std::int64_t value_at(const MeshState& m, VertexId v,
                       std::span<const std::int32_t> readings) noexcept {
   const auto reading = [&](VertexId node) { return std::int64_t{readings[node.value]}; };
   if (m.owner(v).role() == Role::node) return reading(v) * subunits_per_unit;
-  const SectionId s = m.owner(v).section();
-  const std::int64_t from = reading(m.section(s).from), to = reading(m.section(s).to);
+  const SegmentId s = m.owner(v).segment();
+  const std::int64_t from = reading(m.segment(s).from), to = reading(m.segment(s).to);
   return from * subunits_per_unit + parameter_of(m, s, v) * (to - from);
 }
 

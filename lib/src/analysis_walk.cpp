@@ -7,7 +7,8 @@ namespace etcm::internal {
 
 // Where a vertex is not the nearest, one of its Delaunay neighbours is nearer than it.
 VertexId nearest_vertex(const MeshState& m, const Point& place) noexcept {
-  if (m.topology.triangle_count() == 0) return m.vertex_count() == 0 ? VertexId::none() : m.lone;
+  if (m.topology.triangle_count() == 0)
+    return m.vertex_count() == 0 ? VertexId::none() : m.only_vertex;
   const Found found = find(m, place, edge_near(m, place));
   if (found.place == Place::on_vertex) return found.vertex;
   VertexId nearest = m.topology.origin(found.edge);

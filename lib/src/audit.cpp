@@ -58,7 +58,7 @@ class Auditor {
     const std::uint32_t n = nodes + steiner;
     const bool good = nodes == m_.node_count && steiner == m_.steiner_count &&
                       topo_.triangle_count() == (n < 2 ? 0 : 2 * n - 2) &&
-                      (n == 1) == !m_.lone.is_none();
+                      (n == 1) == !m_.only_vertex.is_none();
     return good ? Audit{} : broken(Rule::counts, {});
   }
 
@@ -146,8 +146,8 @@ class Auditor {
       const VertexId v{i};
       const Role role = m_.owner(v).role();
       if (role != Role::steiner && role != Role::fresh) continue;
-      const SectionId s = m_.owner(v).section();
-      if (s.is_none() || s.value >= m_.section_end || !is_laid(m_, s)) {
+      const SegmentId s = m_.owner(v).segment();
+      if (s.is_none() || s.value >= m_.segment_end || !is_linked(m_, s)) {
         return broken(Rule::on_feature, v);
       }
       const Parameter t = parameter_of(m_, s, v);
@@ -160,20 +160,20 @@ class Auditor {
 
   Audit conforming() const noexcept {
     std::uint64_t subsegments = 0, steiner = 0, missing = 0;
-    for (IdValue i = 0; i < m_.section_end; ++i) {
-      const SectionId s{i};
-      if (!is_laid(m_, s)) continue;
-      const VertexId end = m_.section(s).to;
-      for (VertexId v = m_.section(s).from; v != end;) {
-        const Stretch piece = march(m_, v, end);
-        const bool marked = piece.is_edge && topo_.is_constrained(piece.edge);
+    for (IdValue i = 0; i < m_.segment_end; ++i) {
+      const SegmentId s{i};
+      if (!is_linked(m_, s)) continue;
+      const VertexId end = m_.segment(s).to;
+      for (VertexId v = m_.segment(s).from; v != end;) {
+        const Subsegment subsegment = march(m_, v, end);
+        const bool marked = subsegment.is_edge && topo_.is_constrained(subsegment.edge);
         if (!marked && (m_.unresolved == 0 || ++missing > m_.unresolved)) {
           return broken(Rule::conforming, v, {}, internal::feature_of(m_, s));
         }
         subsegments += marked;
-        v = piece.tail;
+        v = subsegment.tail;
         if (v == end) break;
-        if (m_.owner(v).role() == Role::node || m_.owner(v).section() != s) {
+        if (m_.owner(v).role() == Role::node || m_.owner(v).segment() != s) {
           return broken(Rule::conforming, v, {}, internal::feature_of(m_, s));
         }
         ++steiner;

@@ -64,14 +64,14 @@ void spread_hints(MeshState& m, const Point* also) noexcept {
   }
 }
 
-void remember(MeshState& m, VertexId node) noexcept {
+void add_hint(MeshState& m, VertexId node) noexcept {
   if (m.node_count < 2 || !covers(m.hints, m.at(node))) {
     spread_hints(m, &m.at(node));
   }
   cell_of(m.hints, m.at(node)) = node;
 }
 
-void forget(MeshState& m, VertexId node) noexcept {
+void remove_hint(MeshState& m, VertexId node) noexcept {
   VertexId& cell = cell_of(m.hints, m.at(node));
   if (cell != node) return;
   // Another node of the same cell, if one is near: a node is in no cell but its own, so that it can
@@ -91,7 +91,7 @@ void forget(MeshState& m, VertexId node) noexcept {
 
 Edge edge_near(const MeshState& m, const Point& p) noexcept {
   const Hints& h = m.hints;
-  if (m.topology.triangle_count() == 0 || m.node_count < 2) return m.near;
+  if (m.topology.triangle_count() == 0 || m.node_count < 2) return m.walk_start;
   VertexId best = covers(h, p) ? cell_of(h, p) : VertexId::none();
   if (best.is_none()) {
     // An empty cell: the nearest of a few other cells, spread over the grid, will do.
@@ -102,7 +102,7 @@ Edge edge_near(const MeshState& m, const Point& p) noexcept {
       if (v.is_none()) continue;
       if (best.is_none() || distance2(m.at(v), p) < distance2(m.at(best), p)) best = v;
     }
-    if (best.is_none()) return m.near;
+    if (best.is_none()) return m.walk_start;
   }
   return m.topology.edge_at(best);
 }

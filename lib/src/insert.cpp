@@ -3,28 +3,28 @@
 // scratch memory to run out of: an insertion cannot fail once its vertex has a place.
 #include "mesh_internal.h"
 #include "predicates_inline.h"
-#include "seen.h"
+#include "relative.h"
 
 namespace etcm::internal {
 namespace {
 
-void give_way(MeshState& m, Edge e) noexcept {
+void break_subsegment(MeshState& m, Edge e) noexcept {
   const VertexId u = m.topology.origin(e), v = m.topology.target(e);
-  const SectionId s = section_of_edge(m, u, v);
+  const SegmentId s = segment_of_edge(m, u, v);
   touch(m, s, u, v);
   make_dirty(m, s);
 }
 
-// Goes round the link of the new vertex, of which e is an edge, and turns what must be. Says what
+// Goes round the link of the new vertex, of which e is an edge, and flips what must be. Says what
 // must_flip() says; but each vertex of the link is looked at once, and each pair of neighbours.
-void turn_link(MeshState& m, Edge e, const Point& p) noexcept {
+void legalize_link(MeshState& m, Edge e, const Point& p) noexcept {
   Topology& topo = m.topology;
   const VertexId first = topo.origin(e);
-  Seen u = see(m, first, p);
-  Seen v = see(m, topo.target(e), p);
+  Relative u = relative_to(m, first, p);
+  Relative v = relative_to(m, topo.target(e), p);
   double uv = cross_value(u.at, v.at);
   for (;;) {
-    const Seen w = see(m, topo.apex(topo.twin(e)), p);
+    const Relative w = relative_to(m, topo.apex(topo.twin(e)), p);
     const double uw = cross_value(u.at, w.at), wv = cross_value(w.at, v.at);
     int side = 0;
     if (u.id != infinite_vertex && v.id != infinite_vertex && w.id != infinite_vertex) {
@@ -32,19 +32,19 @@ void turn_link(MeshState& m, Edge e, const Point& p) noexcept {
       side = incircle_coarse(u.height, wv, w.height, -uv, v.height, uw);
     }
     if (side > 0 || (side == 0 && must_flip(m, e, p))) {
-      if (topo.is_constrained(e)) give_way(m, e);
+      if (topo.is_constrained(e)) break_subsegment(m, e);
       topo.flip(e);
       v = w;
       uv = uw;
       continue;
     }
     if (v.id == first) {
-      m.near = e;
+      m.walk_start = e;
       return;
     }
     e = topo.next_link_edge(e);
     u = v;
-    v = see(m, topo.target(e), p);
+    v = relative_to(m, topo.target(e), p);
     uv = cross_value(u.at, v.at);
   }
 }
@@ -72,29 +72,29 @@ bool must_flip(const MeshState& m, Edge e, const Point& p) noexcept {
 void insert_vertex(MeshState& m, VertexId v, const Found& found) noexcept {
   Topology& topo = m.topology;
   if (topo.triangle_count() == 0) {
-    if (m.lone.is_none()) {
-      m.lone = v;
+    if (m.only_vertex.is_none()) {
+      m.only_vertex = v;
     } else {
-      topo.start(m.lone, v);
-      m.lone = VertexId::none();
+      topo.start(m.only_vertex, v);
+      m.only_vertex = VertexId::none();
     }
     return;
   }
   if (found.place == Place::outside && !found.vertex.is_none()) {
     // A collinear mesh grows at its end; found.edge runs from there to infinity.
     topo.split_open(found.edge, v);
-    m.near = topo.edge_at(v);
+    m.walk_start = topo.edge_at(v);
     return;
   }
   const Point& p = m.at(v);
   Edge e = topo.split_triangle(Topology::triangle_of(found.edge), v);
-  // Where p lies on an edge, the triangle between is flat until that edge turns (p is inside any
-  // circle through its ends), so it turns first: in a collinear mesh both its triangles are ghosts
+  // Where p lies on an edge, the triangle between is flat until that edge flips (p is inside any
+  // circle through its ends), so it flips first: in a collinear mesh both its triangles are ghosts
   // that share their other edges too, and must not be met from there.
   for (unsigned side = Topology::side_of(found.edge); side != 0; --side) {
     e = topo.next_link_edge(e);
   }
-  turn_link(m, e, p);
+  legalize_link(m, e, p);
 }
 
 }  // namespace etcm::internal

@@ -58,7 +58,8 @@ bool is_flat(const MeshState& m) noexcept {
 Found find(const MeshState& m, const Point& p, Edge near) noexcept {
   const Topology& topo = m.topology;
   if (topo.triangle_count() == 0) {
-    if (!m.lone.is_none() && m.at(m.lone) == p) return {Place::on_vertex, {}, m.lone};
+    if (!m.only_vertex.is_none() && m.at(m.only_vertex) == p)
+      return {Place::on_vertex, {}, m.only_vertex};
     return {};
   }
   IdValue t = Topology::triangle_of(near);

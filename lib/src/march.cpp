@@ -11,7 +11,7 @@ struct Start {
   Edge edge;  // is_edge: along the line; else opposite the head in the triangle the line enters
 };
 
-// A Steiner vertex's subsegments lie on its section, so they need no test of where they point but
+// A Steiner vertex's subsegments lie on its segment, so they need no test of where they point but
 // one: forwards or backwards.
 bool leave_by_subsegment(const MeshState& m, VertexId head, bool forward, Start& start) noexcept {
   Spokes spokes(m.topology, head);
@@ -52,7 +52,7 @@ Start leave(const MeshState& m, VertexId head, const Point& goal) noexcept {
 
 }  // namespace
 
-Stretch march(const MeshState& m, VertexId head, VertexId toward) noexcept {
+Subsegment march(const MeshState& m, VertexId head, VertexId toward) noexcept {
   const Topology& topo = m.topology;
   const Point& origin = m.at(head);
   const Point& goal = m.at(toward);
@@ -60,48 +60,48 @@ Stretch march(const MeshState& m, VertexId head, VertexId toward) noexcept {
   if (m.owner(head).role() == Role::node || !leave_by_subsegment(m, head, origin < goal, start)) {
     start = leave(m, head, goal);
   }
-  Stretch stretch;
-  stretch.head = head;
+  Subsegment subsegment;
+  subsegment.head = head;
   if (start.is_edge) {
-    stretch.is_edge = true;
-    stretch.edge = start.edge;
-    stretch.tail = topo.target(start.edge);
-    return stretch;
+    subsegment.is_edge = true;
+    subsegment.edge = start.edge;
+    subsegment.tail = topo.target(start.edge);
+    return subsegment;
   }
-  stretch.head_edge = start.edge;
+  subsegment.head_edge = start.edge;
   // e always runs from the right of the line to its left, and each triangle is crossed once.
   Edge e = start.edge;
   for (StepBound bound(topo.triangle_count());; bound.step()) {
-    if (topo.is_constrained(e)) stretch.constrained = e;
+    if (topo.is_constrained(e)) subsegment.constrained = e;
     const Edge beyond = topo.twin(e);
     const VertexId apex = topo.apex(beyond);
     // Beyond the hull there is no vertex to go to.
     if (apex == infinite_vertex) stop_lost_walk();
     const int side = orient2d_fast(origin, goal, m.at(apex));
     if (side == 0) {
-      // Always onwards, so that no walk from stretch to stretch comes back to where it was.
+      // Always onwards, so that no walk from segment to segment comes back to where it was.
       if ((origin < m.at(apex)) != (origin < goal)) stop_lost_walk();
-      stretch.tail = apex;
-      stretch.tail_edge = beyond;
-      return stretch;
+      subsegment.tail = apex;
+      subsegment.tail_edge = beyond;
+      return subsegment;
     }
     e = side > 0 ? Topology::next(beyond) : Topology::prev(beyond);
   }
 }
 
-Stretch between(const MeshState& m, VertexId head, VertexId tail) noexcept {
-  Stretch stretch;
-  stretch.head = head;
-  stretch.tail = tail;
+Subsegment between(const MeshState& m, VertexId head, VertexId tail) noexcept {
+  Subsegment subsegment;
+  subsegment.head = head;
+  subsegment.tail = tail;
   const Start start = leave(m, head, m.at(tail));
-  stretch.is_edge = start.is_edge;
+  subsegment.is_edge = start.is_edge;
   if (start.is_edge) {
-    stretch.edge = start.edge;
+    subsegment.edge = start.edge;
   } else {
-    stretch.head_edge = start.edge;
-    stretch.tail_edge = leave(m, tail, m.at(head)).edge;
+    subsegment.head_edge = start.edge;
+    subsegment.tail_edge = leave(m, tail, m.at(head)).edge;
   }
-  return stretch;
+  return subsegment;
 }
 
 }  // namespace etcm::internal

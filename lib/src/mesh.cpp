@@ -14,7 +14,7 @@ using namespace internal;
 static_assert(sizeof(MeshState) + sizeof(Point) + sizeof(Owner) + sizeof(Edge) + 32 <= bytes_fixed);
 static_assert(sizeof(Point) + 2 * sizeof(TriangleRecord) + sizeof(Owner) + sizeof(Edge) ==
               bytes_per_vertex_capacity);
-static_assert(sizeof(SectionRecord) == bytes_per_feature_capacity);
+static_assert(sizeof(SegmentRecord) == bytes_per_feature_capacity);
 static_assert(2 * sizeof(TriangleRecord) == bytes_per_vertex_triangles);
 // Taking the storage over again must not need destructors.
 static_assert(std::is_trivially_destructible_v<MeshState>);
@@ -63,7 +63,7 @@ void Mesh::clear() noexcept {
   m.config = config;
   m.mesh = this;
   std::byte* free = reinterpret_cast<std::byte*>(state_) + sizeof(MeshState);
-  // Only addresses: an array element is made when its vertex, triangle or section is.
+  // Only addresses: an array element is made when its vertex, triangle or segment is.
   const auto take = [&free](std::size_t bytes) {
     std::byte* const here = free;
     free += bytes;
@@ -74,7 +74,7 @@ void Mesh::clear() noexcept {
   m.triangle_memory = take(config.vertices_max * bytes_per_vertex_triangles);
   m.vertex_edges = reinterpret_cast<Edge*>(take(vertices * sizeof(Edge)));
   m.owners = reinterpret_cast<Owner*>(take(vertices * sizeof(Owner)));
-  m.sections = reinterpret_cast<SectionRecord*>(take(config.features_max * sizeof(SectionRecord)));
+  m.segments = reinterpret_cast<SegmentRecord*>(take(config.features_max * sizeof(SegmentRecord)));
   m.hints.side_bits = hint_side_bits(config.vertices_max);
   m.hints.nodes = reinterpret_cast<VertexId*>(take(sizeof(VertexId) << (2 * m.hints.side_bits)));
   m.topology = Topology(reinterpret_cast<TriangleRecord*>(m.triangle_memory), m.vertex_edges);
@@ -87,8 +87,8 @@ std::uint32_t Mesh::feature_count() const noexcept { return state_->feature_coun
 std::uint32_t Mesh::triangle_count() const noexcept { return state_->topology.triangle_count(); }
 std::uint32_t Mesh::unresolved() const noexcept { return state_->unresolved; }
 std::uint32_t Mesh::vertex_id_end() const noexcept { return state_->vertex_end; }
-std::uint32_t Mesh::feature_id_end() const noexcept { return state_->section_end; }
-const Trouble& Mesh::trouble() const noexcept { return state_->trouble; }
+std::uint32_t Mesh::feature_id_end() const noexcept { return state_->segment_end; }
+const ErrorDetail& Mesh::error_detail() const noexcept { return state_->error_detail; }
 
 std::uint32_t Mesh::finite_triangle_count() const noexcept {
   const Topology& topo = state_->topology;
@@ -118,7 +118,7 @@ Position Mesh::position(VertexId node) const noexcept {
 }
 
 FeatureId Mesh::feature_of(VertexId steiner) const noexcept {
-  return internal::feature_of(*state_, state_->owner(steiner).section());
+  return internal::feature_of(*state_, state_->owner(steiner).segment());
 }
 
 std::uint32_t Mesh::neighbours(VertexId vertex, std::span<Neighbour> out) const noexcept {
@@ -151,14 +151,14 @@ Triangle Mesh::triangle(TriangleId id) const noexcept {
 
 bool Mesh::is_feature(FeatureId feature) const noexcept {
   const MeshState& m = *state_;
-  const SectionId s{feature.value};
-  return feature.value < m.section_end && !m.section(s).from.is_none() &&
+  const SegmentId s{feature.value};
+  return feature.value < m.segment_end && !m.segment(s).from.is_none() &&
          internal::feature_of(m, s) == feature;
 }
 
 FeatureEnds Mesh::ends(FeatureId feature) const noexcept {
-  const FeatureEnds ends = ends_of(*state_, SectionId{feature.value});
-  const bool reversed = (state_->section(SectionId{feature.value}).root & reversed_bit) != 0;
+  const FeatureEnds ends = ends_of(*state_, SegmentId{feature.value});
+  const bool reversed = (state_->segment(SegmentId{feature.value}).root & reversed_bit) != 0;
   return reversed ? FeatureEnds{ends.to, ends.from} : ends;
 }
 
@@ -166,16 +166,16 @@ std::uint32_t Mesh::chain(FeatureId feature, std::span<VertexId> out) const noex
   const MeshState& m = *state_;
   const auto for_each = [&](auto visit) {
     std::uint32_t index = 0;
-    StepBound bound(m.section_end);
-    for (SectionId s{feature.value}; !s.is_none(); s = m.section(s).next) {
+    StepBound bound(m.segment_end);
+    for (SegmentId s{feature.value}; !s.is_none(); s = m.segment(s).next) {
       bound.step();
-      const VertexId end = m.section(s).to;
-      for (VertexId v = m.section(s).from; v != end; v = march(m, v, end).tail) visit(index++, v);
-      if (m.section(s).next.is_none()) visit(index++, end);
+      const VertexId end = m.segment(s).to;
+      for (VertexId v = m.segment(s).from; v != end; v = march(m, v, end).tail) visit(index++, v);
+      if (m.segment(s).next.is_none()) visit(index++, end);
     }
     return index;
   };
-  const bool reversed = (m.section(SectionId{feature.value}).root & reversed_bit) != 0;
+  const bool reversed = (m.segment(SegmentId{feature.value}).root & reversed_bit) != 0;
   const std::uint32_t last = reversed ? for_each([](std::uint32_t, VertexId) {}) - 1 : 0;
   return for_each([&](std::uint32_t index, VertexId v) {
     const std::uint32_t place = reversed ? last - index : index;

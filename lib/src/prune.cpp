@@ -45,27 +45,27 @@ Neighbours neighbours(const MeshState& m, VertexId v) noexcept {
   return found;
 }
 
-// Other sections' Steiner vertices beside v, which goes. Its own section's neighbours are looked at
+// Other segments' Steiner vertices beside v, which goes. Its own segment's neighbours are looked at
 // again anyway.
 void make_dirty_around(MeshState& m, VertexId v) noexcept {
-  const SectionId own = m.owner(v).section();
+  const SegmentId own = m.owner(v).segment();
   Spokes spokes(m.topology, v);
   do {
     const VertexId w = spokes.target();
-    if (w != infinite_vertex && m.owner(w).role() != Role::node && m.owner(w).section() != own) {
-      touch(m, m.owner(w).section(), w, w);
-      make_dirty(m, m.owner(w).section());
+    if (w != infinite_vertex && m.owner(w).role() != Role::node && m.owner(w).segment() != own) {
+      touch(m, m.owner(w).segment(), w, w);
+      make_dirty(m, m.owner(w).segment());
     }
   } while (spokes.turn());
 }
 
-void prune_section(MeshState& m, SectionId s) noexcept {
-  SectionRecord& r = m.section(s);
+void prune_segment(MeshState& m, SegmentId s) noexcept {
+  SegmentRecord& r = m.segment(s);
   if (r.first == infinite_vertex) return;
   const VertexId from = r.from, to = r.to;
   VertexId v = r.first.is_none() ? from : r.first;
   Point last = m.at(r.first.is_none() ? to : r.last);
-  // The next change of this section, by a removal nearby, starts a range of its own.
+  // The next change of this segment, by a removal nearby, starts a range of its own.
   r.first = infinite_vertex;
   if (v == from) v = march(m, v, to).tail;
   while (v != to && m.at(v) <= last) {
@@ -81,7 +81,7 @@ void prune_section(MeshState& m, SectionId s) noexcept {
     remove_steiner(m, v);
     free_vertex(m, v);
     --m.steiner_count;
-    settle_piece(m, between(m, before, after));
+    constrain_subsegment(m, between(m, before, after));
     // Both neighbours have lost an edge: what was needed may be no longer.
     if (last < m.at(after)) last = m.at(after);
     v = before == from ? after : before;
@@ -91,14 +91,14 @@ void prune_section(MeshState& m, SectionId s) noexcept {
 }  // namespace
 
 void prune(MeshState& m) noexcept {
-  SectionId list{};
-  for (SectionId s = m.touched; !s.is_none(); s = m.section(s).next_touched) {
-    if (!is_laid(m, s)) continue;
-    m.section(s).next_dirty = list;
+  SegmentId list{};
+  for (SegmentId s = m.touched; !s.is_none(); s = m.segment(s).next_touched) {
+    if (!is_linked(m, s)) continue;
+    m.segment(s).next_dirty = list;
     list = s;
   }
-  m.dirty = sort_sections(m, list);
-  for (SectionId s = pop_dirty(m); !s.is_none(); s = pop_dirty(m)) prune_section(m, s);
+  m.dirty = sort_segments(m, list);
+  for (SegmentId s = pop_dirty(m); !s.is_none(); s = pop_dirty(m)) prune_segment(m, s);
 }
 
 }  // namespace etcm::internal

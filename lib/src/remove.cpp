@@ -1,7 +1,7 @@
 // A vertex leaves the triangulation: its star is cut down ear by ear until three triangles are
 // left, which become one.
 //
-// An ear a, b, c of the link is cut (the edge to b turns into the edge a - c) when its circumcircle
+// An ear a, b, c of the link is cut (the edge to b flips into the edge a - c) when its circumcircle
 // is empty of the rest of the link: then it is a triangle of the new mesh. Devillers (On deletion
 // in Delaunay triangulations, 1999) picks ears by the power of the vertex and needs no such test,
 // but comparing two powers exactly takes integers of 320 bits; stars are small.
@@ -51,19 +51,20 @@ bool is_ear(const MeshState& m, Edge spoke) noexcept {
 void remove_vertex(MeshState& m, VertexId v) noexcept {
   Topology& topo = m.topology;
   if (topo.triangle_count() == 0) {
-    m.lone = VertexId::none();
+    m.only_vertex = VertexId::none();
     return;
   }
   if (topo.triangle_count() == 2) {
     const VertexId other = topo.target(topo.edge_at(v));
-    m.lone = other == infinite_vertex ? topo.target(topo.rotate_ccw(topo.edge_at(v))) : other;
+    m.only_vertex =
+        other == infinite_vertex ? topo.target(topo.rotate_ccw(topo.edge_at(v))) : other;
     topo.clear();
     return;
   }
   unsigned degree = topo.degree(v);
   if (degree == 2) {
     topo.unsplit_open(v);
-    m.near = Edge{0};
+    m.walk_start = Edge{0};
     return;
   }
   Edge spoke = topo.edge_at(v);
@@ -83,7 +84,7 @@ void remove_vertex(MeshState& m, VertexId v) noexcept {
       ++tried;
     }
   }
-  m.near = topo.unsplit_triangle(v);
+  m.walk_start = topo.unsplit_triangle(v);
 }
 
 void remove_steiner(MeshState& m, VertexId v) noexcept {

@@ -1,19 +1,20 @@
 #include <cmath>
 
+#include "encroachment_count.h"
 #include "etcm/policy.h"
 #include "etcm/split_site.h"
 #include "predicates_inline.h"
-#include "split_harm.h"
 
 namespace etcm {
 namespace {
 
 using internal::Edge;
 using internal::MeshState;
-using internal::SectionId;
+using internal::SegmentId;
 using internal::Topology;
 
-// Reduces a parameter to the open piece; only the middle of a piece that is one step long cannot.
+// Reduces a parameter to the open subsegment; only the middle of a subsegment that is one step long
+// cannot.
 Parameter within(const SplitSite& site, Parameter t) noexcept {
   if (t <= site.head) return static_cast<Parameter>(site.head + 1);
   if (t >= site.tail) return static_cast<Parameter>(site.tail - 1);
@@ -35,9 +36,10 @@ constexpr double ring_worth = 3.0;
 constexpr double narrow = 0.1;
 // In the overlap every split finishes both ends; the middle is better by this much.
 constexpr double middle_bonus = 0.1;
-// No split stands nearer to a node than this part of the piece, unless it aims at another node.
+// No split stands nearer to a node than this part of the subsegment, unless it aims at another
+// node.
 constexpr double nearest_to_node = 0.003;
-// From each end of the piece, the vertices of this many triangles at most, ...
+// From each end of the subsegment, the vertices of this many triangles at most, ...
 constexpr int triangles_most = 6;
 // ... and of this many at least, even where they stand beside nothing that can be finished.
 constexpr int triangles_least = 2;
@@ -50,23 +52,23 @@ class Choice {
       : site_(site),
         mesh_(state_of(*site.mesh)),
         line_(internal::line_of(site)),
-        harm_(line_),
+        encroachments_(line_),
         head_edge_(edge_before(site.head_triangle, line_.head)),
         tail_edge_(edge_before(site.tail_triangle, site.at(site.tail))),
         from_(shared_node(mesh_.topology.apex(head_edge_), site.head_is_node, true)),
         to_(shared_node(mesh_.topology.apex(tail_edge_), site.tail_is_node, false)),
         length_(site.tail - site.head),
         nearest_(nearest_to_node * length_),
-        overlap_(site.reach_head >= site.reach_tail) {
-    const Parameter at_head = site.reach_head - site.head;
-    const Parameter at_tail = site.tail - site.reach_tail;
+        overlap_(site.feasible_head >= site.feasible_tail) {
+    const Parameter at_head = site.feasible_head - site.head;
+    const Parameter at_tail = site.tail - site.feasible_tail;
     per_longest_ = 1.0 / (at_head > at_tail ? at_head : at_tail);
   }
 
   Parameter best() noexcept;
 
  private:
-  // Where a vertex stands along the piece, in parameters from head, and on which side.
+  // Where a vertex stands along the subsegment, in parameters from head, and on which side.
   struct View {
     double along;
     internal::Cross across;
@@ -89,12 +91,12 @@ class Choice {
 
   const SplitSite& site_;
   const MeshState& mesh_;
-  internal::PieceLine line_;
-  internal::HarmCount harm_;
-  // By which the piece leaves head's triangle and enters tail's.
+  internal::SubsegmentLine line_;
+  internal::EncroachmentCount encroachments_;
+  // By which the subsegment leaves head's triangle and enters tail's.
   Edge head_edge_;
   Edge tail_edge_;
-  // The nodes at the ends of the stretch, where other features end too.
+  // The nodes at the ends of the segment, where other features end too.
   VertexId from_;
   VertexId to_;
   double length_;
@@ -119,12 +121,12 @@ Choice::View Choice::view(VertexId v) const noexcept {
 // Candidates outside both feasible sets, or in only one where both can be had, are none.
 void Choice::add(Parameter t, double worth) noexcept {
   if (count_ == capacity || t <= site_.head || t >= site_.tail) return;
-  const bool finishes_head = t <= site_.reach_head, finishes_tail = t >= site_.reach_tail;
+  const bool finishes_head = t <= site_.feasible_head, finishes_tail = t >= site_.feasible_tail;
   double gain = 0;
   if (overlap_) {
     if (!finishes_head || !finishes_tail) return;
-    const double half = (site_.reach_head - site_.reach_tail) / 2.0 + 1.0;
-    gain = 1.0 - middle_bonus * std::fabs(t - (site_.reach_tail + half)) / half;
+    const double half = (site_.feasible_head - site_.feasible_tail) / 2.0 + 1.0;
+    gain = 1.0 - middle_bonus * std::fabs(t - (site_.feasible_tail + half)) / half;
   } else if (finishes_head) {
     gain = (t - site_.head) * per_longest_;
   } else if (finishes_tail) {
@@ -148,43 +150,44 @@ void Choice::add_clear(Parameter t) noexcept {
 
 void Choice::add_ends() noexcept {
   if (overlap_) {
-    add_clear(static_cast<Parameter>(site_.reach_tail + (site_.reach_head - site_.reach_tail) / 2));
+    add_clear(static_cast<Parameter>(site_.feasible_tail +
+                                     (site_.feasible_head - site_.feasible_tail) / 2));
   } else {
-    add_clear(site_.reach_head);
-    add_clear(site_.reach_tail);
+    add_clear(site_.feasible_head);
+    add_clear(site_.feasible_tail);
   }
 }
 
 // Where nothing stands to aim at, some way short of the longest part may harm less.
 void Choice::add_fractions() noexcept {
   if (overlap_) {
-    const std::int64_t span = site_.reach_head - site_.reach_tail;
+    const std::int64_t span = site_.feasible_head - site_.feasible_tail;
     for (int eighth = 0; eighth <= 8; ++eighth) {
-      add_clear(static_cast<Parameter>(site_.reach_tail + span * eighth / 8));
+      add_clear(static_cast<Parameter>(site_.feasible_tail + span * eighth / 8));
     }
     return;
   }
-  const std::int64_t at_head = site_.reach_head - site_.head;
-  const std::int64_t at_tail = site_.tail - site_.reach_tail;
+  const std::int64_t at_head = site_.feasible_head - site_.head;
+  const std::int64_t at_tail = site_.tail - site_.feasible_tail;
   for (int tenth = 9; tenth >= 3; tenth -= 2) {
     add_clear(static_cast<Parameter>(site_.head + at_head * tenth / 10));
     add_clear(static_cast<Parameter>(site_.tail - at_tail * tenth / 10));
   }
 }
 
-// An end of the stretch on which the piece lies, where another one ends there too; else none.
+// An end of the segment on which the subsegment lies, where another one ends there too; else none.
 VertexId Choice::shared_node(VertexId end, bool is_node, bool at_from) const noexcept {
-  const auto& section = mesh_.section(mesh_.owner(end).section());
-  const VertexId node = is_node ? end : at_from ? section.from : section.to;
-  const SectionId first = mesh_.owner(node).section();
+  const auto& segment = mesh_.segment(mesh_.owner(end).segment());
+  const VertexId node = is_node ? end : at_from ? segment.from : segment.to;
+  const SegmentId first = mesh_.owner(node).segment();
   return next_at(mesh_, first, node).is_none() ? VertexId::none() : node;
 }
 
-// Whether v stands on a feature stretch that ends at the node.
+// Whether v stands on a feature segment that ends at the node.
 bool Choice::ends_at(VertexId v, VertexId node) const noexcept {
   const auto owner = mesh_.owner(v);
-  for (SectionId s = owner.section(); !s.is_none(); s = next_at(mesh_, s, v)) {
-    const auto& r = mesh_.section(s);
+  for (SegmentId s = owner.segment(); !s.is_none(); s = next_at(mesh_, s, v)) {
+    const auto& r = mesh_.segment(s);
     if (r.from == node || r.to == node) return true;
     if (owner.role() != internal::Role::node) return false;
   }
@@ -216,20 +219,21 @@ void Choice::aim_at(VertexId v, const View& seen) noexcept {
     const double distance = distance_from(to_);
     aim_along(std::ceil(parameter_end - distance - 0.5) - site_.head, v, worth(distance));
   }
-  // Else straight beside it, where the piece's two parts see it under no more than a right angle.
+  // Else straight beside it, where the subsegment's two parts see it under no more than a right
+  // angle.
   const bool is_aligned =
       aside * per_longest_ < beside && mesh_.owner(v).role() != internal::Role::node;
   aim_along(seen.along, v, is_aligned ? aligned_worth : aimed_worth);
 }
 
-// Opposite the end of the piece in its triangle.
+// Opposite the end of the subsegment in its triangle.
 Edge Choice::edge_before(TriangleId triangle, const Point& end) const noexcept {
   Edge e = Topology::edge(triangle.value, 0);
   while (mesh_.at(mesh_.topology.apex(e)) != end) e = Topology::next(e);
   return e;
 }
 
-// Aims at the vertices of the triangles that the piece crosses, from one end on, and has the
+// Aims at the vertices of the triangles that the subsegment crosses, from one end on, and has the
 // subsegments among their sides watched. Returns the edge before which it stopped; none: at the
 // other end.
 Edge Choice::look_along(Edge e, Edge stop) noexcept {
@@ -237,8 +241,8 @@ Edge Choice::look_along(Edge e, Edge stop) noexcept {
   const bool from_head = e == head_edge_;
   aim_at(topo.target(e), view(topo.target(e)));
   aim_at(topo.origin(e), view(topo.origin(e)));
-  harm_.watch(Topology::next(e));
-  harm_.watch(Topology::prev(e));
+  encroachments_.watch(Topology::next(e));
+  encroachments_.watch(Topology::prev(e));
   for (int triangles = 1; triangles <= triangles_most && e != stop; ++triangles) {
     const Edge beyond = topo.twin(e);
     const VertexId v = topo.apex(beyond);
@@ -249,17 +253,17 @@ Edge Choice::look_along(Edge e, Edge stop) noexcept {
     }
     const Edge after = Topology::next(beyond), before = Topology::prev(beyond);
     if (side == 0) {
-      harm_.watch(after);
-      harm_.watch(before);
+      encroachments_.watch(after);
+      encroachments_.watch(before);
       return {};
     }
     aim_at(v, seen);
     // From head the left comes at the end of an edge, from tail at its start.
     const bool onward = (side > 0) == from_head;
     e = onward ? after : before;
-    harm_.watch(onward ? before : after);
-    const bool is_past = from_head ? seen.along > site_.reach_head - site_.head
-                                   : seen.along < site_.reach_tail - site_.head;
+    encroachments_.watch(onward ? before : after);
+    const bool is_past = from_head ? seen.along > site_.feasible_head - site_.head
+                                   : seen.along < site_.feasible_tail - site_.head;
     if (is_past && triangles >= triangles_least) break;
   }
   return e;
@@ -281,7 +285,7 @@ void Choice::choose() noexcept {
     double most = best_score_;
     for (int i = 0; i < count_; ++i) {
       if (!(gains_[i] > best_score_)) continue;
-      const double score = gains_[i] - harm_.at_least(places_[i]);
+      const double score = gains_[i] - encroachments_.at_least(places_[i]);
       if (score > most || (next >= 0 && score == most && places_[i] < places_[next])) {
         next = i;
         most = score;
@@ -293,7 +297,7 @@ void Choice::choose() noexcept {
     const double room = gains_[next] - best_score_;
     // What harms more cannot win.
     const auto enough = static_cast<unsigned>(room < most_harm ? room : most_harm) + 1;
-    const double score = gains_[next] - harm_.at(places_[next], near, enough);
+    const double score = gains_[next] - encroachments_.at(places_[next], near, enough);
     gains_[next] = used;
     if (score > best_score_) {
       best_score_ = score;
@@ -317,15 +321,15 @@ Parameter Choice::best() noexcept {
 }  // namespace
 
 Parameter split_paper(const SplitSite& site) noexcept {
-  if (site.reach_head >= site.reach_tail) {
-    return within(
-        site, static_cast<Parameter>(site.reach_tail + (site.reach_head - site.reach_tail) / 2));
+  if (site.feasible_head >= site.feasible_tail) {
+    return within(site, static_cast<Parameter>(site.feasible_tail +
+                                               (site.feasible_head - site.feasible_tail) / 2));
   }
-  const Parameter from_head = site.reach_head - site.head;
-  const Parameter from_tail = site.tail - site.reach_tail;
+  const Parameter from_head = site.feasible_head - site.head;
+  const Parameter from_tail = site.tail - site.feasible_tail;
   // Both parts lie on one line, so parameters compare as lengths do. Equal: the head, which is the
   // lexicographically smaller end however the feature was given.
-  return within(site, from_head >= from_tail ? site.reach_head : site.reach_tail);
+  return within(site, from_head >= from_tail ? site.feasible_head : site.feasible_tail);
 }
 
 Parameter split_default(const SplitSite& site) noexcept { return Choice(site).best(); }

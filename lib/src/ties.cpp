@@ -20,10 +20,10 @@ bool is_tie(const MeshState& m, Edge e) noexcept {
 }
 
 // Brings the patch of triangles around e that share one circumcircle, and that no feature
-// separates, to the perturbation's form: goes round its boundary and turns each inner edge it meets
+// separates, to the perturbation's form: goes round its boundary and flips each inner edge it meets
 // that is not, until a whole round needed no turn. The boundary keeps its length, and Lawson's
 // flips end, so the rounds do. The patch is a triangulated convex polygon: no inner vertex.
-void settle_patch(MeshState& m, Edge e) noexcept {
+void canonicalize_cocircular(MeshState& m, Edge e) noexcept {
   Topology& topo = m.topology;
   if (topo.is_ghost(Topology::triangle_of(e))) return;
   if (!is_tie(m, e) && !is_tie(m, Topology::next(e)) && !is_tie(m, Topology::prev(e))) return;
@@ -60,15 +60,15 @@ void settle_patch(MeshState& m, Edge e) noexcept {
 
 }  // namespace
 
-Edge flip_in(MeshState& m, const Stretch& stretch) noexcept {
+Edge flip_in(MeshState& m, const Subsegment& subsegment) noexcept {
   Topology& topo = m.topology;
-  const Point& origin = m.at(stretch.head);
-  const Point& goal = m.at(stretch.tail);
-  Edge e = stretch.head_edge;
+  const Point& origin = m.at(subsegment.head);
+  const Point& goal = m.at(subsegment.tail);
+  Edge e = subsegment.head_edge;
   for (;;) {
     const VertexId apex = topo.apex(topo.twin(e));
     const Edge second = topo.flip(e);
-    if (apex == stretch.tail) return Topology::prev(second);
+    if (apex == subsegment.tail) return Topology::prev(second);
     // e now leads from the right to the new corner, `second` from there to the left.
     if (orient2d_fast(origin, goal, m.at(apex)) < 0) e = second;
   }
@@ -78,18 +78,18 @@ void constrain(MeshState& m, Edge e) noexcept {
   Topology& topo = m.topology;
   topo.mark(e);
   const VertexId u = topo.origin(e), v = topo.target(e);
-  settle_patch(m, e);
-  // Turning edges may have moved the edge to another triangle.
+  canonicalize_cocircular(m, e);
+  // Flipping edges may have moved the edge to another triangle.
   if (topo.origin(e) != u || topo.target(e) != v) {
     const bool found = topo.find_edge(u, v, e);
     ETCM_CHECK(found);
   }
-  settle_patch(m, topo.twin(e));
+  canonicalize_cocircular(m, topo.twin(e));
 }
 
 void release_constraint(MeshState& m, Edge e) noexcept {
   m.topology.unmark(e);
-  settle_patch(m, e);
+  canonicalize_cocircular(m, e);
 }
 
 }  // namespace etcm::internal

@@ -3,7 +3,7 @@
 //
 // A mesh of v vertices with the one at infinity is a triangulated sphere, so it has exactly
 // 2 v - 4 triangles, and they are kept dense: removing a vertex moves the last two triangles into
-// the gaps. Collinear nodes are a sphere too: two ghosts for each stretch between neighbours.
+// the gaps. Collinear nodes are a sphere too: two ghosts for each segment between neighbours.
 #pragma once
 
 #include <cstdint>
@@ -110,7 +110,7 @@ class Topology {
   template <class Name>
   void rename_vertices(Name name) noexcept;
 
-  // Turns the edge of the two triangles of e: afterwards it joins e's apex with that of its twin.
+  // Flips the edge of the two triangles of e: afterwards it joins e's apex with that of its twin.
   // e then is the first of the two edges that come to face e's apex; the second is returned. The
   // new edge is unconstrained.
   Edge flip(Edge e) noexcept;
@@ -140,7 +140,7 @@ class Topology {
   IdValue triangle_count_ = 0;
 };
 
-// The edges from a vertex, once around it counter-clockwise, while nothing turns. A triangle has
+// The edges from a vertex, once around it counter-clockwise, while nothing flips. A triangle has
 // one of them at most.
 class Spokes {
  public:

@@ -5,28 +5,28 @@
 
 namespace etcm::internal {
 
-// A batch does not keep the touched sections together, so it looks at all.
+// A batch does not keep the touched segments together, so it looks at all.
 void end_change(MeshState& m) noexcept {
   if (m.is_batch) {
-    for (IdValue i = 0; i < m.section_end; ++i) {
-      if (m.section(SectionId{i}).from.is_none()) touch(m, SectionId{i});
+    for (IdValue i = 0; i < m.segment_end; ++i) {
+      if (m.segment(SegmentId{i}).from.is_none()) touch(m, SegmentId{i});
     }
     for (IdValue i = 1; i < m.vertex_end; ++i) {
       Owner& owner = m.owners[i];
-      if (owner.role() == Role::fresh) owner = Owner(Role::steiner, owner.section());
+      if (owner.role() == Role::fresh) owner = Owner(Role::steiner, owner.segment());
     }
   }
   while (!m.touched.is_none()) {
-    const SectionId s = m.touched;
-    m.touched = m.section(s).next_touched;
-    m.section(s).next_touched = not_listed;
-    if (m.section(s).from.is_none() && !is_free(m, s)) free_section(m, s);
+    const SegmentId s = m.touched;
+    m.touched = m.segment(s).next_touched;
+    m.segment(s).next_touched = not_listed;
+    if (m.segment(s).from.is_none() && !is_free(m, s)) free_segment(m, s);
   }
-  m.spare = SectionId::none();
+  m.recycled_segments = SegmentId::none();
 }
 
 void begin(MeshState& m) noexcept {
-  m.trouble = Trouble{};
+  m.error_detail = ErrorDetail{};
   m.steps = 0;
   m.is_batch = false;
 }
@@ -37,7 +37,7 @@ void touch_around(MeshState& m, VertexId v) noexcept {
   do {
     const VertexId w = spokes.target();
     if (w != infinite_vertex && m.owner(w).role() != Role::node) {
-      touch(m, m.owner(w).section(), w, w);
+      touch(m, m.owner(w).segment(), w, w);
     }
   } while (spokes.turn());
 }
@@ -51,30 +51,31 @@ void detach(MeshState& m, VertexId steiner) noexcept {
     free_vertex(m, steiner);
     return;
   }
-  m.owner(steiner) = Owner(Role::detached, owner.section());
+  m.owner(steiner) = Owner(Role::detached, owner.segment());
   m.vertex_edges[steiner.value] = Edge{m.detached.value};
   m.detached = steiner;
 }
 
-void strip_section(MeshState& m, SectionId s) noexcept {
+void strip_segment(MeshState& m, SegmentId s) noexcept {
   touch(m, s);
-  const VertexId from = m.section(s).from, to = m.section(s).to;
+  const VertexId from = m.segment(s).from, to = m.segment(s).to;
   for (;;) {
-    const Stretch piece = march(m, from, to);
-    if (piece.tail != to) {
-      detach(m, piece.tail);
+    const Subsegment subsegment = march(m, from, to);
+    if (subsegment.tail != to) {
+      detach(m, subsegment.tail);
       continue;
     }
-    if (piece.is_edge && m.topology.is_constrained(piece.edge)) release_constraint(m, piece.edge);
+    if (subsegment.is_edge && m.topology.is_constrained(subsegment.edge))
+      release_constraint(m, subsegment.edge);
     return;
   }
 }
 
 void drop_fresh(MeshState& m) noexcept {
-  for (SectionId s = m.touched; !s.is_none(); s = m.section(s).next_touched) {
-    if (!is_laid(m, s)) continue;
-    const VertexId end = m.section(s).to;
-    VertexId v = m.section(s).from;
+  for (SegmentId s = m.touched; !s.is_none(); s = m.segment(s).next_touched) {
+    if (!is_linked(m, s)) continue;
+    const VertexId end = m.segment(s).to;
+    VertexId v = m.segment(s).from;
     while (v != end) {
       const VertexId w = march(m, v, end).tail;
       if (m.owner(w).role() == Role::fresh) {
@@ -90,30 +91,30 @@ void restore_detached(MeshState& m) noexcept {
   while (!m.detached.is_none()) {
     const VertexId v = m.detached;
     m.detached = VertexId{m.vertex_edges[v.value].value};
-    m.owner(v) = Owner(Role::steiner, m.owner(v).section());
+    m.owner(v) = Owner(Role::steiner, m.owner(v).segment());
     ++m.steiner_count;
-    insert_vertex(m, v, find(m, m.at(v), m.near));
+    insert_vertex(m, v, find(m, m.at(v), m.walk_start));
   }
   clear_dirty(m);
-  for (SectionId s = m.touched; !s.is_none(); s = m.section(s).next_touched) {
-    if (!is_laid(m, s)) continue;
-    const VertexId end = m.section(s).to;
-    VertexId v = m.section(s).from;
+  for (SegmentId s = m.touched; !s.is_none(); s = m.segment(s).next_touched) {
+    if (!is_linked(m, s)) continue;
+    const VertexId end = m.segment(s).to;
+    VertexId v = m.segment(s).from;
     while (v != end) {
-      const Stretch piece = march(m, v, end);
-      ETCM_VERIFY_THAT(can_be_edge(m, piece));
-      settle_piece(m, piece);
-      v = piece.tail;
+      const Subsegment subsegment = march(m, v, end);
+      ETCM_VERIFY_THAT(can_be_edge(m, subsegment));
+      constrain_subsegment(m, subsegment);
+      v = subsegment.tail;
     }
   }
   end_change(m);
 }
 
-void forget_touched(MeshState& m) noexcept {
+void clear_touched(MeshState& m) noexcept {
   while (!m.touched.is_none()) {
-    const SectionId s = m.touched;
-    m.touched = m.section(s).next_touched;
-    m.section(s).next_touched = not_listed;
+    const SegmentId s = m.touched;
+    m.touched = m.segment(s).next_touched;
+    m.segment(s).next_touched = not_listed;
   }
 }
 

@@ -135,12 +135,12 @@ void live(inputs::Random& random) {
   digest.add(to_string(status));
   digest.add(explain(status));
   if (status != Status::ok) {
-    const Trouble& trouble = mesh.trouble();
-    digest.add(trouble.vertex);
-    digest.add(trouble.feature);
-    digest.add(trouble.other);
-    digest.add(trouble.from);
-    digest.add(trouble.to);
+    const ErrorDetail& error_detail = mesh.error_detail();
+    digest.add(error_detail.vertex);
+    digest.add(error_detail.feature);
+    digest.add(error_detail.other);
+    digest.add(error_detail.from);
+    digest.add(error_detail.to);
   }
   digest.add(mesh.hash());
 }

@@ -93,7 +93,7 @@ Status first_refusal(const MeshConfig& config) {
     const Status answer = change(run);
     if (answer == Status::ok) continue;
     EXPECT_EQ(picture_of(*mesh), before) << to_string(answer);
-    EXPECT_EQ(mesh->trouble().status, answer);
+    EXPECT_EQ(mesh->error_detail().status, answer);
     EXPECT_TRUE(is_sound(*mesh)) << to_string(answer);
     return answer;
   }
@@ -161,7 +161,7 @@ TEST(Capacity, OfBuildMayBeAnything) {
       EXPECT_EQ(mesh->node_count(), 0u) << room;
     } else {
       EXPECT_GT(mesh->unresolved(), 0u) << room;
-      EXPECT_NE(mesh->trouble().from, mesh->trouble().to) << room;
+      EXPECT_NE(mesh->error_detail().from, mesh->error_detail().to) << room;
     }
     mesh->clear();
     EXPECT_EQ(mesh->node_count(), 0u);

@@ -101,7 +101,7 @@ class RestoreRefuses : public testing::Test {
     OwnedMesh mesh(config);
     ASSERT_EQ(mesh.opened(), Status::ok);
     EXPECT_EQ(kept.restore(*mesh), status);
-    EXPECT_EQ(mesh->trouble().status, status);
+    EXPECT_EQ(mesh->error_detail().status, status);
     EXPECT_EQ(mesh->node_count() + mesh->steiner_count() + mesh->feature_count(), 0u);
     EXPECT_TRUE(passes_audit(*mesh));
     EXPECT_EQ(kept_.restore(*mesh), Status::ok) << "an empty mesh is as good as a new one";

@@ -57,7 +57,7 @@ def read(paths):
                 parts = label.split("\\n")
                 # Newer compilers print types that older ones shorten.
                 signature = parts[0].replace("etcm::internal::MeshState&", "MeshState&")
-                signature = signature.replace("etcm::internal::SectionId", "SectionId")
+                signature = signature.replace("etcm::internal::SegmentId", "SegmentId")
                 function = functions.setdefault(title, Function(signature, parts[1] if parts[1:] else ""))
                 if is_foreign:
                     continue

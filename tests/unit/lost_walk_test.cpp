@@ -25,7 +25,7 @@ namespace {
 
 using internal::Edge;
 using internal::MeshState;
-using internal::SectionId;
+using internal::SegmentId;
 using internal::Topology;
 using internal::TriangleRecord;
 
@@ -86,11 +86,11 @@ const std::vector<Case> cases{
     {"march",
      [](MeshState& m) { for_all_edges(m, [&m](Edge e) { set_link(m, e, Topology::prev(e)); }); },
      [](const Mesh& mesh) { internal::march(state_of(mesh), VertexId{1}, VertexId{12}); }},
-    {"chain", [](MeshState& m) { m.section(SectionId{0}).next = SectionId{0}; },
+    {"chain", [](MeshState& m) { m.segment(SegmentId{0}).next = SegmentId{0}; },
      [](const Mesh& mesh) { mesh.chain(FeatureId{0}, {}); }},
-    {"barrier_gaps", [](MeshState& m) { m.section(SectionId{0}).next = SectionId{0}; },
+    {"barrier_gaps", [](MeshState& m) { m.segment(SegmentId{0}).next = SegmentId{0}; },
      [](const Mesh& mesh) { barrier_gaps(mesh, mesh, 1, {}); }},
-    {"relays", [](MeshState& m) { m.section(SectionId{0}).next_at_from = SectionId{0}; },
+    {"relays", [](MeshState& m) { m.segment(SegmentId{0}).next_at_from = SegmentId{0}; },
      [](const Mesh& mesh) { relays(mesh, **empty_mesh(), 1, {}); }},
     {"coverage_holes", [](MeshState& m) { spin(m, v); },
      [](const Mesh& mesh) {

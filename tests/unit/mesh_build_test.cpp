@@ -89,7 +89,7 @@ TEST(MeshBuild, RefusesWhatIsOutOfRange) {
       const auto mesh = empty_mesh();
       EXPECT_EQ((*mesh)->build(std::array{Position{1, 1}, position}, {}), Status::bad_coordinate);
       EXPECT_EQ((*mesh)->node_count(), 0u);
-      EXPECT_EQ((*mesh)->trouble().status, Status::bad_coordinate);
+      EXPECT_EQ((*mesh)->error_detail().status, Status::bad_coordinate);
       EXPECT_TRUE(is_sound(**mesh));
     }
   }
@@ -113,7 +113,7 @@ TEST_P(MeshBuildRefuses, AndStaysEmpty) {
   const Picture before = picture_of(**mesh);
   const Graph& graph = GetParam().graph;
   EXPECT_EQ((*mesh)->build(graph.nodes, graph.features), GetParam().status);
-  EXPECT_EQ((*mesh)->trouble().status, GetParam().status);
+  EXPECT_EQ((*mesh)->error_detail().status, GetParam().status);
   EXPECT_EQ(picture_of(**mesh), before);
   EXPECT_TRUE(is_sound(**mesh));
   VertexId id;
@@ -146,14 +146,14 @@ TEST(MeshBuild, NamesTheDuplicateAndTheCrossing) {
   const auto mesh = empty_mesh();
   ASSERT_EQ((*mesh)->build(std::array{Position{0, 0}, Position{1, 1}, Position{0, 0}}, {}),
             Status::duplicate_vertex);
-  EXPECT_TRUE((*mesh)->trouble().vertex == vertex_of(0) ||
-              (*mesh)->trouble().vertex == vertex_of(2));
+  EXPECT_TRUE((*mesh)->error_detail().vertex == vertex_of(0) ||
+              (*mesh)->error_detail().vertex == vertex_of(2));
   ASSERT_EQ((*mesh)->build(
                 square, std::array{between_nodes(1, 4), between_nodes(0, 2), between_nodes(1, 3)}),
             Status::crossing_features);
-  const Trouble& trouble = (*mesh)->trouble();
-  EXPECT_EQ(std::min(trouble.feature, trouble.other), FeatureId{1});
-  EXPECT_EQ(std::max(trouble.feature, trouble.other), FeatureId{2});
+  const ErrorDetail& error_detail = (*mesh)->error_detail();
+  EXPECT_EQ(std::min(error_detail.feature, error_detail.other), FeatureId{1});
+  EXPECT_EQ(std::max(error_detail.feature, error_detail.other), FeatureId{2});
 }
 
 TEST(MeshBuild, NeedsAnEmptyMesh) {

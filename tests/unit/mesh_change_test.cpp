@@ -44,7 +44,7 @@ class MeshChange : public testing::Test {
 
   void expect_refused(Status answer, Status expected, const Picture& before) {
     EXPECT_EQ(answer, expected);
-    EXPECT_EQ(mesh().trouble().status, expected);
+    EXPECT_EQ(mesh().error_detail().status, expected);
     EXPECT_EQ(picture_of(mesh()), before);
     EXPECT_TRUE(is_sound(mesh()));
   }
@@ -92,7 +92,7 @@ TEST_F(MeshChange, RefusesToJoinWhereANodeStands) {
   const Picture before = picture_of(mesh());
   VertexId id;
   expect_refused(mesh().join({64, -5}, id), Status::duplicate_vertex, before);
-  EXPECT_EQ(mesh().trouble().vertex, vertex_of(2));
+  EXPECT_EQ(mesh().error_detail().vertex, vertex_of(2));
   EXPECT_TRUE(id.is_none());
 }
 

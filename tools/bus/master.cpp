@@ -22,52 +22,52 @@ std::string printable(std::string_view text) {
   return cleaned;
 }
 
-std::optional<Trouble> trouble_of(const Reply& reply) {
+std::optional<ErrorDetail> trouble_of(const Reply& reply) {
   switch (reply.outcome) {
     case Outcome::silence:
-      return Trouble{.kind = Trouble::Kind::silence};
+      return ErrorDetail{.kind = ErrorDetail::Kind::silence};
     case Outcome::garbled:
-      return Trouble{.kind = Trouble::Kind::garbled};
+      return ErrorDetail{.kind = ErrorDetail::Kind::garbled};
     case Outcome::answer:
       break;
   }
   if (reply.pdu.size() == 2 && (reply.pdu[0] & exception_bit) != 0) {
-    return Trouble{.kind = Trouble::Kind::exception, .exception = reply.pdu[1]};
+    return ErrorDetail{.kind = ErrorDetail::Kind::exception, .exception = reply.pdu[1]};
   }
   return std::nullopt;
 }
 
 }  // namespace
 
-bool Trouble::is_absence() const {
+bool ErrorDetail::is_absence() const {
   return kind == Kind::silence ||
          (kind == Kind::exception && (exception == MODBUS_EXCEPTION_GATEWAY_PATH ||
                                       exception == MODBUS_EXCEPTION_GATEWAY_TARGET));
 }
 
-std::string cure_of(const Trouble& trouble) {
-  if (trouble.kind == Trouble::Kind::silence) {
+std::string cure_of(const ErrorDetail& error_detail) {
+  if (error_detail.kind == ErrorDetail::Kind::silence) {
     return "; check the unit (-a), on a serial line also -b and -P, or wait longer (-o)";
   }
-  if (trouble.kind == Trouble::Kind::exception &&
-      trouble.exception == MODBUS_EXCEPTION_ILLEGAL_DATA_ADDRESS) {
+  if (error_detail.kind == ErrorDetail::Kind::exception &&
+      error_detail.exception == MODBUS_EXCEPTION_ILLEGAL_DATA_ADDRESS) {
     return "; it has no such registers in this table: they count from 0 (-r), and -t is the table";
   }
   return "";
 }
 
-std::string to_string(const Trouble& trouble) {
-  switch (trouble.kind) {
-    case Trouble::Kind::silence:
+std::string to_string(const ErrorDetail& error_detail) {
+  switch (error_detail.kind) {
+    case ErrorDetail::Kind::silence:
       return "no answer";
-    case Trouble::Kind::garbled:
+    case ErrorDetail::Kind::garbled:
       return "garbled answer: noise, or two units with this address";
-    case Trouble::Kind::exception:
+    case ErrorDetail::Kind::exception:
       break;
   }
-  const std::string code = "exception " + std::to_string(trouble.exception);
-  if (trouble.exception == 0 || trouble.exception >= MODBUS_EXCEPTION_MAX) return code;
-  return code + ": " + modbus_strerror(MODBUS_ENOBASE + trouble.exception);
+  const std::string code = "exception " + std::to_string(error_detail.exception);
+  if (error_detail.exception == 0 || error_detail.exception >= MODBUS_EXCEPTION_MAX) return code;
+  return code + ": " + modbus_strerror(MODBUS_ENOBASE + error_detail.exception);
 }
 
 std::string to_string(const Identification& who) {
@@ -90,32 +90,32 @@ bool Master::may_read(std::uint8_t unit, std::uint8_t function, port::RegisterRa
   return link_.may_ask(unit, std::span(request).first(size));
 }
 
-std::optional<Trouble> Master::read(std::uint8_t unit, std::uint8_t function, std::uint16_t first,
-                                    std::span<std::uint16_t> registers) {
+std::optional<ErrorDetail> Master::read(std::uint8_t unit, std::uint8_t function,
+                                        std::uint16_t first, std::span<std::uint16_t> registers) {
   std::array<std::uint8_t, port::pdu_bytes_max> request;
   const std::size_t size = port::write_read_request(
       request, function, {.first = first, .count = static_cast<std::uint16_t>(registers.size())});
   const Reply reply = ask(unit, std::span(request).first(size));
-  if (const auto trouble = trouble_of(reply)) return trouble;
+  if (const auto error_detail = trouble_of(reply)) return error_detail;
   std::uint8_t exception = 0;
   if (port::parse_read_answer(reply.pdu, function, registers, exception) !=
       port::ReadAnswer::registers) {
-    return Trouble{.kind = Trouble::Kind::garbled};
+    return ErrorDetail{.kind = ErrorDetail::Kind::garbled};
   }
   return std::nullopt;
 }
 
-std::optional<Trouble> Master::write(std::uint8_t unit, std::uint16_t first,
-                                     std::span<const std::uint16_t> registers) {
+std::optional<ErrorDetail> Master::write(std::uint8_t unit, std::uint16_t first,
+                                         std::span<const std::uint16_t> registers) {
   std::array<std::uint8_t, port::pdu_bytes_max> request;
   const std::size_t size = port::write_write_request(request, first, registers);
   const Reply reply = ask(unit, std::span(request).first(size));
-  if (const auto trouble = trouble_of(reply)) return trouble;
+  if (const auto error_detail = trouble_of(reply)) return error_detail;
   const port::RegisterRange range{.first = first,
                                   .count = static_cast<std::uint16_t>(registers.size())};
   std::uint8_t exception = 0;
   if (port::parse_write_answer(reply.pdu, range, exception) != port::WriteAnswer::written) {
-    return Trouble{.kind = Trouble::Kind::garbled};
+    return ErrorDetail{.kind = ErrorDetail::Kind::garbled};
   }
   return std::nullopt;
 }

@@ -17,7 +17,7 @@ inline constexpr std::uint8_t everybody = 0;
 inline constexpr std::uint32_t register_end = 0x10000;
 
 // Why there is no result.
-struct Trouble {
+struct ErrorDetail {
   enum class Kind : std::uint8_t { silence, garbled, exception } kind = Kind::silence;
   std::uint8_t exception = 0;
 
@@ -25,9 +25,9 @@ struct Trouble {
   bool is_absence() const;
 };
 // What to do about one that reading met: "; check ...", or nothing.
-std::string cure_of(const Trouble& trouble);
+std::string cure_of(const ErrorDetail& error_detail);
 // "no answer", "exception 2: Illegal data address".
-std::string to_string(const Trouble& trouble);
+std::string to_string(const ErrorDetail& error_detail);
 
 // Who a unit says it is; empty texts where it does not say. Printable characters only.
 struct Identification {
@@ -52,12 +52,12 @@ class Master {
   bool may_read(std::uint8_t unit, std::uint8_t function, port::RegisterRange range) const;
 
   // Reads 1 to 125 registers with FC 3 or FC 4 into `registers`, which gives the count.
-  std::optional<Trouble> read(std::uint8_t unit, std::uint8_t function, std::uint16_t first,
-                              std::span<std::uint16_t> registers);
+  std::optional<ErrorDetail> read(std::uint8_t unit, std::uint8_t function, std::uint16_t first,
+                                  std::span<std::uint16_t> registers);
 
   // Writes 1 to 123 holding registers with FC 16.
-  std::optional<Trouble> write(std::uint8_t unit, std::uint16_t first,
-                               std::span<const std::uint16_t> registers);
+  std::optional<ErrorDetail> write(std::uint8_t unit, std::uint16_t first,
+                                   std::span<const std::uint16_t> registers);
 
   // The same to all units at once. Nobody answers that, so nobody knows.
   void broadcast(std::uint16_t first, std::span<const std::uint16_t> registers);

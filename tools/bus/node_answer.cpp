@@ -48,10 +48,10 @@ NodeAnswer ask_node(Master& master, std::uint8_t unit, firmware::WordOrder order
     const Way way = free_way(master, unit);
     firmware::NodeRegisters buffer{};
     const auto registers = std::span(buffer).subspan(way.left_out);
-    answer.trouble = master.read(
+    answer.error_detail = master.read(
         unit, way.function,
         static_cast<std::uint16_t>(firmware::node_register_first + way.left_out), registers);
-    if (answer.trouble) return answer;
+    if (answer.error_detail) return answer;
     answer.fault = decode_node(registers, order, answer.reading, way.left_out);
     if (answer.fault != firmware::ReadingFault::torn) break;
   }
@@ -59,7 +59,7 @@ NodeAnswer ask_node(Master& master, std::uint8_t unit, firmware::WordOrder order
 }
 
 std::string trouble_text(const NodeAnswer& answer) {
-  if (answer.trouble) return to_string(*answer.trouble);
+  if (answer.error_detail) return to_string(*answer.error_detail);
   return answer.fault == firmware::ReadingFault::none ? "" : explain(answer.fault);
 }
 

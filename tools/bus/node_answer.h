@@ -10,11 +10,11 @@
 namespace etcm::bus {
 
 struct NodeAnswer {
-  std::optional<Trouble> trouble;                               // there were no registers
+  std::optional<ErrorDetail> error_detail;                      // there were no registers
   firmware::ReadingFault fault = firmware::ReadingFault::none;  // there were, but not a node's
   firmware::NodeReading reading;
 
-  bool is_node() const { return !trouble && fault == firmware::ReadingFault::none; }
+  bool is_node() const { return !error_detail && fault == firmware::ReadingFault::none; }
 };
 
 // Torn reads are repeated, as the gateway does.

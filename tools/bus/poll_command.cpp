@@ -27,13 +27,13 @@ struct Row {
   port::Instant answered_at{};
   port::Duration took{};
   port::Duration took_max{};
-  std::string trouble;  // of the last question; empty when that was answered well
+  std::string error_detail;  // of the last question; empty when that was answered well
 };
 
 void ask(Master& master, Row& row, firmware::WordOrder order) {
   const NodeAnswer answer = ask_node(master, row.unit, order);
   ++row.asked_count;
-  row.trouble = trouble_text(answer);
+  row.error_detail = trouble_text(answer);
   if (!answer.is_node()) {
     ++row.error_count;
     return;
@@ -69,7 +69,8 @@ std::string table_of(const std::vector<Row>& rows, port::Instant now, const char
     size =
         std::snprintf(line.data(), line.size(), "  %6u  %6u  ", row.asked_count, row.error_count);
     text.append(line.data(), static_cast<std::size_t>(size));
-    text += (row.trouble.empty() ? status_text(row.reading.status) : row.trouble) + line_end;
+    text +=
+        (row.error_detail.empty() ? status_text(row.reading.status) : row.error_detail) + line_end;
   }
   return text;
 }

@@ -17,13 +17,15 @@ struct ReadOptions {
 };
 
 // Reads them in as few questions as there can be; a value never comes from two of them.
-std::optional<Trouble> read_all(Master& master, std::uint8_t unit, std::uint8_t function,
-                                std::uint16_t first, Registers& registers, std::size_t per_value) {
+std::optional<ErrorDetail> read_all(Master& master, std::uint8_t unit, std::uint8_t function,
+                                    std::uint16_t first, Registers& registers,
+                                    std::size_t per_value) {
   const std::size_t at_once = port::read_registers_max / per_value * per_value;
   for (std::size_t at = 0; at < registers.size(); at += at_once) {
     const auto part = std::span(registers).subspan(at, std::min(at_once, registers.size() - at));
-    const auto trouble = master.read(unit, function, static_cast<std::uint16_t>(first + at), part);
-    if (trouble) return trouble;
+    const auto error_detail =
+        master.read(unit, function, static_cast<std::uint16_t>(first + at), part);
+    if (error_detail) return error_detail;
   }
   return std::nullopt;
 }
@@ -43,9 +45,9 @@ int read(const ReadOptions& options) {
   Master master(*link, timeout);
   int result = exit_ok;
   for (const std::uint8_t unit : units) {
-    if (const auto trouble = read_all(master, unit, function, first, registers, per_value)) {
+    if (const auto error_detail = read_all(master, unit, function, first, registers, per_value)) {
       std::fprintf(stderr, "etcm-bus: unit %u on %s: %s%s\n", unit, link->name().c_str(),
-                   to_string(*trouble).c_str(), cure_of(*trouble).c_str());
+                   to_string(*error_detail).c_str(), cure_of(*error_detail).c_str());
       result = exit_trouble;
       continue;
     }

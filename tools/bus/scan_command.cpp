@@ -59,7 +59,7 @@ NodeAnswer ask_patiently(Master& master, std::uint8_t unit, firmware::WordOrder 
   NodeAnswer answer;
   for (int attempt = 0; attempt < attempts_max; ++attempt) {
     answer = ask_node(master, unit, order);
-    if (!answer.trouble || answer.trouble->kind != Trouble::Kind::garbled) break;
+    if (!answer.error_detail || answer.error_detail->kind != ErrorDetail::Kind::garbled) break;
   }
   return answer;
 }
@@ -122,9 +122,9 @@ int scan(const ScanOptions& options) {
                     .took = master.took(),
                     .who = {}};
         ++asked_count;
-        if (found.node.trouble && found.node.trouble->is_absence()) continue;
+        if (found.node.error_detail && found.node.error_detail->is_absence()) continue;
         const bool is_garbled =
-            found.node.trouble && found.node.trouble->kind == Trouble::Kind::garbled;
+            found.node.error_detail && found.node.error_detail->kind == ErrorDetail::Kind::garbled;
         ++(is_garbled ? garbled_count : found_count);
         if (found.node.is_node()) ++node_count;
         if (!is_garbled) found.who = master.identify(unit);

@@ -40,8 +40,8 @@ class Writer {
       : master_(master), type_(type), first_(first), wanted_(wanted) {}
 
   int write_blindly(std::uint8_t unit) const {
-    if (const auto trouble = master_.write(unit, first_, wanted_)) {
-      return complain(unit, "does not take it: " + to_string(*trouble));
+    if (const auto error_detail = master_.write(unit, first_, wanted_)) {
+      return complain(unit, "does not take it: " + to_string(*error_detail));
     }
     std::printf("unit %u took %zu registers from %u\n", unit, wanted_.size(), first_);
     return exit_ok;
@@ -49,21 +49,21 @@ class Writer {
 
   int write(std::uint8_t unit) const {
     Registers before(wanted_.size()), after(wanted_.size());
-    if (const auto trouble = read(unit, before)) {
-      return complain(
-          unit,
-          "nothing was written, for what stands there cannot be read: " + to_string(*trouble) +
-              (trouble->kind == Trouble::Kind::exception ? "; --blind writes without reading"
-                                                         : ""));
+    if (const auto error_detail = read(unit, before)) {
+      return complain(unit, "nothing was written, for what stands there cannot be read: " +
+                                to_string(*error_detail) +
+                                (error_detail->kind == ErrorDetail::Kind::exception
+                                     ? "; --blind writes without reading"
+                                     : ""));
     }
-    if (const auto trouble = master_.write(unit, first_, wanted_)) {
-      return complain(unit, "does not take it: " + to_string(*trouble) +
-                                (trouble->kind == Trouble::Kind::exception
+    if (const auto error_detail = master_.write(unit, first_, wanted_)) {
+      return complain(unit, "does not take it: " + to_string(*error_detail) +
+                                (error_detail->kind == ErrorDetail::Kind::exception
                                      ? ""
                                      : "; read what stands there before you try again"));
     }
-    if (const auto trouble = read(unit, after)) {
-      return complain(unit, "took it, but cannot be read any more: " + to_string(*trouble));
+    if (const auto error_detail = read(unit, after)) {
+      return complain(unit, "took it, but cannot be read any more: " + to_string(*error_detail));
     }
     print(unit, before, after);
     if (after == wanted_) return exit_ok;
@@ -73,7 +73,7 @@ class Writer {
   }
 
  private:
-  std::optional<Trouble> read(std::uint8_t unit, Registers& registers) const {
+  std::optional<ErrorDetail> read(std::uint8_t unit, Registers& registers) const {
     return master_.read(unit, port::read_holding_registers, first_, registers);
   }
 

@@ -11,11 +11,11 @@ namespace etcm::compare {
 template <class Look>
 void for_each_crossed(const MissingPiece& piece, Look look) {
   const internal::MeshState& m = *piece.mesh;
-  const Point &from = m.at(piece.stretch.head), &to = m.at(piece.stretch.tail);
-  for (internal::Edge e = piece.stretch.head_edge;;) {
+  const Point &from = m.at(piece.subsegment.head), &to = m.at(piece.subsegment.tail);
+  for (internal::Edge e = piece.subsegment.head_edge;;) {
     look(e);
     const internal::Edge beyond = m.topology.twin(e);
-    if (beyond == piece.stretch.tail_edge) return;
+    if (beyond == piece.subsegment.tail_edge) return;
     const int side = orient2d(from, to, m.at(m.topology.apex(beyond)));
     e = side > 0 ? internal::Topology::next(beyond) : internal::Topology::prev(beyond);
   }

@@ -12,16 +12,16 @@ namespace {
 
 using namespace internal;
 
-bool meets(const MeshState& m, SectionId a, SectionId b) noexcept {
-  const FeatureEnds p = ends_of(m, SectionId{feature_of(m, a).value});
-  const FeatureEnds q = ends_of(m, SectionId{feature_of(m, b).value});
+bool meets(const MeshState& m, SegmentId a, SegmentId b) noexcept {
+  const FeatureEnds p = ends_of(m, SegmentId{feature_of(m, a).value});
+  const FeatureEnds q = ends_of(m, SegmentId{feature_of(m, b).value});
   return p.from == q.from || p.from == q.to || p.to == q.from || p.to == q.to;
 }
 
 // Of a Delaunay edge it is enough to ask the apexes: they see it under the greatest angles.
-bool encroaches(const MeshState& m, SectionId s, Edge subsegment, VertexId apex) noexcept {
+bool encroaches(const MeshState& m, SegmentId s, Edge subsegment, VertexId apex) noexcept {
   if (apex == infinite_vertex) return false;
-  if (!m.is_node(apex) && meets(m, s, m.owner(apex).section())) return false;
+  if (!m.is_node(apex) && meets(m, s, m.owner(apex).segment())) return false;
   const Point& p = m.at(apex);
   const Point& a = m.at(m.topology.origin(subsegment));
   const Point& b = m.at(m.topology.target(subsegment));
@@ -31,16 +31,16 @@ bool encroaches(const MeshState& m, SectionId s, Edge subsegment, VertexId apex)
          0;
 }
 
-bool is_encroached(const MeshState& m, SectionId s, Edge e) noexcept {
+bool is_encroached(const MeshState& m, SegmentId s, Edge e) noexcept {
   return encroaches(m, s, e, m.topology.apex(e)) ||
          encroaches(m, s, e, m.topology.apex(m.topology.twin(e)));
 }
 
 // One walk along the section; `changed` is set where something was split.
-Status split_encroached_of(MeshState& m, const RivalRule& rule, SectionId s, bool& changed) {
-  const VertexId end = m.section(s).to;
-  for (VertexId v = m.section(s).from; v != end;) {
-    const Stretch piece = march(m, v, end);
+Status split_encroached_of(MeshState& m, const RivalRule& rule, SegmentId s, bool& changed) {
+  const VertexId end = m.segment(s).to;
+  for (VertexId v = m.segment(s).from; v != end;) {
+    const Subsegment piece = march(m, v, end);
     const Parameter head = parameter_of(m, s, piece.head), tail = parameter_of(m, s, piece.tail);
     if (piece.is_edge && tail - head > 1 && is_encroached(m, s, piece.edge)) {
       touch(m, s, piece.head, piece.tail);
@@ -61,9 +61,9 @@ Status split_encroached_of(MeshState& m, const RivalRule& rule, SectionId s, boo
 Status split_encroached(MeshState& m, const RivalRule& rule) {
   for (bool changed = true; changed;) {
     changed = false;
-    for (IdValue i = 0; i < m.section_end; ++i) {
-      const SectionId s{i};
-      if (!is_laid(m, s)) continue;
+    for (IdValue i = 0; i < m.segment_end; ++i) {
+      const SegmentId s{i};
+      if (!is_linked(m, s)) continue;
       const Status status = split_encroached_of(m, rule, s, changed);
       if (status != Status::ok) return status;
     }

@@ -8,7 +8,7 @@ namespace etcm::compare {
 
 void split_literally(const MissingPiece& piece, std::vector<Parameter>& places) {
   const SplitSite site = piece.site();
-  const Parameter q1 = site.reach_head, q2 = site.reach_tail;
+  const Parameter q1 = site.feasible_head, q2 = site.feasible_tail;
   if (q1 >= q2) {
     places.push_back(middle_of(q2, q1));  // step 6
   } else {

@@ -26,7 +26,7 @@ class ExperimentRun {
     for (std::uint64_t seed = 1; seed <= plan_.lone_seeds; ++seed) {
       for (const std::size_t size : plan_.sizes) {
         tell("one feature of " + std::to_string(size) + " nodes");
-        results_.lone.push_back(measure_lone(size, seed));
+        results_.only_vertex.push_back(measure_lone(size, seed));
         done_ += share_of_lone * static_cast<double>(size);
       }
     }

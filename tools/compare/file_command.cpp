@@ -31,7 +31,7 @@ inputs::Graph read_legal_graph(const FileOptions& options) {
   if (status != Status::ok && status != Status::out_of_vertices) {
     grid.nodes = graph.nodes;
     grid.features = graph.features;
-    throw files::InputError(files::describe_refusal(file, grid, mesh->trouble()));
+    throw files::InputError(files::describe_refusal(file, grid, mesh->error_detail()));
   }
   return graph;
 }

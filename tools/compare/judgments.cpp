@@ -19,12 +19,13 @@ struct Around {
 Around look_around(const MissingPiece& piece) {
   const Topology& topo = piece.mesh->topology;
   Around around;
-  const Edge first = topo.edge_at(piece.stretch.head);
+  const Edge first = topo.edge_at(piece.subsegment.head);
   Edge e = first;
   do {
     const IdValue triangle = Topology::triangle_of(e);
     if (!topo.is_ghost(triangle)) ++around.all;
-    if (triangle == Topology::triangle_of(piece.stretch.head_edge)) around.until_found = around.all;
+    if (triangle == Topology::triangle_of(piece.subsegment.head_edge))
+      around.until_found = around.all;
     e = topo.rotate_ccw(e);
   } while (e != first);
   return around;
@@ -65,13 +66,13 @@ JudgmentTally& JudgmentTally::operator+=(const JudgmentTally& other) noexcept {
 JudgmentTally count_judgments(const inputs::Graph& graph) {
   JudgmentTally tally;
   // A remainder is known already: it ends where the last point came.
-  SectionId last_section = SectionId::none();
+  SegmentId last_segment = SegmentId::none();
   Parameter last_place = 0;
   const auto split = [&](const MissingPiece& piece, std::vector<Parameter>& places) {
     split_literally(piece, places);
     const std::uint64_t n = crossed_triangle_count(piece);
     const bool is_remainder =
-        piece.section == last_section && (piece.head == last_place || piece.tail == last_place);
+        piece.segment == last_segment && (piece.head == last_place || piece.tail == last_place);
     if (!is_remainder) {
       const Around around = look_around(piece);
       ++tally.pieces;
@@ -79,7 +80,7 @@ JudgmentTally count_judgments(const inputs::Graph& graph) {
       tally.around += around.all;
       tally.intersections += around.until_found + judgments_onward(piece);
     }
-    last_section = piece.section;
+    last_segment = piece.segment;
     last_place = places.front();
     ++tally.points;
     tally.searched += n;

@@ -57,14 +57,15 @@ void at_local_spacing(const MissingPiece& piece, Places& places) {
 // The middle of what the circle of neither end reaches; of the overlap, where they overlap.
 void between_the_circles(const MissingPiece& piece, Places& places) {
   const SplitSite site = piece.site();
-  places.push_back(middle_of(site.reach_head, site.reach_tail));
+  places.push_back(middle_of(site.feasible_head, site.feasible_tail));
 }
 
 // The same, but of the piece, where the circles overlap.
 void between_or_middle(const MissingPiece& piece, Places& places) {
   const SplitSite site = piece.site();
-  places.push_back(site.reach_head < site.reach_tail ? middle_of(site.reach_head, site.reach_tail)
-                                                     : middle_of(piece.head, piece.tail));
+  places.push_back(site.feasible_head < site.feasible_tail
+                       ? middle_of(site.feasible_head, site.feasible_tail)
+                       : middle_of(piece.head, piece.tail));
 }
 
 // The foot of the perpendicular from the nearest vertex of the edges that the piece crosses.
@@ -103,8 +104,8 @@ void furthest_from_vertices(const MissingPiece& piece, Places& places) {
   constexpr int parts = 32;
   const internal::MeshState& m = *piece.mesh;
   const SplitSite site = piece.site();
-  const Parameter low = std::min(site.reach_head, site.reach_tail);
-  const Parameter high = std::max(site.reach_head, site.reach_tail);
+  const Parameter low = std::min(site.feasible_head, site.feasible_tail);
+  const Parameter high = std::max(site.feasible_head, site.feasible_tail);
   double furthest = 0;
   for (int part = 1; part < parts; ++part) {
     const Parameter t = place_of_part(piece, part, parts);

@@ -49,7 +49,7 @@ void write_readings(std::ostream& out, const Results& results, FeatureLength len
 
 void write_lone(std::ostream& out, const Results& results) {
   std::uint64_t least = 0;
-  for (const LoneResult& lone : results.lone) least += lone.least;
+  for (const LoneResult& only_vertex : results.only_vertex) least += only_vertex.least;
   out << "| system | points | times the least | the least on |\n|---|---:|---:|---:|\n| the least "
          "there is, from the nodes | "
       << least << " | 1.000 | all |\n";
@@ -57,10 +57,10 @@ void write_lone(std::ostream& out, const Results& results) {
   for (std::size_t i = 0; i < systems.size(); ++i) {
     std::uint64_t points = 0;
     std::size_t failed = 0, at_least = 0;
-    for (const LoneResult& lone : results.lone) {
-      failed += lone.added[i] == lone_failed;
-      points += lone.added[i];
-      at_least += lone.added[i] == lone.least;
+    for (const LoneResult& only_vertex : results.only_vertex) {
+      failed += only_vertex.added[i] == lone_failed;
+      points += only_vertex.added[i];
+      at_least += only_vertex.added[i] == only_vertex.least;
     }
     out << "| " << systems[i].label << " | ";
     if (failed > 0) {
@@ -71,7 +71,7 @@ void write_lone(std::ostream& out, const Results& results) {
         << decimal(
                static_cast<double>(points) / static_cast<double>(std::max<std::uint64_t>(least, 1)),
                3)
-        << " | " << share(at_least, results.lone.size()) << " |\n";
+        << " | " << share(at_least, results.only_vertex.size()) << " |\n";
   }
 }
 
@@ -123,8 +123,8 @@ std::string reading_tables(const Results& results) {
       out << '\n';
     }
   }
-  if (!results.lone.empty()) {
-    out << "### A feature alone: " << results.lone.size() << " graphs with one feature\n\n";
+  if (!results.only_vertex.empty()) {
+    out << "### A feature alone: " << results.only_vertex.size() << " graphs with one feature\n\n";
     write_lone(out, results);
     out << '\n';
   }

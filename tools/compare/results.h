@@ -32,7 +32,7 @@ struct JudgmentResult {
 
 struct Results {
   std::vector<GraphResult> graphs;
-  std::vector<LoneResult> lone;
+  std::vector<LoneResult> only_vertex;
   std::vector<JudgmentResult> judgments;
 };
 

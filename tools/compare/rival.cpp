@@ -4,8 +4,8 @@
 #include <span>
 
 #include "compare/stopwatch.h"
+#include "feasible_parameter.h"
 #include "inputs/owned_mesh.h"
-#include "reach.h"
 
 namespace etcm::compare {
 namespace {
@@ -17,8 +17,8 @@ constexpr Parameter from_other_end(Parameter t) noexcept {
   return static_cast<Parameter>(parameter_end - t);
 }
 
-bool is_given_forth(const MeshState& m, SectionId s) noexcept {
-  return (m.section(s).root & reversed_bit) == 0;
+bool is_given_forth(const MeshState& m, SegmentId s) noexcept {
+  return (m.segment(s).root & reversed_bit) == 0;
 }
 
 Position units_of(const Point& point) noexcept {
@@ -27,13 +27,13 @@ Position units_of(const Point& point) noexcept {
 }
 
 // The stretch between two vertices of a section with none between them.
-Stretch stretch_between(const MeshState& m, VertexId head, VertexId tail) noexcept {
-  Stretch stretch;
-  if (!m.topology.find_edge(head, tail, stretch.edge)) return between(m, head, tail);
-  stretch.head = head;
-  stretch.tail = tail;
-  stretch.is_edge = true;
-  return stretch;
+Subsegment stretch_between(const MeshState& m, VertexId head, VertexId tail) noexcept {
+  Subsegment subsegment;
+  if (!m.topology.find_edge(head, tail, subsegment.edge)) return between(m, head, tail);
+  subsegment.head = head;
+  subsegment.tail = tail;
+  subsegment.is_edge = true;
+  return subsegment;
 }
 
 class Conformer {
@@ -43,29 +43,29 @@ class Conformer {
   std::uint64_t looked_at() const noexcept { return looked_at_; }
 
   Status run() {
-    for (SectionId s = next_broken(); !s.is_none(); s = next_broken()) {
-      const Status status = conform_section(s);
+    for (SegmentId s = next_broken(); !s.is_none(); s = next_broken()) {
+      const Status status = conform_segment(s);
       if (status != Status::ok) return status;
     }
     return Status::ok;
   }
 
  private:
-  SectionId next_broken() {
+  SegmentId next_broken() {
     if (rule_.broken_first == BrokenFirst::canonical) return pop_dirty(mesh_);
     // Of those that one feature has broken the mesh keeps no order of time: the canonical one.
-    for (SectionId s = pop_dirty(mesh_); !s.is_none(); s = pop_dirty(mesh_)) {
+    for (SegmentId s = pop_dirty(mesh_); !s.is_none(); s = pop_dirty(mesh_)) {
       if (std::find(waiting_.begin(), waiting_.end(), s) == waiting_.end()) waiting_.push_back(s);
     }
-    if (waiting_.empty()) return SectionId::none();
-    const SectionId s = waiting_.back();
+    if (waiting_.empty()) return SegmentId::none();
+    const SegmentId s = waiting_.back();
     waiting_.pop_back();
     return s;
   }
 
   // Walks the part of a section that has been touched since it last was whole.
-  Status conform_section(SectionId s) {
-    SectionRecord& r = mesh_.section(s);
+  Status conform_segment(SegmentId s) {
+    SegmentRecord& r = mesh_.segment(s);
     const bool is_whole_touched = r.first.is_none();
     const VertexId low = is_whole_touched ? r.from : r.first;
     const VertexId high = is_whole_touched ? r.to : r.last;
@@ -74,8 +74,8 @@ class Conformer {
     const bool forth = is_given_forth(mesh_, s);
     const VertexId end = forth ? r.to : r.from, last = forth ? high : low;
     for (VertexId v = forth ? low : high; v != last;) {
-      const Stretch piece = march(mesh_, v, end);
-      const Status status = conform_piece(s, forth, piece);
+      const Subsegment piece = march(mesh_, v, end);
+      const Status status = conform_subsegment(s, forth, piece);
       if (status != Status::ok) return status;
       v = piece.tail;
     }
@@ -84,12 +84,12 @@ class Conformer {
 
   // Splits a piece until it is a run of edges. What is left always lies between two vertices that
   // are known, so nothing is walked again.
-  Status conform_piece(SectionId s, bool forth, Stretch piece) {
+  Status conform_subsegment(SegmentId s, bool forth, Subsegment piece) {
     open_.clear();
     for (;;) {
       ++looked_at_;
       if (can_be_edge(mesh_, piece)) {
-        settle_piece(mesh_, piece);
+        constrain_subsegment(mesh_, piece);
       } else {
         const Status status = split(s, forth, piece);
         if (status != Status::ok) return status;
@@ -101,17 +101,17 @@ class Conformer {
     }
   }
 
-  Status split(SectionId s, bool forth, const Stretch& stretch) {
+  Status split(SegmentId s, bool forth, const Subsegment& subsegment) {
     const auto parameter = [&](VertexId v) {
       const Parameter t = parameter_of(mesh_, s, v);
       return forth ? t : from_other_end(t);
     };
     const MissingPiece piece{.mesh = &mesh_,
-                             .section = s,
+                             .segment = s,
                              .is_forth = forth,
-                             .stretch = stretch,
-                             .head = parameter(stretch.head),
-                             .tail = parameter(stretch.tail)};
+                             .subsegment = subsegment,
+                             .head = parameter(subsegment.head),
+                             .tail = parameter(subsegment.tail)};
     if (piece.tail - piece.head < 2) return Status::grid_exhausted;
     places_.clear();
     rule_.split(piece, places_);
@@ -121,19 +121,19 @@ class Conformer {
       t = std::clamp<Parameter>(t, piece.head + 1, piece.tail - 1);
       if (t <= before) continue;
       before = t;
-      const Edge near = added_.empty() ? (t - piece.head <= piece.tail - t ? stretch.head_edge
-                                                                           : stretch.tail_edge)
+      const Edge near = added_.empty() ? (t - piece.head <= piece.tail - t ? subsegment.head_edge
+                                                                           : subsegment.tail_edge)
                                        : mesh_.topology.edge_at(added_.back());
       added_.push_back(insert_on_section(mesh_, s, forth ? t : from_other_end(t), near));
       if (added_.back().is_none()) return Status::out_of_vertices;
     }
     // The part at the head is looked at first.
-    VertexId tail = stretch.tail;
+    VertexId tail = subsegment.tail;
     for (auto v = added_.rbegin(); v != added_.rend(); ++v) {
       open_.push_back({*v, tail});
       tail = *v;
     }
-    open_.push_back({stretch.head, tail});
+    open_.push_back({subsegment.head, tail});
     return Status::ok;
   }
 
@@ -144,7 +144,7 @@ class Conformer {
 
   MeshState& mesh_;
   const RivalRule& rule_;
-  std::vector<SectionId> waiting_;
+  std::vector<SegmentId> waiting_;
   std::vector<Open> open_;
   std::vector<Parameter> places_;
   std::vector<VertexId> added_;
@@ -156,17 +156,17 @@ Status insert_features(MeshState& m, std::span<const FeatureEnds> features, cons
   begin(m);
   // All roots first, so that feature i has the id i.
   for (const FeatureEnds& ends : features) {
-    const SectionId root = allocate_section(m);
+    const SegmentId root = allocate_segment(m);
     if (root.is_none()) return Status::out_of_features;
     set_ends(m, root, ends.from, ends.to);
     ++m.feature_count;
   }
   Conformer conformer(m, rule);
   for (std::size_t i = 0; i < features.size(); ++i) {
-    const SectionId root{static_cast<IdValue>(i)};
-    const Course course = survey(m, root);
-    if (course.status != Status::ok) return course.status;
-    lay(m, root, course.nodes_between);
+    const SegmentId root{static_cast<IdValue>(i)};
+    const SurveyResult surveyed = survey(m, root);
+    if (surveyed.status != Status::ok) return surveyed.status;
+    link_feature(m, root, surveyed.nodes_between);
     const Status status = conformer.run();
     looked_at = conformer.looked_at();
     if (status != Status::ok) return status;
@@ -179,28 +179,28 @@ Status insert_features(MeshState& m, std::span<const FeatureEnds> features, cons
 SplitSite MissingPiece::site() const noexcept {
   const MeshState& m = *mesh;
   const Topology& topo = m.topology;
-  const SectionRecord& r = m.section(section);
+  const SegmentRecord& r = m.segment(segment);
   SplitSite site;
   site.from = units_of(m.at(is_forth ? r.from : r.to));
   site.to = units_of(m.at(is_forth ? r.to : r.from));
   site.head = head;
   site.tail = tail;
-  site.head_right = m.at(topo.origin(stretch.head_edge));
-  site.head_left = m.at(topo.target(stretch.head_edge));
-  site.tail_left = m.at(topo.origin(stretch.tail_edge));
-  site.tail_right = m.at(topo.target(stretch.tail_edge));
+  site.head_right = m.at(topo.origin(subsegment.head_edge));
+  site.head_left = m.at(topo.target(subsegment.head_edge));
+  site.tail_left = m.at(topo.origin(subsegment.tail_edge));
+  site.tail_right = m.at(topo.target(subsegment.tail_edge));
   site.head_is_node = head == 0;
   site.tail_is_node = tail == parameter_end;
-  site.reach_head = reach_from_head(site);
-  site.reach_tail = reach_from_tail(site);
+  site.feasible_head = feasible_from_head(site);
+  site.feasible_tail = feasible_from_tail(site);
   site.mesh = m.mesh;
-  site.head_triangle = TriangleId{Topology::triangle_of(stretch.head_edge)};
-  site.tail_triangle = TriangleId{Topology::triangle_of(stretch.tail_edge)};
+  site.head_triangle = TriangleId{Topology::triangle_of(subsegment.head_edge)};
+  site.tail_triangle = TriangleId{Topology::triangle_of(subsegment.tail_edge)};
   return site;
 }
 
 Point MissingPiece::at(Parameter t) const noexcept {
-  return point_at(*mesh, section, is_forth ? t : from_other_end(t));
+  return point_at(*mesh, segment, is_forth ? t : from_other_end(t));
 }
 
 Attempt run_rival(const inputs::Graph& graph, const RivalRule& rule, Depth depth) {
@@ -224,8 +224,8 @@ Attempt run_rival(const inputs::Graph& graph, const RivalRule& rule, Depth depth
   attempt.hash = mesh->hash();
   attempt.image = files::image_of(*mesh, Exterior::hull, {});
   // Pruning looks where the mesh was touched: everywhere.
-  for (IdValue i = 0; i < m.section_end; ++i) {
-    if (is_laid(m, SectionId{i})) touch(m, SectionId{i});
+  for (IdValue i = 0; i < m.segment_end; ++i) {
+    if (is_linked(m, SegmentId{i})) touch(m, SegmentId{i});
   }
   commit(m);
   attempt.added_after_pruning = mesh->steiner_count();
@@ -234,12 +234,12 @@ Attempt run_rival(const inputs::Graph& graph, const RivalRule& rule, Depth depth
 
 Status conform_by(MeshState& m, const RivalRule& rule) { return Conformer(m, rule).run(); }
 
-VertexId insert_on_section(MeshState& m, SectionId section, Parameter parameter,
+VertexId insert_on_section(MeshState& m, SegmentId segment, Parameter parameter,
                            Edge near) noexcept {
   const VertexId v = allocate_vertex(m);
   if (v.is_none()) return v;
-  m.points[v.value] = point_at(m, section, parameter);
-  m.owner(v) = Owner(Role::fresh, section);
+  m.points[v.value] = point_at(m, segment, parameter);
+  m.owner(v) = Owner(Role::fresh, segment);
   ++m.steiner_count;
   insert_vertex(m, v, find(m, m.at(v), near));
   return v;

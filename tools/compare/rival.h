@@ -16,9 +16,9 @@ namespace etcm::compare {
 // count from there, and so `head` is the end of the piece that is nearer to it.
 struct MissingPiece {
   const internal::MeshState* mesh = nullptr;
-  internal::SectionId section{};
-  bool is_forth = true;       // the section's own grid runs the same way
-  internal::Stretch stretch;  // from head to tail
+  internal::SegmentId segment{};
+  bool is_forth = true;             // the section's own grid runs the same way
+  internal::Subsegment subsegment;  // from head to tail
   Parameter head = 0;
   Parameter tail = parameter_end;
 
@@ -52,7 +52,7 @@ Status conform_by(internal::MeshState& mesh, const RivalRule& rule);
 
 // Puts a Steiner vertex at a parameter of a section; the search for its place starts at `near`.
 // None: there is no room.
-VertexId insert_on_section(internal::MeshState& mesh, internal::SectionId section,
+VertexId insert_on_section(internal::MeshState& mesh, internal::SegmentId segment,
                            Parameter parameter, internal::Edge near) noexcept;
 
 // The middle of two parameters; of two equally near ones the even one, which is the same place

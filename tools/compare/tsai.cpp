@@ -24,7 +24,7 @@ void split_at_all_crossings(const MissingPiece& piece, Places& places) {
 
 // The other reading: each point changes the mesh, and the next crossing is one with the new mesh.
 void split_at_first_crossing(const MissingPiece& piece, Places& places) {
-  add_if_inside(piece, crossing_of(piece, piece.stretch.head_edge), places);
+  add_if_inside(piece, crossing_of(piece, piece.subsegment.head_edge), places);
   add_middle_if_empty(piece, places);
 }
 

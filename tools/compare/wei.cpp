@@ -9,13 +9,14 @@ namespace {
 
 void finish_in_overlap(const MissingPiece& piece, std::vector<Parameter>& places) {
   const SplitSite site = piece.site();
-  places.push_back(site.reach_head >= site.reach_tail ? middle_of(site.reach_tail, site.reach_head)
-                                                      : site.reach_head);
+  places.push_back(site.feasible_head >= site.feasible_tail
+                       ? middle_of(site.feasible_tail, site.feasible_head)
+                       : site.feasible_head);
 }
 
 // Never looks at the other end, and so leaves whatever the last circle does.
 void always_first_circle(const MissingPiece& piece, std::vector<Parameter>& places) {
-  const Parameter reach = piece.site().reach_head;
+  const Parameter reach = piece.site().feasible_head;
   // Where the circle reaches nothing or everything, the grid leaves no first end to finish.
   places.push_back(reach > piece.head && reach < piece.tail ? reach
                                                             : middle_of(piece.head, piece.tail));

@@ -207,7 +207,7 @@ int run_analyse(const AnalyseOptions& options) {
   const Mesh& mesh = **meshed.mesh;
   if (meshed.status != Status::ok) {
     std::cerr << "etcm: " << options.input << ": "
-              << describe_shortfall(graph, mesh.trouble(), mesh.unresolved()) << std::endl;
+              << describe_shortfall(graph, mesh.error_detail(), mesh.unresolved()) << std::endl;
     return exit_unresolved;
   }
   // The network as it stands: nobody has built anything at a Steiner vertex yet.

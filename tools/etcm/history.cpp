@@ -87,9 +87,10 @@ std::string History::explain_refusal(const Event& event, Status status) const {
     return "id " + std::to_string(event.id) + " does not exist";
   }
   std::string in_the_way;
-  const Trouble& trouble = mesh_.trouble();
-  if (!trouble.vertex.is_none()) in_the_way = node_name(trouble.vertex);
-  if (in_the_way.empty() && !trouble.other.is_none()) in_the_way = feature_name(trouble.other);
+  const ErrorDetail& error_detail = mesh_.error_detail();
+  if (!error_detail.vertex.is_none()) in_the_way = node_name(error_detail.vertex);
+  if (in_the_way.empty() && !error_detail.other.is_none())
+    in_the_way = feature_name(error_detail.other);
   return explain(status) + (in_the_way.empty() ? "" : " (in the way: " + in_the_way + ")");
 }
 

@@ -39,7 +39,7 @@ int run_mesh(const MeshOptions& options) {
   if (meshed.status == Status::ok) return exit_ok;
   const Mesh& mesh = **meshed.mesh;
   std::cerr << "etcm: " << options.input << ": "
-            << describe_shortfall(graph, mesh.trouble(), mesh.unresolved()) << std::endl;
+            << describe_shortfall(graph, mesh.error_detail(), mesh.unresolved()) << std::endl;
   return exit_unresolved;
 }
 

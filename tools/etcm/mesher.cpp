@@ -66,7 +66,7 @@ Meshed build_mesh(const files::ConstraintGraph& graph, const files::GridGraph& g
     config.vertices_max = at_most(std::size_t{config.vertices_max} * 2, vertices_max);
   }
   if (meshed.status != Status::ok && !is_shortfall(meshed.status)) {
-    throw files::InputError(describe_refusal(graph, grid, (*meshed.mesh)->trouble()));
+    throw files::InputError(describe_refusal(graph, grid, (*meshed.mesh)->error_detail()));
   }
   if (meshed.status != Status::ok && (*meshed.mesh)->node_count() != grid.nodes.size()) {
     throw files::InputError(graph.node_file, 0,
@@ -77,20 +77,21 @@ Meshed build_mesh(const files::ConstraintGraph& graph, const files::GridGraph& g
   return meshed;
 }
 
-std::string describe_shortfall(const files::ConstraintGraph& graph, const Trouble& trouble,
+std::string describe_shortfall(const files::ConstraintGraph& graph, const ErrorDetail& error_detail,
                                std::uint32_t unresolved) {
   std::string text =
       std::to_string(unresolved) +
       (unresolved == 1 ? " piece of a feature is no edge" : " pieces of features are no edges");
-  if (!trouble.feature.is_none() && trouble.feature.value < graph.features.size()) {
-    const std::size_t feature = trouble.feature.value;
+  if (!error_detail.feature.is_none() && error_detail.feature.value < graph.features.size()) {
+    const std::size_t feature = error_detail.feature.value;
     text += ", first of " + files::feature_name(graph, feature) + " on line " +
             std::to_string(graph.features[feature].line) + ", from " +
-            files::coordinate_text(trouble.from.x) + " " + files::coordinate_text(trouble.from.y) +
-            " to " + files::coordinate_text(trouble.to.x) + " " +
-            files::coordinate_text(trouble.to.y);
+            files::coordinate_text(error_detail.from.x) + " " +
+            files::coordinate_text(error_detail.from.y) + " to " +
+            files::coordinate_text(error_detail.to.x) + " " +
+            files::coordinate_text(error_detail.to.y);
   }
-  return text + ": " + explain(trouble.status);
+  return text + ": " + explain(error_detail.status);
 }
 
 }  // namespace etcm::cli

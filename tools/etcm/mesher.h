@@ -39,7 +39,7 @@ Meshed build_mesh(const files::ConstraintGraph& graph, const files::GridGraph& g
 double microseconds_since(std::chrono::steady_clock::time_point start);
 
 // Why conforming stopped, in one line.
-std::string describe_shortfall(const files::ConstraintGraph& graph, const Trouble& trouble,
+std::string describe_shortfall(const files::ConstraintGraph& graph, const ErrorDetail& error_detail,
                                std::uint32_t unresolved);
 
 }  // namespace etcm::cli

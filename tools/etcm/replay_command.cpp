@@ -119,7 +119,7 @@ int run_replay(const ReplayOptions& options) {
   }
   if (replayed.meshed.status == Status::ok) return exit_ok;
   std::cerr << "etcm: " << options.input << ": no event was applied: "
-            << describe_shortfall(graph, mesh.trouble(), mesh.unresolved()) << std::endl;
+            << describe_shortfall(graph, mesh.error_detail(), mesh.unresolved()) << std::endl;
   return exit_unresolved;
 }
 

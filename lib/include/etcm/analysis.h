@@ -91,14 +91,14 @@ struct Relay {
   VertexId vertex{};    // that stands there without a device; none: it is between vertices
 };
 
-// Each vertex of `mesh` at whose place there is no device, and then on each piece of a feature that
-// is longer than the range as many more, evenly spaced, that no hop is: ceil(length / range) - 1.
-// The latter are rounded down to the sub-unit. The vertices of `devices` are the devices.
-// O(n + entries written), n of both meshes.
+// Each vertex of `mesh` at whose place there is no device, and then on each subsegment of a feature
+// that is longer than the range as many more, evenly spaced, that no hop is: ceil(length / range)
+// - 1. The latter are rounded down to the sub-unit. The vertices of `devices` are the devices. O(n
+// + entries written), n of both meshes.
 std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_range,
                      std::span<Relay> out) noexcept;
 
-// A stretch of a feature from a sensor on it to the next one, or to an end of the feature that has
+// A segment of a feature from a sensor on it to the next one, or to an end of the feature that has
 // none, which they do not see whole: where both ends sense, longer than twice the range; where one
 // does, longer than the range; where neither does, any. Somebody may cross it unseen by those on
 // the feature.
@@ -143,7 +143,7 @@ struct Hole {
 // edge, where the next triangle's circle is greater still: such triangles lead to another one, or
 // to the boundary.) On the boundary it is a corner without a sensor, or where two sensors take
 // turns in being the nearest, and these places are visited one by one. O(n), n of both meshes, plus
-// the triangles that long stretches of the boundary pass.
+// the triangles that long segments of the boundary pass.
 std::uint32_t coverage_holes(const Mesh& sensors, const Domain& domain, std::uint32_t sensing_range,
                              std::span<Hole> out) noexcept;
 
@@ -151,7 +151,7 @@ std::uint32_t coverage_holes(const Mesh& sensors, const Domain& domain, std::uin
 
 // A reading at any place within the hull, linear in the triangle there. `readings` has one for each
 // node, by vertex id; it needs vertex_id_end() elements, those of other ids are not looked at. A
-// Steiner vertex takes the value that is linear between the two nodes of its stretch of feature.
+// Steiner vertex takes the value that is linear between the two nodes of its segment of feature.
 // `value` is in 2^-28 of the unit of the readings, rounded to the nearest, halves up.
 // `place` says whether there is any: with Place::outside, value is 0.
 struct Interpolated {

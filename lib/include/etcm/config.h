@@ -14,14 +14,15 @@ namespace etcm {
 struct MeshConfig {
   // Nodes and Steiner vertices together. At least 1; at most vertices_limit.
   std::uint32_t vertices_max = 0;
-  // One place for each stretch of a feature between neighbouring nodes on it: a feature that runs
+  // One place for each segment of a feature between neighbouring nodes on it: a feature that runs
   // through two further nodes takes three. At most features_limit; 0 for a plain Delaunay mesh.
   std::uint32_t features_max = 0;
   // Most Steiner vertices the mesh may hold. 0: as many as vertices_max leaves room for.
   std::uint32_t steiner_max = 0;
   // Most splits and repairs one call may make before it gives up with Status::step_limit, so that a
   // watchdog can trust it. One step costs a few microseconds on a desktop. What can be repaired
-  // without a further split still is, one repair for each broken piece. 0: no bound but the grid's.
+  // without a further split still is, one repair for each broken subsegment. 0: no bound but the
+  // grid's.
   std::uint32_t steps_max = 0;
   SplitPolicy policy = split_default;
 };
@@ -33,7 +34,7 @@ inline constexpr std::uint32_t features_limit = sizeof(IdValue) == 2 ? 8190u : (
 // ok, bad_config: also where the memory needed is more than a std::size_t can tell.
 Status validate(const MeshConfig& config) noexcept;
 
-// Bytes of one vertex (with its two triangles), of one feature stretch, and of the fixed head.
+// Bytes of one vertex (with its two triangles), of one feature segment, and of the fixed head.
 // Checked against the real layout when the library is compiled.
 inline constexpr std::size_t bytes_per_vertex_capacity = 16 + 14 * sizeof(IdValue);
 inline constexpr std::size_t bytes_per_feature_capacity = 10 * sizeof(IdValue);

@@ -6,7 +6,7 @@
 //   order in which anything was given, on the compiler or on the machine.
 // - Each feature is a union of mesh edges, exactly; each Steiner vertex lies exactly on its
 // feature.
-//   (After build() answered steiner_budget, step_limit or grid_exhausted: but for the stretches
+//   (After build() answered steiner_budget, step_limit or grid_exhausted: but for the segments
 //   that unresolved() counts.)
 // - 0, 1, 2 and collinear nodes are meshes too: they have no finite triangle.
 //
@@ -40,13 +40,13 @@ struct FeatureEnds {
 };
 
 // What the last failed call stumbled over; fields that do not apply are none.
-struct Trouble {
+struct ErrorDetail {
   Status status = Status::ok;
   VertexId vertex{};    // the node in the way, or the unknown one
   VertexId rejected{};  // duplicate_vertex in build(): the node that stands there too
   FeatureId feature{};  // the feature that cannot be made (in build(): its index in the input)
   FeatureId other{};    // the feature it crosses, overlaps or repeats (as above)
-  Point from{};         // the unresolved piece of `feature`, for steiner_budget, step_limit
+  Point from{};         // the unresolved subsegment of `feature`, for steiner_budget, step_limit
   Point to{};           //   and grid_exhausted
 };
 
@@ -87,14 +87,14 @@ class Mesh {
 
   // Builds an empty mesh from nodes and features at once: node i becomes vertex i + 1. Endpoint ids
   // are those vertices. Feature i becomes FeatureId i. O(n log n).
-  // Errors in the input leave the mesh empty, with trouble() naming the culprit. steiner_budget,
-  // step_limit, grid_exhausted and out_of_vertices during conforming leave the valid Delaunay mesh
-  // of what is done; unresolved() counts the rest, at least one, and changes are refused until
-  // clear(). So a mesh is whole, and may be changed, exactly while unresolved() is 0. Pieces that
-  // were not made are not compared with each other: features that cross or overlap there, and
-  // nowhere else, may not be named.
-  // `nodes_stand`, where given, is called with `context` between the nodes, which are a Delaunay
-  // mesh by then, and the first feature: for who measures both. It must not use the mesh.
+  // Errors in the input leave the mesh empty, with error_detail() naming the culprit.
+  // steiner_budget, step_limit, grid_exhausted and out_of_vertices during conforming leave the
+  // valid Delaunay mesh of what is done; unresolved() counts the rest, at least one, and changes
+  // are refused until clear(). So a mesh is whole, and may be changed, exactly while unresolved()
+  // is 0. Subsegments that were not made are not compared with each other: features that cross or
+  // overlap there, and nowhere else, may not be named. `nodes_stand`, where given, is called with
+  // `context` between the nodes, which are a Delaunay mesh by then, and the first feature: for who
+  // measures both. It must not use the mesh.
   Status build(std::span<const Position> nodes, std::span<const FeatureEnds> features,
                void (*nodes_stand)(void* context) noexcept = nullptr,
                void* context = nullptr) noexcept;
@@ -114,8 +114,8 @@ class Mesh {
 
   // A node joins. It may stand on a Steiner vertex (and takes its place), on a feature (which then
   // runs through it), on the hull or outside. Sets `id` on success only.
-  // Errors: bad_coordinate, duplicate_vertex (trouble().vertex), and the room-and-bounds codes.
-  // Expected O(1) for nodes spread evenly, to find the place as well as to change it.
+  // Errors: bad_coordinate, duplicate_vertex (error_detail().vertex), and the room-and-bounds
+  // codes. Expected O(1) for nodes spread evenly, to find the place as well as to change it.
   Status join(Position position, VertexId& id) noexcept;
 
   // A node leaves. Errors: unknown_vertex, endpoint_in_use, crossing_features (two features met
@@ -142,11 +142,11 @@ class Mesh {
   std::uint32_t feature_count() const noexcept;
   std::uint32_t triangle_count() const noexcept;  // ghosts included; ids run below this
   std::uint32_t finite_triangle_count() const noexcept;
-  std::uint32_t unresolved() const noexcept;  // pieces of features that are no edges
+  std::uint32_t unresolved() const noexcept;  // subsegments of features that are no edges
   // Every vertex id in use is below this, every feature id below the next. Ids between may be free.
   std::uint32_t vertex_id_end() const noexcept;
   std::uint32_t feature_id_end() const noexcept;
-  const Trouble& trouble() const noexcept;
+  const ErrorDetail& error_detail() const noexcept;
 
   // Vertices. The id must be below vertex_id_end(), and in use for all but kind().
   VertexKind kind(VertexId vertex) const noexcept;

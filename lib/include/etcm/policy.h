@@ -1,4 +1,4 @@
-// Where to split a stretch of a feature that is not yet a mesh edge: the one decision of ETCM
+// Where to split a segment of a feature that is not yet a mesh edge: the one decision of ETCM
 // (paper, section 3) that is a choice, so it is a function to swap.
 #pragma once
 
@@ -8,13 +8,13 @@
 
 namespace etcm {
 
-// The grid of one feature stretch between two neighbouring nodes P < Q (lexicographic): the point
+// The grid of one feature segment between two neighbouring nodes P < Q (lexicographic): the point
 // of parameter t stands at P * 2^28 + t * (Q - P), with P and Q in user units and t in
 // [0, subunits_per_unit]. It has integer sub-units AND lies exactly on the line.
 using Parameter = std::int32_t;
 inline constexpr Parameter parameter_end = Parameter{1} << subunit_bits;
 
-struct SplitSite;  // a missing piece and its surroundings; see split_site.h
+struct SplitSite;  // a missing subsegment and its surroundings; see split_site.h
 
 // Returns the parameter at which to split; must be in (head, tail), and in the feasible set
 // (head, q1] or [q2, tail) if the call is to make progress with every split.

@@ -26,10 +26,10 @@ enum class [[nodiscard]] Status : std::uint8_t{
     // Room and bounds: normal answers, the mesh is whole.
     out_of_vertices,  // the vertex capacity is used up
     out_of_features,  // the feature capacity is used up (a feature needs one place for each
-                      // stretch between the nodes it runs through)
+                      // segment between the nodes it runs through)
     steiner_budget,   // conforming would need more Steiner vertices than config.steiner_max
     step_limit,       // the call would need more steps than config.steps_max
-    grid_exhausted,   // a stretch is so short that no grid point on it can split it
+    grid_exhausted,   // a segment is so short that no grid point on it can split it
 };
 
 // The name of the code, such as "crossing_features". Never null.

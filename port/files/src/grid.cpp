@@ -104,22 +104,24 @@ GridGraph place_on_grid(const ConstraintGraph& graph, const Placement& placement
 }
 
 std::string describe_refusal(const ConstraintGraph& graph, const GridGraph& grid,
-                             const Trouble& trouble) {
-  if (trouble.status == Status::duplicate_vertex) return describe_duplicate(graph, grid);
-  if (trouble.feature.is_none() || trouble.feature.value >= graph.features.size()) {
-    return graph.poly_file + ": " + explain(trouble.status);
+                             const ErrorDetail& error_detail) {
+  if (error_detail.status == Status::duplicate_vertex) return describe_duplicate(graph, grid);
+  if (error_detail.feature.is_none() || error_detail.feature.value >= graph.features.size()) {
+    return graph.poly_file + ": " + explain(error_detail.status);
   }
-  const bool has_other = !trouble.other.is_none() && trouble.other.value < graph.features.size();
+  const bool has_other =
+      !error_detail.other.is_none() && error_detail.other.value < graph.features.size();
   // Two features in each other's way: the later one is told off.
-  const std::size_t feature =
-      has_other ? std::max(trouble.feature.value, trouble.other.value) : trouble.feature.value;
-  const std::size_t earlier = std::min(trouble.feature.value, trouble.other.value);
+  const std::size_t feature = has_other
+                                  ? std::max(error_detail.feature.value, error_detail.other.value)
+                                  : error_detail.feature.value;
+  const std::size_t earlier = std::min(error_detail.feature.value, error_detail.other.value);
   const std::string text = graph.poly_file + ":" + std::to_string(graph.features[feature].line) +
                            ": " + feature_name(graph, feature) + " ";
   const std::string other = has_other ? feature_name(graph, earlier) + " (line " +
                                             std::to_string(graph.features[earlier].line) + ")"
                                       : "another feature";
-  switch (trouble.status) {
+  switch (error_detail.status) {
     case Status::crossing_features:
       return text + "crosses " + other + "; put a node where they meet";
     case Status::overlapping_features:
@@ -129,7 +131,7 @@ std::string describe_refusal(const ConstraintGraph& graph, const GridGraph& grid
     case Status::zero_length_feature:
       return text + "has no length; remove it";
     default:
-      return text + "is refused: " + explain(trouble.status);
+      return text + "is refused: " + explain(error_detail.status);
   }
 }
 

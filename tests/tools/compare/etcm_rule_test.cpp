@@ -11,7 +11,7 @@ namespace etcm::compare {
 namespace {
 
 struct Split {
-  internal::SectionId feature;
+  internal::SegmentId feature;
   Point at;
 };
 
@@ -20,7 +20,7 @@ std::vector<Split> splits_of(const inputs::Graph& graph) {
   std::vector<Split> splits;
   const auto rule = [&](const MissingPiece& piece, std::vector<Parameter>& places) {
     split_literally(piece, places);
-    splits.push_back({piece.section, piece.at(places.front())});
+    splits.push_back({piece.segment, piece.at(places.front())});
   };
   EXPECT_EQ(run_rival(graph, {.split = rule}, Depth::whole).verdict, Verdict::ok);
   return splits;
@@ -83,10 +83,10 @@ TEST(EtcmRule, ABrokenFeatureComesBack) {
   graph.features.push_back(inputs::between_nodes(2, 3));
   const std::vector<Split> splits = splits_of(graph);
   ASSERT_EQ(splits.size(), 2u);
-  EXPECT_EQ(splits[0].feature, internal::SectionId{1});
+  EXPECT_EQ(splits[0].feature, internal::SegmentId{1});
   EXPECT_NEAR(units(splits[0].at.x), 500, one_step);
   EXPECT_EQ(splits[0].at.y, to_point({0, 150}).y);
-  EXPECT_EQ(splits[1].feature, internal::SectionId{0});
+  EXPECT_EQ(splits[1].feature, internal::SegmentId{0});
   EXPECT_NEAR(units(splits[1].at.x), 500, one_step);
   EXPECT_EQ(splits[1].at.y, 0);
 }

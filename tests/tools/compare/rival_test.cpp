@@ -23,8 +23,8 @@ TEST(Rival, ARuleSeesTheEndThatWasGivenFirst) {
     const auto rule = [&](const MissingPiece& piece, std::vector<Parameter>& places) {
       starts.push_back(piece.at(0));
       EXPECT_EQ(piece.at(0), to_point(piece.site().from));
-      EXPECT_EQ(piece.mesh->at(piece.stretch.head), piece.at(piece.head));
-      EXPECT_EQ(piece.mesh->at(piece.stretch.tail), piece.at(piece.tail));
+      EXPECT_EQ(piece.mesh->at(piece.subsegment.head), piece.at(piece.head));
+      EXPECT_EQ(piece.mesh->at(piece.subsegment.tail), piece.at(piece.tail));
       split_in_the_middle(piece, places);
     };
     run_rival(graph, {.split = rule}, Depth::times);
@@ -42,8 +42,8 @@ TEST(Rival, ReachesAreThoseOfTheSameEndsFromEitherSide) {
   run_rival(one_gate, {.split = rule}, Depth::times);
   run_rival(exchanged(one_gate), {.split = rule}, Depth::times);
   ASSERT_EQ(sites.size(), 2u);
-  EXPECT_EQ(sites[0].reach_head, parameter_end - sites[1].reach_tail);
-  EXPECT_EQ(sites[0].reach_tail, parameter_end - sites[1].reach_head);
+  EXPECT_EQ(sites[0].feasible_head, parameter_end - sites[1].feasible_tail);
+  EXPECT_EQ(sites[0].feasible_tail, parameter_end - sites[1].feasible_head);
 }
 
 // A rule that knows its direction must be seen to change, or the criterion could not fail.

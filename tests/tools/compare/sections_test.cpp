@@ -21,16 +21,16 @@ TEST(LeastPoints, AreWorkedOutFromTheNodes) {
 TEST(LeastPoints, AreReachedByFinishingFromTheEndsAndByNoRuleUndercut) {
   const std::vector<System> systems = lone_systems();
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
-    const LoneResult lone = measure_lone(200, seed);
-    ASSERT_EQ(lone.added.size(), systems.size());
+    const LoneResult only_vertex = measure_lone(200, seed);
+    ASSERT_EQ(only_vertex.added.size(), systems.size());
     for (std::size_t i = 0; i < systems.size(); ++i) {
-      ASSERT_NE(lone.added[i], lone_failed) << systems[i].label;
-      EXPECT_GE(lone.added[i], lone.least) << systems[i].label;
+      ASSERT_NE(only_vertex.added[i], lone_failed) << systems[i].label;
+      EXPECT_GE(only_vertex.added[i], only_vertex.least) << systems[i].label;
       const bool finishes_from_the_ends = systems[i].key == etcm_key || systems[i].key == "wei" ||
                                           systems[i].key == "wei-first" ||
                                           systems[i].key == "paper-policy";
       if (finishes_from_the_ends) {
-        EXPECT_EQ(lone.added[i], lone.least) << systems[i].label;
+        EXPECT_EQ(only_vertex.added[i], only_vertex.least) << systems[i].label;
       }
     }
   }

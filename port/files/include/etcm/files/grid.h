@@ -31,6 +31,6 @@ GridGraph place_on_grid(const ConstraintGraph& graph, const Placement& placement
 // One line on why Mesh::build() refused the graph, with the place in its file. For the statuses
 // that blame the input.
 std::string describe_refusal(const ConstraintGraph& graph, const GridGraph& grid,
-                             const Trouble& trouble);
+                             const ErrorDetail& error_detail);
 
 }  // namespace etcm::files

@@ -6,8 +6,8 @@
 
 namespace etcm::internal {
 
-// The line of a piece, from its head, for what is worked out in double.
-struct PieceLine {
+// The line of a subsegment, from its head, for what is worked out in double.
+struct SubsegmentLine {
   const SplitSite& site;
   const MeshState& mesh;
   Point head;
@@ -16,20 +16,20 @@ struct PieceLine {
   double per_squared_length;
 };
 
-inline PieceLine line_of(const SplitSite& site) noexcept {
+inline SubsegmentLine line_of(const SplitSite& site) noexcept {
   const double dx = static_cast<double>(site.to.x) - site.from.x;
   const double dy = static_cast<double>(site.to.y) - site.from.y;
   return {site, state_of(*site.mesh), site.at(site.head), dx, dy, 1.0 / (dx * dx + dy * dy)};
 }
 
-// Counts what vertices at several places of one piece would break: the subsegments between two
+// Counts what vertices at several places of one subsegment would break: the subsegments between two
 // triangles whose circles both hold the place. The mesh must not change meanwhile.
-class HarmCount {
+class EncroachmentCount {
  public:
-  explicit HarmCount(const PieceLine& line) noexcept : line_(line) {}
+  explicit EncroachmentCount(const SubsegmentLine& line) noexcept : line_(line) {}
 
-  // Works out where on the piece a split would break this edge, if it is a subsegment: from then on
-  // at_least() counts it.
+  // Works out where on the subsegment a split would break this edge, if it is a subsegment: from
+  // then on at_least() counts it.
   void watch(Edge edge) noexcept;
   // How many of the watched subsegments a split at t would break. Without rounding this would be no
   // more than at() counts.
@@ -52,7 +52,7 @@ class HarmCount {
   bool chord(Edge edge, Span& span) const noexcept;
 
   static constexpr unsigned watched_most = 4;
-  const PieceLine& line_;
+  const SubsegmentLine& line_;
   unsigned watched_count_ = 0;
   Watched watched_[watched_most];
 };

@@ -8,13 +8,13 @@
 namespace etcm::internal {
 
 // What the infinite vertex has in `at` and `height` is never used.
-struct Seen {
+struct Relative {
   VertexId id;
   Offset at;
   double height;
 };
 
-inline Seen see(const MeshState& m, VertexId v, const Point& p) noexcept {
+inline Relative relative_to(const MeshState& m, VertexId v, const Point& p) noexcept {
   if (v == infinite_vertex) return {v, {0, 0}, 0};
   const Offset at = offset(m.at(v), p);
   return {v, at, lift(at)};

@@ -1,9 +1,9 @@
-#include "split_harm.h"
+#include "encroachment_count.h"
 
 #include <cmath>
 
 #include "predicates_inline.h"
-#include "seen.h"
+#include "relative.h"
 
 namespace etcm::internal {
 namespace {
@@ -31,10 +31,10 @@ Edge first_side(const MeshState& m, const Found& found) noexcept {
 
 }  // namespace
 
-// Where the line of the piece runs inside the circle of the edge's triangle. False: nowhere. In
-// double: it only spares at() work. Worked out from the edge, so that it rounds alike however the
-// triangle's corners are stored.
-bool HarmCount::chord(Edge edge, Span& span) const noexcept {
+// Where the line of the subsegment runs inside the circle of the edge's triangle. False: nowhere.
+// In double: it only spares at() work. Worked out from the edge, so that it rounds alike however
+// the triangle's corners are stored.
+bool EncroachmentCount::chord(Edge edge, Span& span) const noexcept {
   const Topology& topo = line_.mesh.topology;
   const Point& a = line_.mesh.at(topo.origin(edge));
   const Offset b = offset(line_.mesh.at(topo.target(edge)), a);
@@ -53,7 +53,7 @@ bool HarmCount::chord(Edge edge, Span& span) const noexcept {
   return true;
 }
 
-void HarmCount::watch(Edge edge) noexcept {
+void EncroachmentCount::watch(Edge edge) noexcept {
   const Topology& topo = line_.mesh.topology;
   if (!topo.is_constrained(edge) || watched_count_ == watched_most) return;
   const Edge other = topo.twin(edge);
@@ -68,7 +68,7 @@ void HarmCount::watch(Edge edge) noexcept {
       edge, {one.from > two.from ? one.from : two.from, one.to < two.to ? one.to : two.to}};
 }
 
-unsigned HarmCount::at_least(Parameter t) const noexcept {
+unsigned EncroachmentCount::at_least(Parameter t) const noexcept {
   const double place = t - line_.site.head;
   unsigned count = 0;
   for (unsigned i = 0; i < watched_count_; ++i) {
@@ -77,7 +77,7 @@ unsigned HarmCount::at_least(Parameter t) const noexcept {
   return count;
 }
 
-unsigned HarmCount::at(Parameter t, Edge near, unsigned enough) noexcept {
+unsigned EncroachmentCount::at(Parameter t, Edge near, unsigned enough) noexcept {
   const Topology& topo = line_.mesh.topology;
   const Point p = line_.site.at(t);
   const Found found = find(line_.mesh, p, near);
@@ -87,15 +87,16 @@ unsigned HarmCount::at(Parameter t, Edge near, unsigned enough) noexcept {
   Edge entries[triangles_most];
   unsigned depth = 0;
   unsigned triangles = 1;
-  unsigned harm = 0;
+  unsigned encroachments = 0;
   Edge e = first_side(line_.mesh, found);
-  Seen u = see(line_.mesh, topo.origin(e), p), v = see(line_.mesh, topo.target(e), p);
+  Relative u = relative_to(line_.mesh, topo.origin(e), p),
+           v = relative_to(line_.mesh, topo.target(e), p);
   double uv = cross_value(u.at, v.at);
   for (unsigned sides = 0;;) {
     const Edge beyond = topo.twin(e);
     const VertexId apex = topo.apex(beyond);
     if (apex != infinite_vertex) {
-      const Seen w = see(line_.mesh, apex, p);
+      const Relative w = relative_to(line_.mesh, apex, p);
       const double uw = cross_value(u.at, w.at), wv = cross_value(w.at, v.at);
       // Counter-clockwise: u, w, v. Ties break no subsegment.
       int side = incircle_coarse(u.height, wv, w.height, -uv, v.height, uw);
@@ -103,10 +104,10 @@ unsigned HarmCount::at(Parameter t, Edge near, unsigned enough) noexcept {
         side = incircle_fast(line_.mesh.at(u.id), line_.mesh.at(apex), line_.mesh.at(v.id), p);
       if (side > 0) {
         if (topo.is_constrained(e)) {
-          ++harm;
+          ++encroachments;
           watch(e);
         }
-        if (harm >= enough || ++triangles > triangles_most) return enough;
+        if (encroachments >= enough || ++triangles > triangles_most) return enough;
         entries[depth++] = beyond;
         e = Topology::next(beyond);
         v = w;
@@ -114,14 +115,14 @@ unsigned HarmCount::at(Parameter t, Edge near, unsigned enough) noexcept {
         continue;
       }
     }
-    if (depth == 0 && ++sides == 3) return harm;
+    if (depth == 0 && ++sides == 3) return encroachments;
     e = Topology::next(e);
     while (depth != 0 && e == entries[depth - 1]) {
       e = Topology::next(topo.twin(entries[--depth]));
-      if (depth == 0 && ++sides == 3) return harm;
+      if (depth == 0 && ++sides == 3) return encroachments;
     }
     u = v;
-    v = see(line_.mesh, topo.target(e), p);
+    v = relative_to(line_.mesh, topo.target(e), p);
     uv = cross_value(u.at, v.at);
   }
 }

@@ -1,4 +1,4 @@
-#include "reach.h"
+#include "feasible_parameter.h"
 
 #include "predicates_inline.h"
 
@@ -63,7 +63,7 @@ Parameter last_inside(double guessed, Parameter limit, Inside inside) noexcept {
 
 }  // namespace
 
-Parameter reach_from_head(const SplitSite& site) noexcept {
+Parameter feasible_from_head(const SplitSite& site) noexcept {
   const Point end = site.at(site.head);
   const double dx = static_cast<double>(site.to.x) - site.from.x;
   const double dy = static_cast<double>(site.to.y) - site.from.y;
@@ -74,7 +74,7 @@ Parameter reach_from_head(const SplitSite& site) noexcept {
       }));
 }
 
-Parameter reach_from_tail(const SplitSite& site) noexcept {
+Parameter feasible_from_tail(const SplitSite& site) noexcept {
   const Point end = site.at(site.tail);
   const double dx = static_cast<double>(site.from.x) - site.to.x;
   const double dy = static_cast<double>(site.from.y) - site.to.y;

@@ -1,4 +1,4 @@
-// How far along a feature one end of a missing piece reaches: Q1 and Q2 of the paper, exactly.
+// How far along a feature one end of a missing subsegment reaches: Q1 and Q2 of the paper, exactly.
 #pragma once
 
 #include "etcm/split_site.h"
@@ -9,7 +9,7 @@ namespace etcm::internal {
 // triangle head, site.head_right, site.head_left; and the smallest for the one at tail. Rounding
 // towards the end is safe: the circle through that end tangent to the circumcircle there shrinks
 // inside it. O(log) exact tests around a floating-point guess; the guess does not show.
-Parameter reach_from_head(const SplitSite& site) noexcept;
-Parameter reach_from_tail(const SplitSite& site) noexcept;
+Parameter feasible_from_head(const SplitSite& site) noexcept;
+Parameter feasible_from_tail(const SplitSite& site) noexcept;
 
 }  // namespace etcm::internal

@@ -1,4 +1,4 @@
-// Features as the mesh keeps them: a feature is a run of sections, one for each stretch between
+// Features as the mesh keeps them: a feature is a chain of segments, one for each segment between
 // neighbouring nodes on it, each with a parameter grid of its own (policy.h). Knows no coordinates.
 #pragma once
 
@@ -8,18 +8,18 @@
 
 namespace etcm::internal {
 
-// A section is named by its place; the first section of a feature has the feature's id.
-using SectionId = Id<struct SectionTag>;
+// A segment is named by its place; the first segment of a feature has the feature's id.
+using SegmentId = Id<struct SegmentTag>;
 
-struct SectionRecord {
+struct SegmentRecord {
   VertexId from;  // lexicographically before `to`; none: the place is free
   VertexId to;
-  SectionId next_at_from;  // the incidence list of each end
-  SectionId next_at_to;
-  SectionId next;          // the next section of the feature, from -> to; free places: the next one
-  IdValue root;            // the feature's first section, with reversed_bit
-  SectionId next_dirty;    // the list of sections with missing pieces, or not_listed
-  SectionId next_touched;  // the list of sections the running change has touched, or not_listed
+  SegmentId next_at_from;  // the incidence list of each end
+  SegmentId next_at_to;
+  SegmentId next;          // the next segment of the feature, from -> to; free places: the next one
+  IdValue root;            // the feature's first segment, with reversed_bit
+  SegmentId next_dirty;    // the list of segments with missing subsegments, or not_listed
+  SegmentId next_touched;  // the list of segments the running change has touched, or not_listed
   // The vertices between which the running change has touched it; none: everywhere.
   VertexId first;
   VertexId last;
@@ -32,10 +32,10 @@ inline constexpr IdValue reversed_bit =
 // The root of a place that no feature has.
 inline constexpr IdValue free_root = std::numeric_limits<IdValue>::max();
 
-inline constexpr SectionId not_listed{static_cast<IdValue>(SectionId::none_value - 1u)};
+inline constexpr SegmentId not_listed{static_cast<IdValue>(SegmentId::none_value - 1u)};
 
-// What a vertex is, and the section it belongs to: for a node the head of its incidence list, for a
-// Steiner vertex the section it stands on. One word.
+// What a vertex is, and the segment it belongs to: for a node the head of its incidence list, for a
+// Steiner vertex the segment it stands on. One word.
 enum class Role : std::uint8_t {
   free,
   node,
@@ -47,13 +47,13 @@ enum class Role : std::uint8_t {
 class Owner {
  public:
   constexpr Owner() noexcept = default;
-  constexpr Owner(Role role, SectionId section) noexcept
+  constexpr Owner(Role role, SegmentId segment) noexcept
       : word_(static_cast<IdValue>((static_cast<IdValue>(role) << shift) |
-                                   (section.value & index_mask))) {}
+                                   (segment.value & index_mask))) {}
   constexpr Role role() const noexcept { return static_cast<Role>(word_ >> shift); }
-  constexpr SectionId section() const noexcept {
+  constexpr SegmentId segment() const noexcept {
     const IdValue index = word_ & index_mask;
-    return index == index_mask ? SectionId::none() : SectionId{index};
+    return index == index_mask ? SegmentId::none() : SegmentId{index};
   }
 
  private:
