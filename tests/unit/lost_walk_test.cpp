@@ -12,8 +12,9 @@
 
 #include "etcm/analysis.h"
 #include "etcm/locate.h"
-#include "mesh_internal.h"
 #include "support/meshes.h"
+#include "triangulation/march.h"
+#include "triangulation/mesh_state.h"
 
 extern "C" void etcm_check_failed(const char* what, const char*, int) {
   std::fprintf(stderr, "check failed: %s\n", what);

@@ -5,9 +5,9 @@
 
 #include <ostream>
 
+#include "geometry/predicates_inline.h"
+#include "geometry/predicates_internal.h"
 #include "predicate_cases.h"
-#include "predicates_inline.h"
-#include "predicates_internal.h"
 #include "support/exact.h"
 
 namespace etcm {

@@ -1,5 +1,5 @@
 // Both integer arithmetics against GMP, on values at and near every edge of their range.
-#include "wide_int.h"
+#include "geometry/wide_int.h"
 
 #include <gmpxx.h>
 #include <gtest/gtest.h>

@@ -20,7 +20,7 @@ function(etcm_mesh_variant name)
   add_library(${name} OBJECT ${sources})
   set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
   target_compile_features(${name} PUBLIC cxx_std_20)
-  target_include_directories(${name} PUBLIC "${folder}/include")
+  target_include_directories(${name} PUBLIC "${folder}/include" PRIVATE "${folder}/src")
   target_compile_definitions(${name} PUBLIC ETCM_ID_BITS=${arg_ID_BITS}
     $<$<BOOL:${ETCM_VERIFY}>:ETCM_VERIFY>
     $<$<BOOL:${arg_FORCE_LIMBS}>:ETCM_FORCE_LIMBS>)

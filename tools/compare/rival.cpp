@@ -4,7 +4,7 @@
 #include <span>
 
 #include "compare/stopwatch.h"
-#include "feasible_parameter.h"
+#include "conforming/feasible_parameter.h"
 #include "inputs/owned_mesh.h"
 
 namespace etcm::compare {

@@ -8,7 +8,19 @@
 #include <vector>
 
 #include "compare/attempt.h"
-#include "mesh_internal.h"
+#include "conforming/conform.h"
+#include "conforming/features.h"
+#include "conforming/running_change.h"
+#include "conforming/transaction.h"
+#include "etcm/split_site.h"
+#include "triangulation/hints.h"
+#include "triangulation/insert.h"
+#include "triangulation/locate.h"
+#include "triangulation/march.h"
+#include "triangulation/mesh_state.h"
+#include "triangulation/segment_store.h"
+#include "triangulation/ties.h"
+#include "triangulation/worklist.h"
 
 namespace etcm::compare {
 

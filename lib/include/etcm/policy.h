@@ -27,8 +27,8 @@ using SplitPolicy = Parameter (*)(const SplitSite& site) noexcept;
 // paper's algorithm word for word is in tools/compare.
 Parameter split_paper(const SplitSite& site) noexcept;
 
-// The rule that needs the fewest Steiner vertices over everything measured; lib/README.md has the
-// table. Ends on every legal input.
+// The rule that needs the fewest Steiner vertices over everything measured;
+// lib/docs/split-policy.md has the table. Ends on every legal input.
 Parameter split_default(const SplitSite& site) noexcept;
 
 }  // namespace etcm

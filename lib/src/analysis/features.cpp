@@ -1,0 +1,165 @@
+// Along features: relays and barrier gaps.
+#include "analysis/internal.h"
+#include "geometry/wide_int.h"
+#include "triangulation/march.h"
+#include "triangulation/mesh_state.h"
+#include "triangulation/segment_store.h"
+
+namespace etcm {
+
+using namespace internal;
+
+namespace {
+
+// The fewest hops of at most the range that make up the length: the least n with
+// (n * range)^2 >= length. A length is below 2^26 units, and so is n.
+std::uint32_t hops(const SquaredLength& length, std::uint32_t range) noexcept {
+  const Int256 goal = widened(limbs(length));
+  std::uint32_t fewer = 0;
+  for (int bit = 26; bit >= 0; --bit) {
+    const std::uint32_t next = fewer + (std::uint32_t{1} << bit);
+    const Int256 feasible =
+        Wide::product(limbs(squared_range(range, 0)), Wide::product(next, next));
+    if ((feasible - goal).is_negative()) fewer = next;
+  }
+  return fewer + 1;
+}
+
+// k / n of the way, rounded down; no product leaves 64 bits.
+std::int64_t part_way(std::int64_t from, std::int64_t to, std::int64_t k, std::int64_t n) noexcept {
+  const std::int64_t way = to - from;
+  const std::int64_t rest = way % n * k;
+  return from + way / n * k + rest / n - (rest % n < 0 ? 1 : 0);
+}
+
+bool has_device(const Mesh& devices, const Point& place) noexcept {
+  return !locate(devices, place).vertex.is_none();
+}
+
+// One of the features that the vertex is on, the same whatever the history; none: it is on none.
+FeatureId feature_at(const MeshState& m, VertexId v) noexcept {
+  const SegmentId first = m.owner(v).segment();
+  if (m.owner(v).role() != Role::node) return internal::feature_of(m, first);
+  FeatureId least{};
+  StepBound bound(m.segment_end);
+  for (SegmentId s = first; !s.is_none(); s = next_at(m, s, v)) {
+    bound.step();
+    const FeatureId feature = internal::feature_of(m, s);
+    if (least.is_none() || feature < least) least = feature;
+  }
+  return least;
+}
+
+// Between two places, both included. The distance to the nearest sensor is greatest at one of them
+// or where two sensors take turns.
+bool sees_all(const MeshState& sensors, const Point& from, const Point& to,
+              std::uint32_t range) noexcept {
+  const VertexId first = nearest_vertex(sensors, from);
+  const SquaredLength limit = squared_range(range, 0);
+  if (first.is_none() || squared_distance(from, sensors.at(first)) > limit) return false;
+  NearestWalk walk(sensors, from, to, first);
+  while (walk.next()) {
+    if (walk.is_beyond(range)) return false;
+  }
+  return squared_distance(to, sensors.at(walk.nearest())) <= limit;
+}
+
+// Goes along one feature after the other, from stop to stop.
+class GapSearch {
+ public:
+  GapSearch(const Mesh& mesh, const Mesh& sensors, std::uint32_t range, std::span<Gap> out) noexcept
+      : m_(state_of(mesh)), sensors_(sensors), range_(range), out_(out) {}
+
+  std::uint32_t run() noexcept {
+    for (IdValue value = 0; value < m_.segment_end; ++value) {
+      const SegmentId root{value};
+      if (is_linked(m_, root) && internal::feature_of(m_, root).value == value) follow(root);
+    }
+    return count_;
+  }
+
+ private:
+  struct Stop {
+    VertexId vertex{};
+    bool senses = false;
+  };
+
+  Stop stop_at(VertexId v) const noexcept { return {v, has_device(sensors_, m_.at(v))}; }
+
+  void follow(SegmentId root) noexcept {
+    Stop from = stop_at(m_.segment(root).from);
+    StepBound bound(m_.segment_end);
+    for (SegmentId s = root; !s.is_none(); s = m_.segment(s).next) {
+      bound.step();
+      const VertexId end = m_.segment(s).to;
+      for (VertexId head = m_.segment(s).from; head != end;) {
+        head = march(m_, head, end).tail;
+        const Stop to = stop_at(head);
+        const bool is_last = head == end && m_.segment(s).next.is_none();
+        if (!to.senses && !is_last) continue;
+        look_between(internal::feature_of(m_, root), from, to);
+        from = to;
+      }
+    }
+  }
+
+  // Each of the two that senses does so for a range of the way.
+  void look_between(FeatureId feature, const Stop& from, const Stop& to) noexcept {
+    const Point& start = m_.at(from.vertex);
+    const Point& end = m_.at(to.vertex);
+    if (from.senses || to.senses) {
+      const int doublings = from.senses && to.senses ? 1 : 0;
+      if (squared_distance(start, end) <= squared_range(range_, doublings)) return;
+    }
+    if (count_ < out_.size()) {
+      out_[count_] = {feature, from.vertex, to.vertex,
+                      sees_all(state_of(sensors_), start, end, range_)};
+    }
+    ++count_;
+  }
+
+  const MeshState& m_;
+  const Mesh& sensors_;
+  const std::uint32_t range_;
+  const std::span<Gap> out_;
+  std::uint32_t count_ = 0;
+};
+
+}  // namespace
+
+std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_range,
+                     std::span<Relay> out) noexcept {
+  ETCM_CHECK(radio_range != 0);
+  const MeshState& m = state_of(mesh);
+  std::uint64_t count = 0;
+  const auto add = [&](const Relay& relay) {
+    if (count < out.size()) out[static_cast<std::size_t>(count)] = relay;
+    ++count;
+  };
+  for (IdValue value = 1; value < m.vertex_end; ++value) {
+    const VertexId v{value};
+    if (m.owner(v).role() == Role::free || has_device(devices, m.at(v))) continue;
+    add({m.at(v), feature_at(m, v), v});
+  }
+  for_each_subsegment(m, [&](SegmentId s, VertexId head, VertexId tail) {
+    const FeatureId feature = internal::feature_of(m, s);
+    const Point& from = m.at(head);
+    const Point& to = m.at(tail);
+    const std::uint32_t n = hops(squared_distance(from, to), radio_range);
+    for (std::uint32_t k = 1; k < n; ++k) {
+      if (count >= out.size()) {
+        count += n - k;
+        break;
+      }
+      add({{part_way(from.x, to.x, k, n), part_way(from.y, to.y, k, n)}, feature, {}});
+    }
+  });
+  return count;
+}
+
+std::uint32_t barrier_gaps(const Mesh& mesh, const Mesh& sensors, std::uint32_t sensing_range,
+                           std::span<Gap> out) noexcept {
+  return GapSearch(mesh, sensors, sensing_range, out).run();
+}
+
+}  // namespace etcm

@@ -1,0 +1,97 @@
+// Distances, and what is asked of single edges.
+#include <type_traits>
+
+#include "analysis/arithmetic.h"
+#include "analysis/internal.h"
+#include "geometry/wide_int.h"
+#include "triangulation/mesh_state.h"
+
+namespace etcm {
+
+using namespace internal;
+
+namespace {
+
+template <class Int>
+SquaredLength to_length(const Int& square) noexcept {
+  if constexpr (std::is_same_v<Int, Int128>) {
+    const auto word = [&square](unsigned i) {
+      return (std::uint64_t{square.limb[i + 1]} << 32) | square.limb[i];
+    };
+    return {word(2), word(0)};
+  } else {
+    return {static_cast<std::uint64_t>(square >> 64), static_cast<std::uint64_t>(square)};
+  }
+}
+
+// Which sides a triangle decides on.
+struct Verdict {
+  bool is_gabriel = true;
+  bool is_urquhart = true;
+};
+
+// What the triangle behind e says about e, whose squared length is given.
+Verdict verdict(const MeshState& m, Edge e, const SquaredLength& length) noexcept {
+  const VertexId apex = m.topology.apex(e);
+  if (apex == infinite_vertex) return {};
+  const SquaredLength one = squared_distance(m.at(m.topology.origin(e)), m.at(apex));
+  const SquaredLength other = squared_distance(m.at(m.topology.target(e)), m.at(apex));
+  // The half of the edge's circle on this side lies in the circumcircle, which is empty, if the
+  // angle at the apex is acute; else the apex itself is in or on it.
+  return {sum(one, other) > length, one >= length || other >= length};
+}
+
+Link link_of(const MeshState& m, Edge e, const SquaredLength& length) noexcept {
+  const Verdict one = verdict(m, e, length);
+  const Verdict other = verdict(m, m.topology.twin(e), length);
+  return {m.topology.origin(e), m.topology.target(e), m.topology.is_constrained(e),
+          one.is_gabriel && other.is_gabriel, one.is_urquhart && other.is_urquhart};
+}
+
+}  // namespace
+
+SquaredLength squared_distance(const Point& a, const Point& b) noexcept {
+  const std::int64_t x = b.x - a.x, y = b.y - a.y;
+  return to_length(ExactArithmetic::product(x, x) + ExactArithmetic::product(y, y));
+}
+
+std::uint32_t range_for(const SquaredLength& length) noexcept {
+  std::uint32_t range = 0;
+  for (int bit = 31; bit >= 0; --bit) {
+    const std::uint32_t longer = range + (std::uint32_t{1} << bit);
+    if (squared_range(longer, 0) < length) range = longer;
+  }
+  return length == SquaredLength{} ? 0 : range + 1;
+}
+
+std::uint32_t links(const Mesh& mesh, std::uint32_t longer_than, std::span<Link> out) noexcept {
+  const MeshState& m = state_of(mesh);
+  const SquaredLength limit = squared_range(longer_than, 0);
+  std::uint32_t count = 0;
+  for_each_edge(m, [&](Edge e) {
+    const SquaredLength length =
+        squared_distance(m.at(m.topology.origin(e)), m.at(m.topology.target(e)));
+    if (length <= limit) return;
+    if (count < out.size()) out[count] = link_of(m, e, length);
+    ++count;
+  });
+  return count;
+}
+
+std::uint32_t links_at(const Mesh& mesh, VertexId vertex, std::span<Link> out) noexcept {
+  const MeshState& m = state_of(mesh);
+  if (m.topology.triangle_count() == 0) return 0;
+  std::uint32_t count = 0;
+  Spokes spokes(m.topology, vertex);
+  do {
+    const VertexId to = spokes.target();
+    if (to == infinite_vertex) continue;
+    if (count < out.size()) {
+      out[count] = link_of(m, spokes.edge(), squared_distance(m.at(vertex), m.at(to)));
+    }
+    ++count;
+  } while (spokes.turn());
+  return count;
+}
+
+}  // namespace etcm

@@ -1,0 +1,207 @@
+// ETCM (paper, Algorithms 2 and 3): makes the segments that miss a subsegment unions of edges.
+//
+// A segment is walked from its smaller end. What is an edge is marked; what can be one by turning
+// ties is turned; a missing subsegment is split where the policy says, and the walk goes on from
+// the same place, so that the remainder is asked again whether it already is an edge. Subsegments
+// that a split breaks make their segments dirty, and these come next, in canonical order.
+#include "conforming/conform.h"
+
+#include "conforming/feasible_parameter.h"
+#include "geometry/predicates_inline.h"
+#include "triangulation/insert.h"
+#include "triangulation/locate.h"
+#include "triangulation/march.h"
+#include "triangulation/mesh_state.h"
+#include "triangulation/segment_store.h"
+#include "triangulation/ties.h"
+#include "triangulation/worklist.h"
+
+namespace etcm::internal {
+namespace {
+
+Status fail(MeshState& m, Status status, SegmentId s, const Subsegment& subsegment) noexcept {
+  m.error_detail.status = status;
+  m.error_detail.feature = feature_of(m, s);
+  m.error_detail.from = m.at(subsegment.head);
+  m.error_detail.to = m.at(subsegment.tail);
+  return status;
+}
+
+SplitSite site_of(const MeshState& m, SegmentId s, const Subsegment& subsegment) noexcept {
+  const Topology& topo = m.topology;
+  const SegmentRecord& r = m.segment(s);
+  const auto units = [&](VertexId v) {
+    return Position{static_cast<std::int32_t>(m.at(v).x / subunits_per_unit),
+                    static_cast<std::int32_t>(m.at(v).y / subunits_per_unit)};
+  };
+  SplitSite site;
+  site.from = units(r.from);
+  site.to = units(r.to);
+  site.head = subsegment.head == r.from ? 0 : parameter_of(m, s, subsegment.head);
+  site.tail = subsegment.tail == r.to ? parameter_end : parameter_of(m, s, subsegment.tail);
+  site.head_right = m.at(topo.origin(subsegment.head_edge));
+  site.head_left = m.at(topo.target(subsegment.head_edge));
+  site.tail_left = m.at(topo.origin(subsegment.tail_edge));
+  site.tail_right = m.at(topo.target(subsegment.tail_edge));
+  site.head_is_node = subsegment.head == r.from;
+  site.tail_is_node = subsegment.tail == r.to;
+  site.feasible_head = feasible_from_head(site);
+  site.feasible_tail = feasible_from_tail(site);
+  site.mesh = m.mesh;
+  site.head_triangle = TriangleId{Topology::triangle_of(subsegment.head_edge)};
+  site.tail_triangle = TriangleId{Topology::triangle_of(subsegment.tail_edge)};
+  return site;
+}
+
+// Puts a Steiner vertex on the subsegment.
+Status split(MeshState& m, SegmentId s, const Subsegment& subsegment, const SplitSite& site,
+             Parameter& t, VertexId& v) noexcept {
+  if (site.tail - site.head < 2) return fail(m, Status::grid_exhausted, s, subsegment);
+  const std::uint32_t budget = m.config.steiner_max;
+  if (budget != 0 && m.steiner_count >= budget)
+    return fail(m, Status::steiner_budget, s, subsegment);
+  v = allocate_vertex(m);
+  if (v.is_none()) return fail(m, Status::out_of_vertices, s, subsegment);
+  t = m.config.policy(site);
+  if (t <= site.head) t = static_cast<Parameter>(site.head + 1);
+  if (t >= site.tail) t = static_cast<Parameter>(site.tail - 1);
+  m.points[v.value] = site.at(t);
+  m.owner(v) = Owner(Role::fresh, s);
+  ++m.steiner_count;
+  const bool from_head = t - site.head <= site.tail - t;
+  insert_vertex(m, v, find(m, m.at(v), from_head ? subsegment.head_edge : subsegment.tail_edge));
+  return Status::ok;
+}
+
+// Marks the part of a subsegment between its new vertex and an end that it finishes: nearly always
+// an edge by now, else a tie.
+void constrain_finished(MeshState& m, VertexId v, VertexId end) noexcept {
+  Edge e;
+  if (m.topology.find_edge(v, end, e)) {
+    m.topology.mark(e);
+  } else {
+    constrain_subsegment(m, between(m, v, end));
+  }
+}
+
+// Splits a missing subsegment until it is a run of edges, from both ends inwards. What is left
+// always lies between two vertices that are known, so nothing is walked again: no split breaks
+// another subsegment of the same line. Where a policy splits outside both feasible sets it stops,
+// with `is_whole` false: the caller looks what is there.
+Status conform_subsegment(MeshState& m, SegmentId s, Subsegment subsegment,
+                          bool& is_whole) noexcept {
+  is_whole = true;
+  for (;;) {
+    const bool is_last = m.config.steps_max != 0 && m.steps >= m.config.steps_max;
+    ++m.steps;
+    if (can_be_edge(m, subsegment)) {
+      constrain_subsegment(m, subsegment);
+      return Status::ok;
+    }
+    // Only where a vertex is needed, so that what gives up has always left a subsegment that is no
+    // edge.
+    if (is_last) return fail(m, Status::step_limit, s, subsegment);
+    const SplitSite site = site_of(m, s, subsegment);
+    Parameter t = 0;
+    VertexId v{};
+    const Status status = split(m, s, subsegment, site, t, v);
+    if (status != Status::ok) return status;
+    const bool finishes_head = t <= site.feasible_head, finishes_tail = t >= site.feasible_tail;
+    if (finishes_head) constrain_finished(m, v, subsegment.head);
+    if (finishes_tail) constrain_finished(m, v, subsegment.tail);
+    if (finishes_head == finishes_tail) {
+      is_whole = finishes_head;
+      return Status::ok;
+    }
+    subsegment = finishes_head ? between(m, v, subsegment.tail) : between(m, subsegment.head, v);
+  }
+}
+
+// Where a node that two features ran through has left, they cross: in a subsegment of the other, or
+// exactly in one of its Steiner vertices.
+SegmentId crossed_section(const MeshState& m, SegmentId s, const Subsegment& subsegment) noexcept {
+  if (!subsegment.constrained.is_none()) {
+    return segment_of_edge(m, m.topology.origin(subsegment.constrained),
+                           m.topology.target(subsegment.constrained));
+  }
+  if (subsegment.tail == m.segment(s).to || m.owner(subsegment.tail).segment() == s)
+    return SegmentId::none();
+  return m.owner(subsegment.tail).segment();
+}
+
+Status conform_segment(MeshState& m, SegmentId s) noexcept {
+  SegmentRecord& r = m.segment(s);
+  const VertexId end = r.to;
+  VertexId v = r.first.is_none() ? r.from : r.first;
+  const VertexId last = r.first.is_none() ? r.to : r.last;
+  while (v != last) {
+    const Subsegment subsegment = march(m, v, end);
+    const SegmentId crossed = crossed_section(m, s, subsegment);
+    if (!crossed.is_none()) {
+      m.error_detail.other = feature_of(m, crossed);
+      return fail(m, Status::crossing_features, s, subsegment);
+    }
+    if (subsegment.is_edge) {
+      constrain_subsegment(m, subsegment);
+      v = subsegment.tail;
+      continue;
+    }
+    bool is_whole = false;
+    const Status status = conform_subsegment(m, s, subsegment, is_whole);
+    if (status != Status::ok) return status;
+    if (is_whole) v = subsegment.tail;
+  }
+  return Status::ok;
+}
+
+}  // namespace
+
+bool can_be_edge(const MeshState& m, const Subsegment& subsegment) noexcept {
+  if (subsegment.is_edge) return true;
+  // The first triangle's circle is empty. If it goes through the tail, the subsegment is a chord of
+  // it, and all that it crosses ends on that circle too; if not, no empty circle goes through both
+  // ends.
+  const Edge e = subsegment.head_edge;
+  return incircle_fast(m.at(subsegment.head), m.at(m.topology.origin(e)),
+                       m.at(m.topology.target(e)), m.at(subsegment.tail)) >= 0;
+}
+
+void constrain_subsegment(MeshState& m, const Subsegment& subsegment) noexcept {
+  if (subsegment.is_edge) {
+    // It is in the canonical mesh without the mark, so the mark changes nothing.
+    m.topology.mark(subsegment.edge);
+  } else {
+    constrain(m, flip_in(m, subsegment));
+  }
+}
+
+Status conform(MeshState& m) noexcept {
+  for (SegmentId s = pop_dirty(m); !s.is_none(); s = pop_dirty(m)) {
+    const Status status = conform_segment(m, s);
+    if (status != Status::ok) {
+      touch(m, s);
+      make_dirty(m, s);
+      return status;
+    }
+  }
+  return Status::ok;
+}
+
+std::uint32_t constrain_rest(MeshState& m) noexcept {
+  std::uint32_t missing = 0;
+  for (SegmentId s = pop_dirty(m); !s.is_none(); s = pop_dirty(m)) {
+    const VertexId end = m.segment(s).to;
+    for (VertexId v = m.segment(s).from; v != end;) {
+      const Subsegment subsegment = march(m, v, end);
+      if (crossed_section(m, s, subsegment).is_none() && can_be_edge(m, subsegment)) {
+        constrain_subsegment(m, subsegment);
+      } else {
+        ++missing;
+      }
+      v = subsegment.tail;
+    }
+  }
+  return missing;
+}
+
+}  // namespace etcm::internal

@@ -1,0 +1,151 @@
+// A feature on its way through the mesh: surveyed, linked as a chain of segments, unlinked again.
+#include "conforming/features.h"
+
+#include "conforming/conform.h"
+#include "conforming/running_change.h"
+#include "geometry/predicates_inline.h"
+#include "triangulation/march.h"
+#include "triangulation/mesh_state.h"
+#include "triangulation/segment_store.h"
+#include "triangulation/worklist.h"
+
+namespace etcm::internal {
+namespace {
+
+Status refuse(MeshState& m, Status status, SegmentId root, SegmentId other) noexcept {
+  m.error_detail.status = status;
+  m.error_detail.feature = feature_of(m, root);
+  m.error_detail.other = feature_of(m, other);
+  return status;
+}
+
+SegmentId segment_at(const MeshState& m, Edge e) noexcept {
+  return segment_of_edge(m, m.topology.origin(e), m.topology.target(e));
+}
+
+// What is wrong with a feature that meets a part of another.
+Status fault_of(const MeshState& m, SegmentId root, SegmentId other) noexcept {
+  const SegmentRecord& r = m.segment(root);
+  const FeatureEnds theirs = ends_of(m, SegmentId{feature_of(m, other).value});
+  if (theirs.from == r.from && theirs.to == r.to) return Status::repeated_feature;
+  const bool is_along = orient2d_fast(m.at(r.from), m.at(r.to), m.at(theirs.from)) == 0 &&
+                        orient2d_fast(m.at(r.from), m.at(r.to), m.at(theirs.to)) == 0;
+  return is_along ? Status::overlapping_features : Status::crossing_features;
+}
+
+SegmentId last_segment(const MeshState& m, SegmentId root) noexcept {
+  SegmentId s = root;
+  while (!m.segment(s).next.is_none()) s = m.segment(s).next;
+  return s;
+}
+
+// The first of the segments that an earlier lay left, or a new one. There is room: the survey saw.
+SegmentId next_segment_for(MeshState& m, SegmentId& left_over) noexcept {
+  if (left_over.is_none()) return allocate_segment(m);
+  const SegmentId s = left_over;
+  left_over = m.segment(s).next;
+  return s;
+}
+
+// The segments that take_up() kept for this root: those it last used, then what m.recycled_segments
+// has.
+SegmentId collect_left_over(MeshState& m, SegmentId root) noexcept {
+  SegmentId first = m.segment(root).next;
+  SegmentId* end = &first;
+  while (!end->is_none()) end = &m.segment(*end).next;
+  for (SegmentId* slot = &m.recycled_segments; !slot->is_none();) {
+    const SegmentId s = *slot;
+    if (feature_of(m, s) == feature_of(m, root)) {
+      *slot = m.segment(s).next;
+      m.segment(s).next = SegmentId::none();
+      *end = s;
+      end = &m.segment(s).next;
+    } else {
+      slot = &m.segment(s).next;
+    }
+  }
+  return first;
+}
+
+}  // namespace
+
+FeatureEnds ends_of(const MeshState& m, SegmentId root) noexcept {
+  // One that is not linked holds its ends itself.
+  return {m.segment(root).from, m.segment(is_linked(m, root) ? last_segment(m, root) : root).to};
+}
+
+void set_ends(MeshState& m, SegmentId root, VertexId from, VertexId to) noexcept {
+  SegmentRecord& r = m.segment(root);
+  const bool reversed = m.at(to) < m.at(from);
+  r.from = reversed ? to : from;
+  r.to = reversed ? from : to;
+  r.root = static_cast<IdValue>(root.value | (reversed ? reversed_bit : 0u));
+}
+
+SurveyResult survey(MeshState& m, SegmentId root) noexcept {
+  const SegmentRecord& r = m.segment(root);
+  SurveyResult surveyed;
+  std::uint32_t& nodes_between = surveyed.nodes_between;
+  for (VertexId v = r.from; v != r.to;) {
+    const Subsegment subsegment = march(m, v, r.to);
+    SegmentId other{};
+    if (subsegment.is_edge && m.topology.is_constrained(subsegment.edge)) {
+      other = segment_at(m, subsegment.edge);
+    } else if (!subsegment.constrained.is_none()) {
+      other = segment_at(m, subsegment.constrained);
+    } else if (m.owner(subsegment.tail).role() != Role::node) {
+      other = m.owner(subsegment.tail).segment();
+    }
+    if (!other.is_none()) {
+      surveyed.status = refuse(m, fault_of(m, root, other), root, other);
+      return surveyed;
+    }
+    if (surveyed.is_present) surveyed.is_present = can_be_edge(m, subsegment);
+    v = subsegment.tail;
+    if (v != r.to) ++nodes_between;
+  }
+  std::uint32_t room = m.config.features_max - m.segment_end + m.free_segment_count;
+  for (SegmentId s = r.next; !s.is_none() && room < nodes_between; s = m.segment(s).next) ++room;
+  if (room < nodes_between) {
+    surveyed.status = refuse(m, Status::out_of_features, root, SegmentId::none());
+  }
+  return surveyed;
+}
+
+void link_feature(MeshState& m, SegmentId root, std::uint32_t nodes_between) noexcept {
+  SegmentId left_over = collect_left_over(m, root);
+  m.segment(root).next = SegmentId::none();
+  const VertexId end = m.segment(root).to;
+  link_segment(m, root);
+  SegmentId s = root;
+  VertexId v = m.segment(root).from;
+  for (; nodes_between != 0; --nodes_between) {
+    v = march(m, v, end).tail;
+    if (v == end) break;
+    const SegmentId rest = next_segment_for(m, left_over);
+    touch(m, rest);
+    cut_segment(m, s, v, rest);
+    touch(m, s);
+    make_dirty(m, s);
+    s = rest;
+  }
+  touch(m, s);
+  make_dirty(m, s);
+  // In the order in which they were used: the next lay on the old line gives each its old place.
+  SegmentId* end_of_spare = &left_over;
+  while (!end_of_spare->is_none()) end_of_spare = &m.segment(*end_of_spare).next;
+  *end_of_spare = m.recycled_segments;
+  m.recycled_segments = left_over;
+}
+
+void unlink_feature(MeshState& m, SegmentId root) noexcept {
+  const VertexId to = ends_of(m, root).to;
+  for (SegmentId s = root; !s.is_none(); s = m.segment(s).next) {
+    strip_segment(m, s);
+    unlink_segment(m, s);
+    if (s != root) m.segment(s).from = VertexId::none();
+  }
+  m.segment(root).to = to;
+}
+
+}  // namespace etcm::internal

@@ -1,0 +1,111 @@
+// Steiner vertices whose cause has gone. Taking a vertex out never breaks another Delaunay edge, so
+// this is always safe; and what must be asked is local.
+#include "conforming/prune.h"
+
+#include "conforming/conform.h"
+#include "geometry/predicates_inline.h"
+#include "triangulation/march.h"
+#include "triangulation/mesh_state.h"
+#include "triangulation/remove.h"
+#include "triangulation/segment_store.h"
+#include "triangulation/worklist.h"
+
+namespace etcm::internal {
+namespace {
+
+// Whether a - b, the neighbours of the Steiner vertex on its feature, would be a Delaunay edge
+// without it: some circle through a and b has none of its link strictly inside. On the left the
+// link vertex that sees a - b under the greatest angle gives the circle that leans furthest to the
+// right; all of the right must be outside that one. `to_b` and `to_a` leave the Steiner vertex.
+bool is_needless(const MeshState& m, Edge to_a, Edge to_b) noexcept {
+  const Topology& topo = m.topology;
+  const Point& a = m.at(topo.target(to_a));
+  const Point& b = m.at(topo.target(to_b));
+  VertexId foremost{};
+  for (Edge e = topo.rotate_ccw(to_b); e != to_a; e = topo.rotate_ccw(e)) {
+    const VertexId v = topo.target(e);
+    if (v == infinite_vertex) continue;
+    if (foremost.is_none() || incircle_fast(a, b, m.at(foremost), m.at(v)) > 0) foremost = v;
+  }
+  if (foremost.is_none()) return true;
+  for (Edge e = topo.rotate_ccw(to_a); e != to_b; e = topo.rotate_ccw(e)) {
+    const VertexId v = topo.target(e);
+    if (v != infinite_vertex && incircle_fast(a, b, m.at(foremost), m.at(v)) > 0) return false;
+  }
+  return true;
+}
+
+// The subsegments of a Steiner vertex, from it.
+struct Neighbours {
+  Edge back;
+  Edge onward;
+};
+
+Neighbours neighbours(const MeshState& m, VertexId v) noexcept {
+  Spokes spokes(m.topology, v);
+  Neighbours found;
+  do {
+    const Edge e = spokes.edge();
+    if (!m.topology.is_constrained(e)) continue;
+    (m.at(spokes.target()) < m.at(v) ? found.back : found.onward) = e;
+  } while ((found.back.is_none() || found.onward.is_none()) && spokes.turn());
+  return found;
+}
+
+// Other segments' Steiner vertices beside v, which goes. Its own segment's neighbours are looked at
+// again anyway.
+void make_dirty_around(MeshState& m, VertexId v) noexcept {
+  const SegmentId own = m.owner(v).segment();
+  Spokes spokes(m.topology, v);
+  do {
+    const VertexId w = spokes.target();
+    if (w != infinite_vertex && m.owner(w).role() != Role::node && m.owner(w).segment() != own) {
+      touch(m, m.owner(w).segment(), w, w);
+      make_dirty(m, m.owner(w).segment());
+    }
+  } while (spokes.turn());
+}
+
+void prune_segment(MeshState& m, SegmentId s) noexcept {
+  SegmentRecord& r = m.segment(s);
+  if (r.first == infinite_vertex) return;
+  const VertexId from = r.from, to = r.to;
+  VertexId v = r.first.is_none() ? from : r.first;
+  Point last = m.at(r.first.is_none() ? to : r.last);
+  // The next change of this segment, by a removal nearby, starts a range of its own.
+  r.first = infinite_vertex;
+  if (v == from) v = march(m, v, to).tail;
+  while (v != to && m.at(v) <= last) {
+    const Neighbours beside = neighbours(m, v);
+    const VertexId before = m.topology.target(beside.back),
+                   after = m.topology.target(beside.onward);
+    if (!is_needless(m, beside.back, beside.onward)) {
+      if (!m.is_batch) m.owner(v) = Owner(Role::steiner, s);
+      v = after;
+      continue;
+    }
+    make_dirty_around(m, v);
+    remove_steiner(m, v);
+    free_vertex(m, v);
+    --m.steiner_count;
+    constrain_subsegment(m, between(m, before, after));
+    // Both neighbours have lost an edge: what was needed may be no longer.
+    if (last < m.at(after)) last = m.at(after);
+    v = before == from ? after : before;
+  }
+}
+
+}  // namespace
+
+void prune(MeshState& m) noexcept {
+  SegmentId list{};
+  for (SegmentId s = m.touched; !s.is_none(); s = m.segment(s).next_touched) {
+    if (!is_linked(m, s)) continue;
+    m.segment(s).next_dirty = list;
+    list = s;
+  }
+  m.dirty = sort_segments(m, list);
+  for (SegmentId s = pop_dirty(m); !s.is_none(); s = pop_dirty(m)) prune_segment(m, s);
+}
+
+}  // namespace etcm::internal

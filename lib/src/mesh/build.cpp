@@ -1,0 +1,289 @@
+// Everything at once: nodes along a Hilbert curve, then features; the same with the Steiner
+// vertices of an earlier mesh; and the same features afresh.
+#include "conforming/conform.h"
+#include "conforming/conform_features.h"
+#include "conforming/features.h"
+#include "conforming/running_change.h"
+#include "conforming/transaction.h"
+#include "triangulation/hilbert_order.h"
+#include "triangulation/hints.h"
+#include "triangulation/insert.h"
+#include "triangulation/locate.h"
+#include "triangulation/march.h"
+#include "triangulation/mesh_state.h"
+#include "triangulation/segment_store.h"
+#include "triangulation/worklist.h"
+
+namespace etcm {
+
+using namespace internal;
+
+namespace {
+
+// A build that fails on its input leaves nothing, but says what it stumbled over.
+Status reject(Mesh& mesh, Status status) noexcept {
+  ErrorDetail error_detail = state_of(mesh).error_detail;
+  error_detail.status = status;
+  mesh.clear();
+  state_of(mesh).error_detail = error_detail;
+  return status;
+}
+
+bool is_bad_input(Status status) noexcept {
+  return status == Status::crossing_features || status == Status::overlapping_features ||
+         status == Status::repeated_feature || status == Status::out_of_features;
+}
+
+// While they are inserted nodes go by their place along the curve, so that what lies together is
+// stored together: a large mesh is built out of caches. Each one's owner holds its own id.
+void number_along_curve(MeshState& m, std::span<const Position> nodes) noexcept {
+  const OrderEntry* order =
+      hilbert_order(nodes, m.triangle_memory, m.config.vertices_max * bytes_per_vertex_triangles);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (i + 8 < nodes.size()) __builtin_prefetch(&nodes[order[i + 8].vertex - 1]);
+    m.points[i + 1] = to_point(nodes[order[i].vertex - 1]);
+    m.owners[i + 1] = Owner(Role::node, SegmentId{static_cast<IdValue>(order[i].vertex)});
+  }
+  m.vertex_end = static_cast<IdValue>(nodes.size() + 1);
+}
+
+VertexId own_id(const MeshState& m, VertexId v) noexcept {
+  return v == infinite_vertex ? v : VertexId{m.owner(v).segment().value};
+}
+
+void number_as_given(MeshState& m, std::span<const Position> nodes) noexcept {
+  m.topology.rename_vertices([&m](VertexId v) { return own_id(m, v); });
+  if (!m.only_vertex.is_none()) m.only_vertex = own_id(m, m.only_vertex);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    m.points[i + 1] = to_point(nodes[i]);
+    m.owners[i + 1] = Owner(Role::node, SegmentId::none());
+  }
+}
+
+Status insert_nodes(MeshState& m, std::span<const Position> nodes) noexcept {
+  if (nodes.empty()) return Status::ok;
+  number_along_curve(m, nodes);
+  for (IdValue i = 1; i < m.vertex_end; ++i) {
+    const VertexId v{i};
+    const Found found = find(m, m.at(v), m.walk_start);
+    if (found.place == Place::on_vertex) {
+      const VertexId one = own_id(m, v), other = own_id(m, found.vertex);
+      m.error_detail.vertex = one < other ? one : other;
+      m.error_detail.rejected = one < other ? other : one;
+      return Status::duplicate_vertex;
+    }
+    insert_vertex(m, v, found);
+    ++m.node_count;
+  }
+  number_as_given(m, nodes);
+  spread_hints(m, nullptr);
+  return Status::ok;
+}
+
+// The roots of the features, segments 0 .. count - 1, as a list.
+Status enter_features(MeshState& m, std::span<const FeatureEnds> features,
+                      SegmentId& list) noexcept {
+  for (const FeatureEnds& ends : features) {
+    const SegmentId root = allocate_segment(m);
+    if (root.is_none()) return Status::out_of_features;
+    m.error_detail.feature = FeatureId{root.value};
+    for (const VertexId v : {ends.from, ends.to}) {
+      if (v == infinite_vertex || !m.is_node(v)) {
+        m.error_detail.vertex = v;
+        return Status::unknown_vertex;
+      }
+    }
+    if (ends.from == ends.to) return Status::zero_length_feature;
+    set_ends(m, root, ends.from, ends.to);
+    m.segment(root).next_dirty = list;
+    list = root;
+  }
+  m.error_detail.feature = FeatureId::none();
+  return Status::ok;
+}
+
+// The nodes of an empty mesh, and its features, not yet linked, as a list.
+Status enter(Mesh& mesh, std::span<const Position> nodes, std::span<const FeatureEnds> features,
+             SegmentId& list) noexcept {
+  MeshState& m = state_of(mesh);
+  begin(m);
+  if (m.vertex_end != 1 || m.segment_end != 0)
+    return m.error_detail.status = Status::mesh_not_empty;
+  if (nodes.size() > m.config.vertices_max) return m.error_detail.status = Status::out_of_vertices;
+  if (features.size() > m.config.features_max)
+    return m.error_detail.status = Status::out_of_features;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (in_range(nodes[i])) continue;
+    m.error_detail.vertex = VertexId{static_cast<IdValue>(i + 1)};
+    return m.error_detail.status = Status::bad_coordinate;
+  }
+  Status status = insert_nodes(m, nodes);
+  if (status == Status::ok) status = enter_features(m, features, list);
+  if (status != Status::ok) return reject(mesh, status);
+  m.feature_count = static_cast<std::uint32_t>(features.size());
+  return status;
+}
+
+// Links every feature of the list and marks nothing yet.
+Status link_all(MeshState& m, SegmentId list) noexcept {
+  while (!list.is_none()) {
+    const SegmentId root = list;
+    list = m.segment(root).next_dirty;
+    m.segment(root).next_dirty = not_listed;
+    const SurveyResult surveyed = survey(m, root);
+    if (surveyed.status != Status::ok) return surveyed.status;
+    link_feature(m, root, surveyed.nodes_between);
+    clear_dirty(m);
+  }
+  clear_touched(m);
+  return Status::ok;
+}
+
+// The segment of a feature on whose grid p stands, its ends excluded; none where p does not.
+SegmentId segment_with(const MeshState& m, SegmentId root, const Point& p) noexcept {
+  for (SegmentId s = root; !s.is_none(); s = m.segment(s).next) {
+    const SegmentRecord& r = m.segment(s);
+    if (!(m.at(r.from) < p && p < m.at(r.to))) continue;
+    // Between the ends in lexicographic order, so the quotient is a parameter.
+    const Point& from = m.at(r.from);
+    const Point& to = m.at(r.to);
+    const bool by_x = from.x != to.x;
+    const std::int64_t length = (by_x ? to.x - from.x : to.y - from.y) / subunits_per_unit;
+    const std::int64_t t = (by_x ? p.x - from.x : p.y - from.y) / length;
+    if (t <= 0 || t >= parameter_end) return SegmentId::none();
+    return point_at(m, s, static_cast<Parameter>(t)) == p ? s : SegmentId::none();
+  }
+  return SegmentId::none();
+}
+
+Status insert_steiner(MeshState& m, const SteinerPlace& place) noexcept {
+  const SegmentId s = segment_with(m, SegmentId{static_cast<IdValue>(place.feature)}, place.point);
+  if (s.is_none()) return Status::bad_coordinate;
+  const Found found = find(m, place.point, edge_near(m, place.point));
+  if (found.place == Place::on_vertex) {
+    m.error_detail.vertex = found.vertex;
+    return Status::duplicate_vertex;
+  }
+  const VertexId v = allocate_vertex(m);
+  if (v.is_none()) return Status::out_of_vertices;
+  m.points[v.value] = place.point;
+  m.owner(v) = Owner(Role::steiner, s);
+  insert_vertex(m, v, found);
+  ++m.steiner_count;
+  return Status::ok;
+}
+
+// Marks the subsegments of a segment whose Steiner vertices all stand.
+Status constrain_segment(MeshState& m, SegmentId s) noexcept {
+  const VertexId end = m.segment(s).to;
+  for (VertexId v = m.segment(s).from; v != end;) {
+    const Subsegment subsegment = march(m, v, end);
+    if (subsegment.is_edge && m.topology.is_constrained(subsegment.edge))
+      return Status::overlapping_features;
+    const bool is_foreign = subsegment.tail != end && m.owner(subsegment.tail).segment() != s;
+    if (is_foreign || !subsegment.constrained.is_none()) return Status::crossing_features;
+    if (!can_be_edge(m, subsegment)) return Status::mesh_unresolved;
+    constrain_subsegment(m, subsegment);
+    v = subsegment.tail;
+  }
+  return Status::ok;
+}
+
+}  // namespace
+
+Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds> features,
+                   void (*nodes_stand)(void* context) noexcept, void* context) noexcept {
+  MeshState& m = *state_;
+  SegmentId list{};
+  Status status = enter(*this, nodes, features, list);
+  if (status != Status::ok) return status;
+  if (nodes_stand != nullptr) nodes_stand(context);
+  SegmentId pending{};
+  m.is_batch = true;
+  status = conform_features(m, list, pending);
+  if (is_bad_input(status)) return reject(*this, status);
+  if (status != Status::ok) {
+    // What stands stands. Features not begun are linked, so that their missing subsegments count
+    // too.
+    ErrorDetail error_detail = m.error_detail;
+    while (!pending.is_none()) {
+      const SegmentId root = pending;
+      pending = m.segment(root).next_dirty;
+      m.segment(root).next_dirty = not_listed;
+      const SurveyResult surveyed = survey(m, root);
+      if (surveyed.status != Status::ok) return reject(*this, surveyed.status);
+      link_feature(m, root, surveyed.nodes_between);
+    }
+    m.unresolved = constrain_rest(m);
+    ETCM_VERIFY_THAT(m.unresolved != 0);
+    end_change(m);
+    m.error_detail = error_detail;
+    return status;
+  }
+  commit(m);
+  return Status::ok;
+}
+
+Status Mesh::restore(std::span<const Position> nodes, std::span<const FeatureEnds> features,
+                     std::span<const SteinerPlace> steiner) noexcept {
+  MeshState& m = *state_;
+  SegmentId list{};
+  Status status = enter(*this, nodes, features, list);
+  if (status != Status::ok) return status;
+  status = link_all(m, list);
+  const std::uint32_t budget = m.config.steiner_max;
+  if (budget != 0 && steiner.size() > budget) status = Status::steiner_budget;
+  for (const SteinerPlace& place : steiner) {
+    if (status != Status::ok) break;
+    m.error_detail.feature = FeatureId{static_cast<IdValue>(place.feature)};
+    status = place.feature < features.size() ? insert_steiner(m, place) : Status::unknown_feature;
+  }
+  for (IdValue i = 0; i < m.segment_end && status == Status::ok; ++i) {
+    m.error_detail.feature = internal::feature_of(m, SegmentId{i});
+    status = constrain_segment(m, SegmentId{i});
+  }
+  if (status != Status::ok) return reject(*this, status);
+  m.error_detail = ErrorDetail{};
+  return status;
+}
+
+Status Mesh::rebuild() noexcept {
+  MeshState& m = *state_;
+  begin(m);
+  if (m.unresolved != 0) return m.error_detail.status = Status::mesh_unresolved;
+  SegmentId list{};
+  for (IdValue i = 0; i < m.segment_end; ++i) {
+    const SegmentId s{i};
+    if (!is_linked(m, s) || internal::feature_of(m, s).value != i) continue;
+    unlink_feature(m, s);
+    m.segment(s).next_dirty = list;
+    list = s;
+  }
+  SegmentId pending{};
+  m.is_batch = true;
+  const Status status = conform_features(m, list, pending);
+  if (status == Status::ok) {
+    commit(m);
+    return status;
+  }
+  for (IdValue i = 0; i < m.segment_end; ++i) {
+    if (is_linked(m, SegmentId{i})) touch(m, SegmentId{i});
+  }
+  drop_fresh(m);
+  for (IdValue i = 0; i < m.segment_end; ++i) {
+    const SegmentId s{i};
+    if (m.segment(s).from.is_none() || internal::feature_of(m, s).value != i) continue;
+    if (is_linked(m, s)) unlink_feature(m, s);
+  }
+  clear_dirty(m);
+  for (IdValue i = 0; i < m.segment_end; ++i) {
+    const SegmentId s{i};
+    if (m.segment(s).from.is_none() || internal::feature_of(m, s).value != i) continue;
+    m.segment(s).next_dirty = not_listed;
+    link_feature(m, s, any_nodes_between);
+  }
+  restore_detached(m);
+  return status;
+}
+
+}  // namespace etcm

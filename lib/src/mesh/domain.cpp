@@ -1,0 +1,100 @@
+#include "etcm/domain.h"
+
+#include "etcm/locate.h"
+#include "triangulation/mesh_state.h"
+
+namespace etcm {
+
+using namespace internal;
+
+namespace {
+
+class Labeller {
+ public:
+  Labeller(const MeshState& m, std::span<Region> region, std::span<TriangleId> waiting) noexcept
+      : topo_(m.topology), m_(m), region_(region), waiting_(waiting) {}
+
+  void all_inside() noexcept {
+    for (IdValue t = 0; t < topo_.triangle_count(); ++t) {
+      region_[t] = topo_.is_ghost(t) ? Region::outside : Region::inside;
+    }
+  }
+
+  void flood_from_ghosts() noexcept {
+    for (IdValue t = 0; t < topo_.triangle_count(); ++t) {
+      if (topo_.is_ghost(t)) waiting_[count_++] = TriangleId{t};
+    }
+    spread(Region::outside);
+  }
+
+  void flood_from(IdValue t, Region label) noexcept {
+    if (region_[t] != Region::inside) return;
+    region_[t] = label;
+    waiting_[count_++] = TriangleId{t};
+    spread(label);
+  }
+
+  // A node all around which is outside is on no closed feature and in none.
+  bool leaves_a_node_outside() const noexcept {
+    for (IdValue i = 1; i < m_.vertex_end; ++i) {
+      const VertexId v{i};
+      if (m_.owner(v).role() != Role::node) continue;
+      Spokes spokes(topo_, v);
+      bool outside = true;
+      do {
+        outside = region_[Topology::triangle_of(spokes.edge())] == Region::outside;
+      } while (outside && spokes.turn());
+      if (outside) return true;
+    }
+    return false;
+  }
+
+ private:
+  // Each triangle waits at most once: it is labelled when it is put in line.
+  void spread(Region label) noexcept {
+    while (count_ != 0) {
+      const IdValue t = waiting_[--count_].value;
+      for (unsigned side = 0; side < 3; ++side) {
+        const Edge e = Topology::edge(t, side);
+        const IdValue other = Topology::triangle_of(topo_.twin(e));
+        if (topo_.is_constrained(e) || region_[other] != Region::inside) continue;
+        region_[other] = label;
+        waiting_[count_++] = TriangleId{other};
+      }
+    }
+  }
+
+  const Topology& topo_;
+  const MeshState& m_;
+  std::span<Region> region_;
+  std::span<TriangleId> waiting_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+Status label_domain(const Mesh& mesh, Exterior exterior, std::span<const Point> hole_seeds,
+                    std::span<Region> region, std::span<TriangleId> scratch) noexcept {
+  const MeshState& m = state_of(mesh);
+  const std::size_t count = m.topology.triangle_count();
+  if (region.size() < count || scratch.size() < count) return Status::buffer_too_small;
+  if (count == 0) return Status::ok;
+  Labeller labeller(m, region, scratch);
+  labeller.all_inside();
+  if (exterior != Exterior::hull) {
+    labeller.flood_from_ghosts();
+    if (exterior == Exterior::automatic && labeller.leaves_a_node_outside()) labeller.all_inside();
+  }
+  for (const Point& seed : hole_seeds) {
+    const Location at = locate(mesh, seed);
+    const bool on_feature =
+        at.place == Place::on_edge && m.topology.is_constrained(Topology::edge(
+                                          at.triangle.value, static_cast<unsigned>(at.side)));
+    if ((at.place == Place::inside_triangle || at.place == Place::on_edge) && !on_feature) {
+      labeller.flood_from(at.triangle.value, Region::hole);
+    }
+  }
+  return Status::ok;
+}
+
+}  // namespace etcm

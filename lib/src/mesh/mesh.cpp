@@ -1,0 +1,209 @@
+// The facade: storage, and what can be read.
+#include "etcm/mesh.h"
+
+#include <limits>
+#include <new>
+#include <type_traits>
+
+#include "conforming/features.h"
+#include "triangulation/march.h"
+#include "triangulation/mesh_state.h"
+#include "triangulation/segment_store.h"
+
+namespace etcm {
+
+using namespace internal;
+
+static_assert(sizeof(MeshState) + sizeof(Point) + sizeof(Owner) + sizeof(Edge) + 32 <= bytes_fixed);
+static_assert(sizeof(Point) + 2 * sizeof(TriangleRecord) + sizeof(Owner) + sizeof(Edge) ==
+              bytes_per_vertex_capacity);
+static_assert(sizeof(SegmentRecord) == bytes_per_feature_capacity);
+static_assert(2 * sizeof(TriangleRecord) == bytes_per_vertex_triangles);
+// Taking the storage over again must not need destructors.
+static_assert(std::is_trivially_destructible_v<MeshState>);
+
+namespace {
+
+std::uint64_t mix(std::uint64_t h) noexcept {
+  h ^= h >> 32;
+  h *= 0xd6e8feb86659fd93u;
+  h ^= h >> 32;
+  h *= 0xd6e8feb86659fd93u;
+  return h ^ (h >> 32);
+}
+
+std::uint64_t mix(const Point& p) noexcept {
+  return mix(mix(static_cast<std::uint64_t>(p.x)) + static_cast<std::uint64_t>(p.y));
+}
+
+}  // namespace
+
+Status validate(const MeshConfig& config) noexcept {
+  const bool good = config.vertices_max >= 1 && config.vertices_max <= vertices_limit &&
+                    config.features_max <= features_limit && config.policy != nullptr &&
+                    storage_bytes(config) < std::numeric_limits<std::size_t>::max();
+  return good ? Status::ok : Status::bad_config;
+}
+
+Status Mesh::open(std::span<std::byte> storage, const MeshConfig& config) noexcept {
+  const Status status = validate(config);
+  if (status != Status::ok) return status;
+  if (storage.size() < storage_bytes(config) ||
+      reinterpret_cast<std::uintptr_t>(storage.data()) % alignof(MeshState) != 0) {
+    return Status::storage_too_small;
+  }
+  state_ = ::new (storage.data()) MeshState;
+  state_->config = config;
+  state_->mesh = this;
+  clear();
+  return Status::ok;
+}
+
+void Mesh::clear() noexcept {
+  const MeshConfig config = state_->config;
+  *state_ = MeshState{};
+  MeshState& m = *state_;
+  m.config = config;
+  m.mesh = this;
+  std::byte* free = reinterpret_cast<std::byte*>(state_) + sizeof(MeshState);
+  // Only addresses: an array element is made when its vertex, triangle or segment is.
+  const auto take = [&free](std::size_t bytes) {
+    std::byte* const here = free;
+    free += bytes;
+    return here;
+  };
+  const std::size_t vertices = config.vertices_max + std::size_t{1};
+  m.points = reinterpret_cast<Point*>(take(vertices * sizeof(Point)));
+  m.triangle_memory = take(config.vertices_max * bytes_per_vertex_triangles);
+  m.vertex_edges = reinterpret_cast<Edge*>(take(vertices * sizeof(Edge)));
+  m.owners = reinterpret_cast<Owner*>(take(vertices * sizeof(Owner)));
+  m.segments = reinterpret_cast<SegmentRecord*>(take(config.features_max * sizeof(SegmentRecord)));
+  m.hints.side_bits = hint_side_bits(config.vertices_max);
+  m.hints.nodes = reinterpret_cast<VertexId*>(take(sizeof(VertexId) << (2 * m.hints.side_bits)));
+  m.topology = Topology(reinterpret_cast<TriangleRecord*>(m.triangle_memory), m.vertex_edges);
+}
+
+const MeshConfig& Mesh::config() const noexcept { return state_->config; }
+std::uint32_t Mesh::node_count() const noexcept { return state_->node_count; }
+std::uint32_t Mesh::steiner_count() const noexcept { return state_->steiner_count; }
+std::uint32_t Mesh::feature_count() const noexcept { return state_->feature_count; }
+std::uint32_t Mesh::triangle_count() const noexcept { return state_->topology.triangle_count(); }
+std::uint32_t Mesh::unresolved() const noexcept { return state_->unresolved; }
+std::uint32_t Mesh::vertex_id_end() const noexcept { return state_->vertex_end; }
+std::uint32_t Mesh::feature_id_end() const noexcept { return state_->segment_end; }
+const ErrorDetail& Mesh::error_detail() const noexcept { return state_->error_detail; }
+
+std::uint32_t Mesh::finite_triangle_count() const noexcept {
+  const Topology& topo = state_->topology;
+  if (topo.triangle_count() == 0) return 0;
+  return topo.triangle_count() - topo.degree(infinite_vertex);
+}
+
+VertexKind Mesh::kind(VertexId vertex) const noexcept {
+  if (vertex == infinite_vertex) return VertexKind::none;
+  switch (state_->owner(vertex).role()) {
+    case Role::node:
+      return VertexKind::node;
+    case Role::steiner:
+    case Role::fresh:
+      return VertexKind::steiner;
+    default:
+      return VertexKind::none;
+  }
+}
+
+Point Mesh::point(VertexId vertex) const noexcept { return state_->at(vertex); }
+
+Position Mesh::position(VertexId node) const noexcept {
+  const Point& p = state_->at(node);
+  return {static_cast<std::int32_t>(p.x / subunits_per_unit),
+          static_cast<std::int32_t>(p.y / subunits_per_unit)};
+}
+
+FeatureId Mesh::feature_of(VertexId steiner) const noexcept {
+  return internal::feature_of(*state_, state_->owner(steiner).segment());
+}
+
+std::uint32_t Mesh::neighbours(VertexId vertex, std::span<Neighbour> out) const noexcept {
+  const Topology& topo = state_->topology;
+  if (topo.triangle_count() == 0) return 0;
+  std::uint32_t count = 0;
+  Spokes spokes(topo, vertex);
+  do {
+    // In a collinear mesh an edge has a ghost on each side and is met once; infinity may be met
+    // twice.
+    const VertexId v = spokes.target();
+    if (v == infinite_vertex) continue;
+    if (count < out.size()) out[count] = {v, topo.is_constrained(spokes.edge())};
+    ++count;
+  } while (spokes.turn());
+  return count;
+}
+
+Triangle Mesh::triangle(TriangleId id) const noexcept {
+  const Topology& topo = state_->topology;
+  Triangle t;
+  for (unsigned i = 0; i < 3; ++i) {
+    const Edge e = Topology::edge(id.value, i);
+    t.corner[i] = topo.apex(e);
+    t.neighbour[i] = TriangleId{Topology::triangle_of(topo.twin(e))};
+    t.constrained[i] = topo.is_constrained(e);
+  }
+  return t;
+}
+
+bool Mesh::is_feature(FeatureId feature) const noexcept {
+  const MeshState& m = *state_;
+  const SegmentId s{feature.value};
+  return feature.value < m.segment_end && !m.segment(s).from.is_none() &&
+         internal::feature_of(m, s) == feature;
+}
+
+FeatureEnds Mesh::ends(FeatureId feature) const noexcept {
+  const FeatureEnds ends = ends_of(*state_, SegmentId{feature.value});
+  const bool reversed = (state_->segment(SegmentId{feature.value}).root & reversed_bit) != 0;
+  return reversed ? FeatureEnds{ends.to, ends.from} : ends;
+}
+
+std::uint32_t Mesh::chain(FeatureId feature, std::span<VertexId> out) const noexcept {
+  const MeshState& m = *state_;
+  const auto for_each = [&](auto visit) {
+    std::uint32_t index = 0;
+    StepBound bound(m.segment_end);
+    for (SegmentId s{feature.value}; !s.is_none(); s = m.segment(s).next) {
+      bound.step();
+      const VertexId end = m.segment(s).to;
+      for (VertexId v = m.segment(s).from; v != end; v = march(m, v, end).tail) visit(index++, v);
+      if (m.segment(s).next.is_none()) visit(index++, end);
+    }
+    return index;
+  };
+  const bool reversed = (m.segment(SegmentId{feature.value}).root & reversed_bit) != 0;
+  const std::uint32_t last = reversed ? for_each([](std::uint32_t, VertexId) {}) - 1 : 0;
+  return for_each([&](std::uint32_t index, VertexId v) {
+    const std::uint32_t place = reversed ? last - index : index;
+    if (place < out.size()) out[place] = v;
+  });
+}
+
+std::uint64_t Mesh::hash() const noexcept {
+  // A sum over what there is does not depend on the order in which it is met.
+  const MeshState& m = *state_;
+  std::uint64_t sum = 0;
+  for (IdValue i = 1; i < m.vertex_end; ++i) {
+    const VertexKind what = kind(VertexId{i});
+    if (what != VertexKind::none) sum += mix(mix(m.points[i]) + static_cast<std::uint64_t>(what));
+  }
+  for (IdValue t = 0; t < m.topology.triangle_count(); ++t) {
+    for (unsigned side = 0; side < 3; ++side) {
+      const Edge e = Topology::edge(t, side);
+      const VertexId u = m.topology.origin(e), v = m.topology.target(e);
+      if (u == infinite_vertex || v == infinite_vertex || !(m.at(u) < m.at(v))) continue;
+      const std::uint64_t mark = m.topology.is_constrained(e) ? 3 : 5;
+      sum += mix(mix(mix(m.at(u)) + mark) + mix(m.at(v)));
+    }
+  }
+  return mix(sum);
+}
+
+}  // namespace etcm

@@ -1,0 +1,94 @@
+#include "etcm/status.h"
+
+#include "geometry/predicates_inline.h"
+#include "triangulation/march.h"
+#include "triangulation/worklist.h"
+
+namespace etcm {
+
+namespace {
+
+struct Text {
+  const char* name;
+  const char* sentence;
+};
+
+// A switch without a default: the compiler names the code that was forgotten.
+Text text_of(Status status) noexcept {
+  switch (status) {
+    case Status::ok:
+      return {"ok", "The call succeeded."};
+    case Status::bad_config:
+      return {"bad_config",
+              "The configuration contradicts itself or exceeds what the id width can count; "
+              "compare it with vertices_limit and features_limit."};
+    case Status::storage_too_small:
+      return {"storage_too_small",
+              "The storage has fewer bytes than storage_bytes(config) asks for, or is not aligned "
+              "to 8."};
+    case Status::bad_coordinate:
+      return {"bad_coordinate",
+              "A coordinate is beyond 16777216 (2^24) units from 0; use a coarser unit or a nearer "
+              "origin."};
+    case Status::duplicate_vertex:
+      return {"duplicate_vertex", "Another node stands exactly there; remove or move one of them."};
+    case Status::unknown_vertex:
+      return {"unknown_vertex", "The id names no node of this mesh; it may have left."};
+    case Status::unknown_feature:
+      return {"unknown_feature", "The id names no feature of this mesh; it may have been removed."};
+    case Status::zero_length_feature:
+      return {"zero_length_feature",
+              "Both endpoints of the feature are one node; a feature needs two."};
+    case Status::repeated_feature:
+      return {"repeated_feature", "A feature between these two nodes exists already; keep one."};
+    case Status::overlapping_features:
+      return {"overlapping_features",
+              "The feature would run along a part of another; split both at their nodes and keep "
+              "each stretch once."};
+    case Status::crossing_features:
+      return {"crossing_features",
+              "The feature would cross or touch the inside of another; put a node where they "
+              "meet."};
+    case Status::endpoint_in_use:
+      return {"endpoint_in_use",
+              "The node is the endpoint of a feature and cannot leave; remove the feature first."};
+    case Status::mesh_not_empty:
+      return {"mesh_not_empty", "Building needs an empty mesh; clear it first."};
+    case Status::buffer_too_small:
+      return {"buffer_too_small",
+              "The output buffer is shorter than the needed count that was returned; pass a longer "
+              "one."};
+    case Status::mesh_unresolved:
+      return {
+          "mesh_unresolved",
+          "A build ended before every feature conformed, so the mesh takes no changes; clear it "
+          "and build with more room."};
+    case Status::out_of_vertices:
+      return {"out_of_vertices",
+              "The vertex capacity is used up by nodes and Steiner vertices; raise vertices_max."};
+    case Status::out_of_features:
+      return {"out_of_features",
+              "The feature capacity is used up, each stretch between nodes taking one place; raise "
+              "features_max."};
+    case Status::steiner_budget:
+      return {"steiner_budget",
+              "The features need more Steiner vertices than steiner_max allows; raise it or "
+              "simplify them."};
+    case Status::step_limit:
+      return {"step_limit",
+              "The call needs more steps than steps_max allows; raise it or rebuild at leisure."};
+    case Status::grid_exhausted:
+      return {"grid_exhausted",
+              "A piece of a feature is too short for a further grid point to split it; move the "
+              "crowded nodes apart or use a finer unit."};
+  }
+  return {"unknown_status", "The value is no status of this library."};
+}
+
+}  // namespace
+
+const char* to_string(Status status) noexcept { return text_of(status).name; }
+
+const char* explain(Status status) noexcept { return text_of(status).sentence; }
+
+}  // namespace etcm

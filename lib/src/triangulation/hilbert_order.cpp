@@ -1,0 +1,97 @@
+#include "triangulation/hilbert_order.h"
+
+#include <new>
+
+#include "geometry/wide_int.h"
+
+namespace etcm::internal {
+namespace {
+
+// The place along a Hilbert curve through 2^levels x 2^levels cells.
+std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y, int levels) noexcept {
+  std::uint32_t key = 0;
+  // The lower quadrants hold the curve mirrored at a diagonal: the left one with the axes swapped,
+  // the right one with both complemented as well. Without branches: half of them would be guessed
+  // wrong, which takes longer than all the rest.
+  std::uint32_t swapped = 0, complemented = 0;
+  for (int level = levels - 1; level >= 0; --level) {
+    const std::uint32_t x_bit = (x >> level) & 1u, y_bit = (y >> level) & 1u;
+    const std::uint32_t exchange = (x_bit ^ y_bit) & swapped;
+    const std::uint32_t right = x_bit ^ exchange ^ complemented;
+    const std::uint32_t upper = y_bit ^ exchange ^ complemented;
+    key = (key << 2) | ((right * 3u) ^ upper);
+    const std::uint32_t lower = upper ^ 1u;
+    complemented ^= lower & right;
+    swapped ^= lower;
+  }
+  return key;
+}
+
+// Nodes go in in four rounds, each three quarters of what is left counted from the last, and each
+// along the curve: a coarse mesh of all places first, so that a new node never meets the long thin
+// triangles at the edge of what the curve has filled (Amenta, Choi, Rote: Incremental constructions
+// con BRIO, 2003). Which round is a hash of the index; the mesh does not depend on it.
+std::uint32_t round_of(std::uint32_t index) noexcept {
+  std::uint32_t hash = index * 2654435761u;
+  hash = (hash ^ (hash >> 15)) * 2246822519u;
+  hash ^= hash >> 13;
+  std::uint32_t round = 3;
+  for (; round != 0 && (hash & 3u) == 0; hash >>= 2) --round;
+  return round;
+}
+
+// Least significant digit first, in two or four stable passes from one buffer to the other and
+// back.
+void radix_sort(OrderEntry* entries, OrderEntry* buffer, std::size_t count, int bits) noexcept {
+  const unsigned passes = bits <= 16 ? 2 : 4;
+  for (unsigned shift = 0; shift < 8 * passes; shift += 8) {
+    std::uint32_t start[256] = {};
+    for (std::size_t i = 0; i < count; ++i) ++start[(entries[i].key >> shift) & 255u];
+    std::uint32_t sum = 0;
+    for (std::uint32_t& s : start) {
+      const std::uint32_t here = s;
+      s = sum;
+      sum += here;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      buffer[start[(entries[i].key >> shift) & 255u]++] = entries[i];
+    }
+    OrderEntry* const swapped = entries;
+    entries = buffer;
+    buffer = swapped;
+  }
+}
+
+}  // namespace
+
+OrderEntry* hilbert_order(std::span<const Position> nodes, std::byte* memory,
+                          std::size_t bytes) noexcept {
+  const std::size_t count = nodes.size();
+  auto* const entries = ::new (memory + bytes - count * sizeof(OrderEntry)) OrderEntry[count];
+  auto* const buffer = ::new (memory + bytes - 2 * count * sizeof(OrderEntry)) OrderEntry[count];
+  Position low = nodes[0], high = nodes[0];
+  for (const Position& p : nodes) {
+    if (p.x < low.x) low.x = p.x;
+    if (p.y < low.y) low.y = p.y;
+    if (p.x > high.x) high.x = p.x;
+    if (p.y > high.y) high.y = p.y;
+  }
+  const auto width = static_cast<std::uint32_t>(high.x - low.x);
+  const auto height = static_cast<std::uint32_t>(high.y - low.y);
+  // About one node a cell; finer would only take longer.
+  int levels = 1;
+  while (levels < 15 && (std::size_t{1} << (2 * levels)) < count) ++levels;
+  int cell_bits = 0;
+  while (((width | height) >> (cell_bits + levels)) != 0) ++cell_bits;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto x = static_cast<std::uint32_t>(nodes[i].x - low.x);
+    const auto y = static_cast<std::uint32_t>(nodes[i].y - low.y);
+    entries[i].vertex = static_cast<std::uint32_t>(i + 1);
+    entries[i].key = (round_of(entries[i].vertex) << (2 * levels)) |
+                     hilbert_key(x >> cell_bits, y >> cell_bits, levels);
+  }
+  radix_sort(entries, buffer, count, 2 * levels + 2);
+  return entries;
+}
+
+}  // namespace etcm::internal

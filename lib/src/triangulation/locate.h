@@ -1,0 +1,23 @@
+// Where a point lies among the triangles.
+#pragma once
+
+#include "etcm/locate.h"
+#include "triangulation/mesh_state.h"
+
+namespace etcm::internal {
+
+struct Found {
+  Place place = Place::outside;
+  Edge edge{};        // inside: an edge of the triangle; on_edge: that edge; outside: see below
+  VertexId vertex{};  // on_vertex
+};
+
+// Where p lies. outside: `edge` is of the ghost whose hull edge p can see; in a collinear mesh that
+// p prolongs it is the edge from the end of the chain to infinity; with fewer than two vertices
+// none.
+Found find(const MeshState& m, const Point& p, Edge near) noexcept;
+
+// True where all vertices are collinear (and there are at least two). O(1).
+bool is_flat(const MeshState& m) noexcept;
+
+}  // namespace etcm::internal

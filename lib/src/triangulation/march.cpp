@@ -1,0 +1,109 @@
+// Along a straight line from a vertex: rotate around it to the triangle (or edge) that looks the
+// right way, then step across edges until a vertex stands on the line.
+#include "triangulation/march.h"
+
+#include "geometry/predicates_inline.h"
+#include "triangulation/mesh_state.h"
+
+namespace etcm::internal {
+namespace {
+
+struct Start {
+  bool is_edge;
+  Edge edge;  // is_edge: along the line; else opposite the head in the triangle the line enters
+};
+
+// A Steiner vertex's subsegments lie on its segment, so they need no test of where they point but
+// one: forwards or backwards.
+bool leave_by_subsegment(const MeshState& m, VertexId head, bool forward, Start& start) noexcept {
+  Spokes spokes(m.topology, head);
+  do {
+    if (m.topology.is_constrained(spokes.edge()) &&
+        (m.at(head) < m.at(spokes.target())) == forward) {
+      start = {true, spokes.edge()};
+      return true;
+    }
+  } while (spokes.turn());
+  return false;
+}
+
+Start leave(const MeshState& m, VertexId head, const Point& goal) noexcept {
+  const Topology& topo = m.topology;
+  const Point& origin = m.at(head);
+  const bool forward = origin < goal;
+  const auto side_of = [&](VertexId v) {
+    return v == infinite_vertex ? 0 : orient2d_fast(origin, goal, m.at(v));
+  };
+  const auto lies_ahead = [&](VertexId v, int side) {
+    return side == 0 && v != infinite_vertex && (origin < m.at(v)) == forward;
+  };
+  // Rotate until an edge lies on the line or a triangle spans it: the near end of its outer edge on
+  // the right, the far one on the left.
+  Edge e = topo.edge_at(head);
+  int side = side_of(topo.target(e));
+  for (StepBound bound(topo.triangle_count());; bound.step()) {
+    const VertexId v = topo.target(e);
+    if (lies_ahead(v, side)) return {true, e};
+    const Edge onward = topo.rotate_ccw(e);
+    const int next_side = side_of(topo.target(onward));
+    if (side < 0 && next_side > 0) return {false, Topology::next(e)};
+    e = onward;
+    side = next_side;
+  }
+}
+
+}  // namespace
+
+Subsegment march(const MeshState& m, VertexId head, VertexId toward) noexcept {
+  const Topology& topo = m.topology;
+  const Point& origin = m.at(head);
+  const Point& goal = m.at(toward);
+  Start start;
+  if (m.owner(head).role() == Role::node || !leave_by_subsegment(m, head, origin < goal, start)) {
+    start = leave(m, head, goal);
+  }
+  Subsegment subsegment;
+  subsegment.head = head;
+  if (start.is_edge) {
+    subsegment.is_edge = true;
+    subsegment.edge = start.edge;
+    subsegment.tail = topo.target(start.edge);
+    return subsegment;
+  }
+  subsegment.head_edge = start.edge;
+  // e always runs from the right of the line to its left, and each triangle is crossed once.
+  Edge e = start.edge;
+  for (StepBound bound(topo.triangle_count());; bound.step()) {
+    if (topo.is_constrained(e)) subsegment.constrained = e;
+    const Edge beyond = topo.twin(e);
+    const VertexId apex = topo.apex(beyond);
+    // Beyond the hull there is no vertex to go to.
+    if (apex == infinite_vertex) stop_lost_walk();
+    const int side = orient2d_fast(origin, goal, m.at(apex));
+    if (side == 0) {
+      // Always onwards, so that no walk from segment to segment comes back to where it was.
+      if ((origin < m.at(apex)) != (origin < goal)) stop_lost_walk();
+      subsegment.tail = apex;
+      subsegment.tail_edge = beyond;
+      return subsegment;
+    }
+    e = side > 0 ? Topology::next(beyond) : Topology::prev(beyond);
+  }
+}
+
+Subsegment between(const MeshState& m, VertexId head, VertexId tail) noexcept {
+  Subsegment subsegment;
+  subsegment.head = head;
+  subsegment.tail = tail;
+  const Start start = leave(m, head, m.at(tail));
+  subsegment.is_edge = start.is_edge;
+  if (start.is_edge) {
+    subsegment.edge = start.edge;
+  } else {
+    subsegment.head_edge = start.edge;
+    subsegment.tail_edge = leave(m, tail, m.at(head)).edge;
+  }
+  return subsegment;
+}
+
+}  // namespace etcm::internal

@@ -1,0 +1,74 @@
+// What a mesh is made of: the head of its storage, and where the arrays behind it lie.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "base/check.h"
+#include "etcm/mesh.h"
+#include "topology/segments.h"
+#include "topology/topology.h"
+
+namespace etcm::internal {
+
+// See hints.cpp.
+struct Hints {
+  VertexId* nodes = nullptr;  // by cell
+  Point low;
+  int cell_bits = 0;  // a cell is 2^cell_bits sub-units wide
+  int side_bits = 0;  // there are 2^side_bits by 2^side_bits of them
+};
+
+inline constexpr std::size_t bytes_per_vertex_triangles = 2 * sizeof(TriangleRecord);
+
+// Lives at the head of the caller's storage, the arrays behind it.
+struct MeshState {
+  MeshConfig config;
+  Topology topology;
+  Point* points = nullptr;            // by vertex
+  Owner* owners = nullptr;            // by vertex
+  Edge* vertex_edges = nullptr;       // by vertex; free and detached vertices: their list
+  SegmentRecord* segments = nullptr;  // by segment
+  std::byte* triangle_memory = nullptr;
+
+  IdValue vertex_end = 1;  // ids from here on were never used
+  IdValue segment_end = 0;
+  VertexId free_vertices{};
+  SegmentId free_segments{};
+  std::uint32_t free_segment_count = 0;
+
+  std::uint32_t node_count = 0;
+  std::uint32_t steiner_count = 0;
+  std::uint32_t feature_count = 0;
+  std::uint32_t unresolved = 0;
+  VertexId only_vertex{};  // the only vertex of a mesh of one, which has no triangle
+
+  Hints hints;
+
+  SegmentId dirty{};              // segments with missing subsegments, in canonical order
+  SegmentId touched{};            // segments the running change has touched
+  VertexId detached{};            // vertices it has taken out
+  SegmentId recycled_segments{};  // segments that features have left over while it runs
+  std::uint32_t steps = 0;        // it has spent
+  bool is_batch = false;          // it links all features, and prunes after each
+  Edge walk_start{};              // where it is at work: the next walk starts here
+  ErrorDetail error_detail;
+  const Mesh* mesh = nullptr;  // for policies
+
+  const Point& at(VertexId v) const noexcept { return points[v.value]; }
+  Owner& owner(VertexId v) noexcept { return owners[v.value]; }
+  const Owner& owner(VertexId v) const noexcept { return owners[v.value]; }
+  SegmentRecord& segment(SegmentId s) noexcept { return segments[s.value]; }
+  const SegmentRecord& segment(SegmentId s) const noexcept { return segments[s.value]; }
+  std::uint32_t vertex_count() const noexcept { return node_count + steiner_count; }
+  bool is_node(VertexId v) const noexcept {
+    return v.value < vertex_end && owner(v).role() == Role::node;
+  }
+};
+
+}  // namespace etcm::internal
+
+namespace etcm {
+inline const internal::MeshState& state_of(const Mesh& mesh) noexcept { return *mesh.state_; }
+inline internal::MeshState& state_of(Mesh& mesh) noexcept { return *mesh.state_; }
+}  // namespace etcm

@@ -1,0 +1,13 @@
+// A vertex out of the canonical triangulation.
+#pragma once
+
+#include "triangulation/mesh_state.h"
+
+namespace etcm::internal {
+
+// Takes the vertex out of the triangulation; its id stays. Edges to it must not be needed.
+void remove_vertex(MeshState& m, VertexId v) noexcept;
+// The same for a Steiner vertex and its subsegments.
+void remove_steiner(MeshState& m, VertexId v) noexcept;
+
+}  // namespace etcm::internal

@@ -1,0 +1,160 @@
+// The records of features and vertices: allocation, incidence, the lists of work.
+#include "triangulation/segment_store.h"
+
+#include <utility>
+
+#include "topology/segments.h"
+#include "triangulation/mesh_state.h"
+
+namespace etcm::internal {
+namespace {
+
+SegmentId& next_slot(MeshState& m, SegmentId s, VertexId node) noexcept {
+  SegmentRecord& r = m.segment(s);
+  return r.from == node ? r.next_at_from : r.next_at_to;
+}
+
+void unlink_at(MeshState& m, SegmentId s, VertexId node) noexcept {
+  const SegmentId after = next_slot(m, s, node);
+  SegmentId head = m.owner(node).segment();
+  if (head == s) {
+    m.owner(node) = Owner(Role::node, after);
+    return;
+  }
+  while (next_slot(m, head, node) != s) head = next_slot(m, head, node);
+  next_slot(m, head, node) = after;
+}
+
+void link_at(MeshState& m, SegmentId s, VertexId node) noexcept {
+  next_slot(m, s, node) = m.owner(node).segment();
+  m.owner(node) = Owner(Role::node, s);
+}
+
+}  // namespace
+
+VertexId allocate_vertex(MeshState& m) noexcept {
+  if (!m.free_vertices.is_none()) {
+    const VertexId v = m.free_vertices;
+    m.free_vertices = VertexId{m.vertex_edges[v.value].value};
+    return v;
+  }
+  if (m.vertex_end > m.config.vertices_max) return VertexId::none();
+  const VertexId v{m.vertex_end};
+  m.vertex_end = static_cast<IdValue>(m.vertex_end + 1u);
+  return v;
+}
+
+void free_vertex(MeshState& m, VertexId v) noexcept {
+  m.owner(v) = Owner{};
+  m.vertex_edges[v.value] = Edge{m.free_vertices.value};
+  m.free_vertices = v;
+}
+
+SegmentId allocate_segment(MeshState& m) noexcept {
+  SegmentId s = m.free_segments;
+  if (!s.is_none()) {
+    m.free_segments = m.segment(s).next;
+    --m.free_segment_count;
+  } else {
+    if (m.segment_end >= m.config.features_max) return SegmentId::none();
+    s = SegmentId{m.segment_end};
+    m.segment_end = static_cast<IdValue>(m.segment_end + 1u);
+  }
+  m.segment(s) = SegmentRecord{};
+  m.segment(s).next_dirty = not_listed;
+  m.segment(s).next_touched = not_listed;
+  m.segment(s).next_at_from = not_listed;
+  return s;
+}
+
+void free_segment(MeshState& m, SegmentId s) noexcept {
+  m.segment(s).from = VertexId::none();
+  m.segment(s).root = free_root;
+  m.segment(s).next = m.free_segments;
+  m.free_segments = s;
+  ++m.free_segment_count;
+}
+
+void link_segment(MeshState& m, SegmentId s) noexcept {
+  link_at(m, s, m.segment(s).from);
+  link_at(m, s, m.segment(s).to);
+}
+
+void unlink_segment(MeshState& m, SegmentId s) noexcept {
+  unlink_at(m, s, m.segment(s).from);
+  unlink_at(m, s, m.segment(s).to);
+  m.segment(s).next_at_from = not_listed;
+}
+
+bool is_free(const MeshState& m, SegmentId s) noexcept { return m.segment(s).root == free_root; }
+
+bool is_linked(const MeshState& m, SegmentId s) noexcept {
+  return !m.segment(s).from.is_none() && m.segment(s).next_at_from != not_listed;
+}
+
+SegmentId next_at(const MeshState& m, SegmentId s, VertexId node) noexcept {
+  const SegmentRecord& r = m.segment(s);
+  return r.from == node ? r.next_at_from : r.next_at_to;
+}
+
+SegmentId segment_of_edge(const MeshState& m, VertexId u, VertexId v) noexcept {
+  if (m.owner(u).role() != Role::node) return m.owner(u).segment();
+  if (m.owner(v).role() != Role::node) return m.owner(v).segment();
+  for (SegmentId s = m.owner(u).segment(); !s.is_none(); s = next_at(m, s, u)) {
+    const SegmentRecord& r = m.segment(s);
+    if (r.from == v || r.to == v) return s;
+  }
+  return SegmentId::none();
+}
+
+FeatureId feature_of(const MeshState& m, SegmentId s) noexcept {
+  if (s.is_none()) return FeatureId::none();
+  return FeatureId{static_cast<IdValue>(m.segment(s).root & static_cast<IdValue>(~reversed_bit))};
+}
+
+bool precedes(const MeshState& m, SegmentId a, SegmentId b) noexcept {
+  const SegmentRecord& r = m.segment(a);
+  const SegmentRecord& s = m.segment(b);
+  if (r.from != s.from) return m.at(r.from) < m.at(s.from);
+  return m.at(r.to) < m.at(s.to);
+}
+
+void cut_segment(MeshState& m, SegmentId s, VertexId v, SegmentId rest) noexcept {
+  unlink_segment(m, s);
+  SegmentRecord& r = m.segment(s);
+  SegmentRecord& q = m.segment(rest);
+  q.from = v;
+  q.to = r.to;
+  q.next = r.next;
+  q.root = r.root;
+  r.to = v;
+  r.next = rest;
+  link_segment(m, s);
+  link_segment(m, rest);
+}
+
+void rejoin_segments(MeshState& m, SegmentId s, SegmentId rest) noexcept {
+  unlink_segment(m, s);
+  unlink_segment(m, rest);
+  m.segment(s).to = m.segment(rest).to;
+  m.segment(s).next = m.segment(rest).next;
+  link_segment(m, s);
+}
+
+Point point_at(const MeshState& m, SegmentId s, Parameter t) noexcept {
+  const Point& from = m.at(m.segment(s).from);
+  const Point& to = m.at(m.segment(s).to);
+  return {from.x + t * ((to.x - from.x) / subunits_per_unit),
+          from.y + t * ((to.y - from.y) / subunits_per_unit)};
+}
+
+Parameter parameter_of(const MeshState& m, SegmentId s, VertexId v) noexcept {
+  const Point& from = m.at(m.segment(s).from);
+  const Point& to = m.at(m.segment(s).to);
+  const std::int64_t dx = (to.x - from.x) / subunits_per_unit;
+  const std::int64_t dy = (to.y - from.y) / subunits_per_unit;
+  const Point& p = m.at(v);
+  return static_cast<Parameter>(dx != 0 ? (p.x - from.x) / dx : (p.y - from.y) / dy);
+}
+
+}  // namespace etcm::internal

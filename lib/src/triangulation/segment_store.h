@@ -1,0 +1,33 @@
+// The records of vertices and segments: allocation, incidence, grids.
+#pragma once
+
+#include "etcm/policy.h"
+#include "triangulation/mesh_state.h"
+
+namespace etcm::internal {
+
+VertexId allocate_vertex(MeshState& m) noexcept;  // none: no room
+void free_vertex(MeshState& m, VertexId v) noexcept;
+SegmentId allocate_segment(MeshState& m) noexcept;  // none: no room
+void free_segment(MeshState& m, SegmentId s) noexcept;
+// Into and out of the incidence lists of its two ends.
+void link_segment(MeshState& m, SegmentId s) noexcept;
+void unlink_segment(MeshState& m, SegmentId s) noexcept;
+bool is_free(const MeshState& m, SegmentId s) noexcept;
+// Whether it is in them: part of a feature that lies in the mesh.
+bool is_linked(const MeshState& m, SegmentId s) noexcept;
+SegmentId next_at(const MeshState& m, SegmentId s, VertexId node) noexcept;
+// The segment that has a subsegment between u and v. O(features at u) if both are nodes, else O(1).
+SegmentId segment_of_edge(const MeshState& m, VertexId u, VertexId v) noexcept;
+FeatureId feature_of(const MeshState& m, SegmentId s) noexcept;
+// Canonical order: by the lexicographically smaller end, then by the greater.
+bool precedes(const MeshState& m, SegmentId a, SegmentId b) noexcept;
+// Node v, on segment s, cuts it in two: s ends there and `rest` takes over. And back.
+void cut_segment(MeshState& m, SegmentId s, VertexId v, SegmentId rest) noexcept;
+void rejoin_segments(MeshState& m, SegmentId s, SegmentId rest) noexcept;
+
+// The place of a parameter on a segment's grid, and the reverse for a vertex on it.
+Point point_at(const MeshState& m, SegmentId s, Parameter t) noexcept;
+Parameter parameter_of(const MeshState& m, SegmentId s, VertexId v) noexcept;
+
+}  // namespace etcm::internal
