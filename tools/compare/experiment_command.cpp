@@ -5,10 +5,10 @@
 
 #include "compare/commands.h"
 #include "compare/experiment.h"
-#include "compare/figures.h"
-#include "compare/mesh_panels.h"
 #include "compare/progress.h"
-#include "compare/tables.h"
+#include "compare/report/figures.h"
+#include "compare/report/mesh_panels.h"
+#include "compare/report/tables.h"
 #include "etcm/files/file_set.h"
 
 namespace etcm::compare {

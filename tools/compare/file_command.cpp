@@ -7,7 +7,7 @@
 #include "compare/commands.h"
 #include "compare/measurement.h"
 #include "compare/progress.h"
-#include "compare/tables.h"
+#include "compare/report/tables.h"
 #include "etcm/files/error.h"
 #include "inputs/owned_mesh.h"
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "compare/crossed.h"
-#include "compare/etcm_literal.h"
+#include "compare/systems/crossed.h"
+#include "compare/systems/etcm_literal.h"
 
 namespace etcm::compare {
 namespace {

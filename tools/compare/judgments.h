@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "compare/attempt.h"
+#include "compare/systems/attempt.h"
 #include "inputs/graph.h"
 
 namespace etcm::compare {

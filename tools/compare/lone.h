@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "compare/system.h"
+#include "compare/systems/system.h"
 #include "inputs/random_graph.h"
 
 namespace etcm::compare {

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "compare/system.h"
+#include "compare/systems/system.h"
 
 namespace etcm::compare {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "compare/stopwatch.h"
+#include "compare/systems/stopwatch.h"
 
 namespace etcm::compare {
 

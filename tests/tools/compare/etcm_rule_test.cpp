@@ -1,8 +1,8 @@
 // The paper's rule where the places can be worked out by hand: Algorithm 2, word for word.
 #include <gtest/gtest.h>
 
-#include "compare/etcm_literal.h"
-#include "compare/system.h"
+#include "compare/systems/etcm_literal.h"
+#include "compare/systems/system.h"
 #include "compare/variants.h"
 #include "hand_made.h"
 #include "inputs/owned_mesh.h"

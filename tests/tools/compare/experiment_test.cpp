@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "compare/mesh_panels.h"
-#include "compare/tables.h"
+#include "compare/report/mesh_panels.h"
+#include "compare/report/tables.h"
 
 namespace etcm::compare {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "compare/attempt.h"
+#include "compare/systems/attempt.h"
 #include "inputs/graph.h"
 
 namespace etcm::compare {

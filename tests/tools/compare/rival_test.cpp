@@ -1,6 +1,6 @@
 // What the systems of the paper share: a rule sees the endpoints as they were given, and the loop
 // looks again only where something has changed.
-#include "compare/rival.h"
+#include "compare/systems/rival.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "compare/attempt.h"
+#include "compare/systems/attempt.h"
 #include "conforming/conform.h"
 #include "conforming/features.h"
 #include "conforming/running_change.h"

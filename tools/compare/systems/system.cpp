@@ -1,4 +1,4 @@
-#include "compare/system.h"
+#include "compare/systems/system.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "compare/attempt.h"
+#include "compare/systems/attempt.h"
 
 #include <algorithm>
 

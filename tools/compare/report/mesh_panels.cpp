@@ -1,10 +1,10 @@
-#include "compare/mesh_panels.h"
+#include "compare/report/mesh_panels.h"
 
 #include <cstdio>
 #include <utility>
 #include <vector>
 
-#include "compare/system.h"
+#include "compare/systems/system.h"
 #include "etcm/files/picture.h"
 #include "inputs/owned_mesh.h"
 

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "compare/stopwatch.h"
-#include "compare/system.h"
+#include "compare/systems/stopwatch.h"
+#include "compare/systems/system.h"
 #include "inputs/random.h"
 
 namespace etcm::compare {

@@ -1,11 +1,11 @@
-#include "compare/tables.h"
+#include "compare/report/tables.h"
 
 #include <cmath>
 #include <sstream>
 
-#include "compare/reading_tables.h"
-#include "compare/standing.h"
-#include "compare/table_text.h"
+#include "compare/report/reading_tables.h"
+#include "compare/report/standing.h"
+#include "compare/report/table_text.h"
 
 namespace etcm::compare {
 namespace {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compare/attempt.h"
+#include "compare/systems/attempt.h"
 
 namespace etcm::compare {
 

@@ -1,7 +1,7 @@
 // What a missing piece crosses: the edges between the triangles that it runs through.
 #pragma once
 
-#include "compare/rival.h"
+#include "compare/systems/rival.h"
 #include "etcm/predicates.h"
 
 namespace etcm::compare {

@@ -2,8 +2,8 @@
 // again on what is still missing. On the grid the crossing is the nearest place on the feature.
 #include <algorithm>
 
-#include "compare/crossed.h"
-#include "compare/system.h"
+#include "compare/systems/crossed.h"
+#include "compare/systems/system.h"
 
 namespace etcm::compare {
 namespace {

@@ -1,4 +1,4 @@
-#include "compare/table_text.h"
+#include "compare/report/table_text.h"
 
 #include <iomanip>
 #include <sstream>

@@ -1,7 +1,7 @@
 // The paper's split rule word for word.
 #pragma once
 
-#include "compare/rival.h"
+#include "compare/systems/rival.h"
 
 namespace etcm::compare {
 

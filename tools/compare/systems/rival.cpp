@@ -1,9 +1,9 @@
-#include "compare/rival.h"
+#include "compare/systems/rival.h"
 
 #include <algorithm>
 #include <span>
 
-#include "compare/stopwatch.h"
+#include "compare/systems/stopwatch.h"
 #include "conforming/feasible_parameter.h"
 #include "inputs/owned_mesh.h"
 

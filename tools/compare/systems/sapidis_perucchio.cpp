@@ -1,6 +1,6 @@
 // Sapidis and Perucchio: the middle of a missing piece, and again on what is still missing.
-#include "compare/rival.h"
-#include "compare/system.h"
+#include "compare/systems/rival.h"
+#include "compare/systems/system.h"
 
 namespace etcm::compare {
 

@@ -1,4 +1,4 @@
-#include "compare/crossed.h"
+#include "compare/systems/crossed.h"
 
 #include <cmath>
 

@@ -1,8 +1,8 @@
 // Wei, Xiao, Zhou, from what the ETCM paper tells: from the end that was given first, as far as its
 // circle reaches, and again from there; where the circle of the other end overlaps, the middle of
 // the overlap finishes the rest.
-#include "compare/rival.h"
-#include "compare/system.h"
+#include "compare/systems/rival.h"
+#include "compare/systems/system.h"
 
 namespace etcm::compare {
 namespace {

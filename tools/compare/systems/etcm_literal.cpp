@@ -1,8 +1,8 @@
 // ETCM word for word: the split rule of Algorithm 2, features as they come, no pruning. Not the
 // library's `paper` policy, which is that rule inside our build and needs other counts.
-#include "compare/etcm_literal.h"
+#include "compare/systems/etcm_literal.h"
 
-#include "compare/system.h"
+#include "compare/systems/system.h"
 
 namespace etcm::compare {
 

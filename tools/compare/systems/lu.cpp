@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "compare/crossed.h"
-#include "compare/system.h"
+#include "compare/systems/crossed.h"
+#include "compare/systems/system.h"
 
 namespace etcm::compare {
 namespace {

@@ -4,8 +4,8 @@
 // Two features that meet at a narrow angle would halve each other for ever, so a point added to a
 // feature does not count against another that it meets in a node. Such a mesh is Delaunay and
 // conforming all the same.
-#include "compare/rival.h"
-#include "compare/system.h"
+#include "compare/systems/rival.h"
+#include "compare/systems/system.h"
 
 namespace etcm::compare {
 namespace {

@@ -1,10 +1,10 @@
-#include "compare/reading_tables.h"
+#include "compare/report/reading_tables.h"
 
 #include <algorithm>
 #include <sstream>
 
-#include "compare/standing.h"
-#include "compare/table_text.h"
+#include "compare/report/standing.h"
+#include "compare/report/table_text.h"
 
 namespace etcm::compare {
 namespace {

@@ -1,7 +1,7 @@
 // This library as its users get it, Mesh::build(): with the default policy it is "ours", with the
 // policy `paper` it is the paper's split rule inside our build.
-#include "compare/stopwatch.h"
-#include "compare/system.h"
+#include "compare/systems/stopwatch.h"
+#include "compare/systems/system.h"
 #include "inputs/owned_mesh.h"
 
 namespace etcm::compare {

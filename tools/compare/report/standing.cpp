@@ -1,4 +1,4 @@
-#include "compare/standing.h"
+#include "compare/report/standing.h"
 
 #include <map>
 

@@ -1,4 +1,4 @@
-#include "compare/figures.h"
+#include "compare/report/figures.h"
 
 #include <spawn.h>
 #include <sys/wait.h>
