@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -22,12 +23,46 @@ LIBRARY_HEADERS = {
 # Folder, and what files in it must not include (a pattern on the included path).
 FORBIDDEN_ARROWS = [
     ("lib", r"^(etcm/port|port|firmware|tools|tests|modbus|posix|files|inputs)/"),
-    ("lib/src/topology", r"geometry/"),
     ("port/include", r"(modbus|gpiod|microhttpd|systemd)"),
     ("port", r"^(firmware|tools|tests)/"),
     ("port/posix", r"^(modbus|gpiod|microhttpd)"),
     ("firmware", r"^(tools|tests|modbus/modbus\.h|gpiod|microhttpd)"),
     ("tools", r"^(firmware/(?!protocol/)|tests)/"),
+]
+
+# Rooms, from the bottom up: each may include those it names, and itself. A header is named with its
+# room, so that the arrow shows in the line that makes it.
+LIBRARY_ROOMS = {
+    "base": (),
+    "geometry": ("base",),
+    "topology": ("base",),
+    "triangulation": ("base", "geometry", "topology"),
+    "conforming": ("base", "geometry", "topology", "triangulation"),
+    "mesh": ("base", "geometry", "topology", "triangulation", "conforming"),
+    "analysis": ("base", "geometry", "topology", "triangulation"),
+}
+FIRMWARE_ROOMS = {
+    "logging": (),
+    "protocol": (),
+    "site": ("protocol",),
+    "config": ("logging", "protocol", "site"),
+    "polling": ("logging", "protocol", "site", "config"),
+    "records": ("logging", "protocol", "site", "config", "polling"),
+    "mesh": ("logging", "protocol", "site", "config", "polling", "records"),
+    "nodes": ("logging", "protocol", "site", "config", "polling", "records", "mesh"),
+    "persist": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes"),
+    "publish": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes"),
+    "gateway": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes",
+                "persist", "publish"),
+    "status": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes",
+               "persist", "publish", "gateway"),
+    "app": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes",
+            "persist", "publish", "gateway", "status"),
+}
+# Folder, what an include of a room begins with there, and the rooms.
+HOUSES = [
+    ("lib/src", "", LIBRARY_ROOMS),
+    ("firmware", "firmware/", FIRMWARE_ROOMS),
 ]
 
 
@@ -112,6 +147,71 @@ def arrows():
                     yield f"{name(path)}:{number}: {folder} must not include {header}"
 
 
+def rooms(root=ROOT):
+    """Inside lib/src and firmware every file is in a room, and includes go down."""
+    for folder, prefix, allowed in HOUSES:
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix not in (".h", ".cpp"):
+                continue
+            place = path.relative_to(root)
+            room = path.relative_to(root / folder).parts[0]
+            if room not in allowed:
+                yield f"{place}: is in no room of {folder}; its rooms are {', '.join(allowed)}"
+                continue
+            for number, is_system, header in includes(path):
+                if is_system or not header.startswith(prefix):
+                    beside = (path.parent / header).is_file()
+                    if not is_system and beside:
+                        yield f'{place}:{number}: "{header}" needs its room: "{prefix}{room}/{header}"'
+                    continue
+                other = header[len(prefix):].split("/")[0]
+                if other in allowed and other != room and other not in allowed[room]:
+                    yield f"{place}:{number}: {room} must not include {other}; it may include " + (
+                        ", ".join(allowed[room]) or "no other room")
+
+
+def rooms_are_watched():
+    """The rule above would see an include that goes up, one without a room, and a stray file."""
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        planted = {
+            "lib/src/topology/planted.cpp": '#include "geometry/predicates_inline.h"\n',
+            "firmware/records/planted.cpp": '#include "firmware/mesh/node_placement.h"\n',
+            "firmware/polling/beside.h": "",
+            "firmware/polling/planted.cpp": '#include "beside.h"\n',
+            "firmware/stray.cpp": "",
+            "firmware/mesh/good.cpp": '#include "firmware/records/node_table.h"\n',
+        }
+        for name_, text in planted.items():
+            (root / name_).parent.mkdir(parents=True, exist_ok=True)
+            (root / name_).write_text(text)
+        seen = {complaint.split(":")[0] for complaint in rooms(root)}
+    for name_ in planted:
+        should = "planted" in name_ or "stray" in name_
+        if should != (name_ in seen):
+            yield f"rooms(): {'misses' if should else 'complains of'} {name_}"
+
+
+def room_signs():
+    """Each room has a sign at its door."""
+    for folder, _, allowed in HOUSES:
+        for room in allowed:
+            if not (ROOT / folder / room / "README.md").is_file():
+                yield f"{folder}/{room}: has no README.md; say what lives here and what it may include"
+
+
+def crowded_folders():
+    """A folder with more than 25 sources wants rooms."""
+    for top in ("lib", "port", "firmware", "tools"):
+        counts = {}
+        for path in files(".cpp", ".h", under=(top,)):
+            # A header and its source are one.
+            counts.setdefault(path.parent, set()).add(path.stem)
+        for folder, stems in counts.items():
+            if len(stems) > 25:
+                yield f"{name(folder)}: {len(stems)} sources; find the rooms in it"
+
+
 def readme_example():
     """The example in README.md is the one that is compiled and run."""
     example = (ROOT / "tests/install/outside/example.cpp").read_text()
@@ -146,7 +246,8 @@ def format():
         yield f"clang-format failed: {result.stderr.strip()}"
 
 
-RULES = [file_length, no_leftovers, readmes, pragma_once, library_includes, arrows, readme_example,
+RULES = [file_length, no_leftovers, readmes, pragma_once, library_includes, arrows, rooms,
+         rooms_are_watched, room_signs, crowded_folders, readme_example,
          links, format]
 
 
