@@ -90,17 +90,17 @@ void MeshKeeper::leave(NodeRecord& node, const char* why, std::uint32_t generati
   remove_features_at(node.serial);
   const bool lost_features = features_.active_count() != start.features_active;
   // The mesh would only say the same again.
-  if (node.rejected_to_leave && node.rejected_epoch == epoch_ && !lost_features) return;
+  if (node.leave_rejected && node.rejected_epoch == epoch_ && !lost_features) return;
   AnchorRecord* const anchor = anchor_of(node);
   if (anchor != nullptr) anchor->is_taken = false;
   const Status status = anchor != nullptr ? Status::ok : mesh_.leave(node.vertex);
-  node.rejected_to_leave = status != Status::ok;
+  node.leave_rejected = status != Status::ok;
   // A rejection alone makes room for nobody.
-  if (!node.rejected_to_leave || lost_features) {
+  if (!node.leave_rejected || lost_features) {
     ++epoch_;
     changed_ = true;
   }
-  if (node.rejected_to_leave) return reject(node, "leave", status, start);
+  if (node.leave_rejected) return reject(node, "leave", status, start);
   serials_[node.vertex.value] = no_serial;
   node.vertex = VertexId::none();
   node.rejection = {};
@@ -112,8 +112,8 @@ void MeshKeeper::leave(NodeRecord& node, const char* why, std::uint32_t generati
 
 void MeshKeeper::stay(NodeRecord& node) {
   // One outside the domain is not wanted.
-  if (!node.rejected_to_leave || place_of(node.placed) != DomainPlace::inside) return;
-  node.rejected_to_leave = false;
+  if (!node.leave_rejected || place_of(node.placed) != DomainPlace::inside) return;
+  node.leave_rejected = false;
   clear_rejection(node);
   activate_features_at(node.serial);
 }

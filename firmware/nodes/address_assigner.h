@@ -29,7 +29,7 @@ class AddressAssigner {
   // This node answered at the default unit.
   void on_newcomer(std::uint32_t bus, std::uint32_t serial, port::Instant now);
 
-  // As Requests have them.
+  // As a RequestSource has them.
   port::Instant due(std::uint32_t bus) const;
   void next(std::uint32_t bus, BusRequest& request);
   // Returns the unit where the node answers now, or no_unit while there is no such.

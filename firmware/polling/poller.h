@@ -97,7 +97,7 @@ class Poller {
   std::uint32_t unit_at(std::uint32_t bus, std::uint8_t address) const {
     return lines_[bus].unit_at[address];
   }
-  // From when on an request may read or write there (node_bus.h).
+  // From when on a request may read or write there (node_bus.h).
   port::Instant read_free_at(std::uint32_t unit) const;
   port::Instant write_free_at(std::uint32_t unit) const;
   std::uint8_t address_of(std::uint32_t unit) const { return units_[unit].address; }

@@ -9,7 +9,7 @@ namespace etcm::firmware {
 namespace {
 
 // Units that do not answer get one part in so many of the time of a bus that others want.
-constexpr std::int64_t retry_share = 32;
+constexpr std::int64_t retry_time_share = 32;
 // So have requests.
 constexpr std::int64_t request_share = 16;
 
@@ -37,7 +37,7 @@ void Poller::call_for(std::uint32_t index, port::Instant due, port::Instant now)
   const Unit& unit = units_[index];
   Line& line = lines_[unit.bus];
   if (now < line.call_allowed) return bring_forward(index, due);
-  line.call_allowed = now + retry_cost(line, unit) * retry_share;
+  line.call_allowed = now + retry_cost(line, unit) * retry_time_share;
   ask_unit_at_once(index, now);
 }
 
@@ -133,7 +133,7 @@ void Poller::note_cost(Unit& unit, const port::BusAnswer& answer, port::Instant 
   if (unit.asking == Asking::turn) {
     // Who was never there is asked again in the time of those that fail.
     if (answer.result != port::BusResult::ok && !unit.has_answered) {
-      line.retry_allowed = std::max(line.retry_allowed, now + cost * (retry_share - 1));
+      line.retry_allowed = std::max(line.retry_allowed, now + cost * (retry_time_share - 1));
     }
     return;
   }
@@ -141,7 +141,7 @@ void Poller::note_cost(Unit& unit, const port::BusAnswer& answer, port::Instant 
     --line.retries_under_way;
     // Who answers takes no more than those that are there.
     if (answer.result != port::BusResult::ok) {
-      line.retry_allowed = now + cost * (retry_share - 1);
+      line.retry_allowed = now + cost * (retry_time_share - 1);
     }
     return;
   }

@@ -30,7 +30,7 @@ class NeighbourDistributor {
   // Nodes may have new neighbours, a new unit, or have booted.
   void invalidate();
 
-  // As Requests have them. `generation` is the one the neighbours belong to.
+  // As a RequestSource has them. `generation` is the one the neighbours belong to.
   port::Instant due(std::uint32_t bus) const;
   bool next(std::uint32_t bus, std::uint32_t generation, port::Instant now, BusRequest& request);
   void done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now);

@@ -35,7 +35,7 @@ struct NodeRecord {
 
   // In quarantine; tried again when the node reports another place or the mesh made room.
   Rejection rejection;
-  bool rejected_to_leave = false;  // the mesh could not do without it
+  bool leave_rejected = false;  // the mesh could not do without it
   Position rejected_at;
   std::uint32_t rejected_epoch = 0;
   port::Instant rejected_since{};
