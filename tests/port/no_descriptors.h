@@ -11,6 +11,14 @@
 
 namespace etcm::port {
 
+// A sanitizer that meets a type for the first time looks at it through a pipe, and takes the type
+// for a wrong one where it gets none: such a test is for the other builds.
+#ifdef __SANITIZE_ADDRESS__
+inline constexpr bool needs_descriptors_itself = true;
+#else
+inline constexpr bool needs_descriptors_itself = false;
+#endif
+
 // Until the limit is lifted this process can open nothing.
 class NoDescriptors {
  public:

