@@ -37,7 +37,8 @@ std::size_t details_of(std::string_view line) { return std::min(line.find('('), 
 // Where a record with this hash may be, of the first `count`.
 template <class Record>
 std::span<Record> set_of(std::vector<Record>& records, std::uint64_t hash, std::size_t count) {
-  return std::span(records).subspan((hash >> 32) % (count / set_size) * set_size, set_size);
+  return std::span(records).subspan(
+      static_cast<std::size_t>(hash >> 32) % (count / set_size) * set_size, set_size);
 }
 
 template <class Record>
