@@ -93,7 +93,8 @@ TEST(EventfulHistory, IsAnalysedAtEachStep) {
   std::size_t times_empty = 0;
   for (std::uint64_t seed = 1; seed <= (is_emulated ? 3u : 20u); ++seed) {
     const auto mesh = empty_mesh(300, 60);
-    History history(**mesh, seed % 2 == 0 ? 6 : 1000, seed % 13, seed, Course::eventful);
+    History history(**mesh, seed % 2 == 0 ? 6 : 1000, static_cast<std::size_t>(seed % 13), seed,
+                    Course::eventful);
     AnalysisCheck analysis(300, seed);
     for (int event = 1; event <= 300; ++event) {
       ASSERT_TRUE(history.step()) << "seed " << seed << ", event " << event;
