@@ -10,6 +10,7 @@
 
 #include "peer.h"
 #include "pseudo_terminal.h"
+#include "support/emulated.h"
 
 namespace etcm::port {
 namespace {
@@ -27,6 +28,8 @@ TEST(SerialPort, IsSetAsTheLineSays) {
       {19200, B19200},   {38400, B38400},   {57600, B57600},  {115200, B115200},
       {230400, B230400}, {460800, B460800}, {921600, B921600}};
   for (const auto& [baud, speed] : speeds) {
+    // QEMU's table of speeds ends before this one.
+    if (test::is_emulated && speed == B921600) continue;
     for (const Parity parity : {Parity::none, Parity::even, Parity::odd}) {
       for (const std::uint8_t stop_bits : {std::uint8_t{1}, std::uint8_t{2}}) {
         ASSERT_TRUE(is_baud(baud));
