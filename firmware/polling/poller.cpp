@@ -52,6 +52,7 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
     Line line{.polled = bus,
               .unit_at = std::vector<std::uint32_t>(256, no_unit),
               .turns = {},
+              .repeats = {},
               .retries = {},
               .retries_max = std::max(1u, bus.settings->outstanding_max / 2),
               .retry_cost_max = cost_max(*bus.settings),
@@ -69,6 +70,7 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
     if (!bus.settings->assign.empty()) add({{default_unit, default_unit}}, true);
     add(bus.settings->scan, false);
     line.turns.reserve(line.turns.size() + line.discovery.size());
+    line.repeats.reserve(line.turns.capacity());
     line.retries.reserve(line.turns.capacity());
     lines_.push_back(std::move(line));
   }
@@ -99,7 +101,7 @@ port::Instant Poller::update_settings(port::Instant now) {
   for (Line& line : lines_) {
     line.retry_cost_max = cost_max(*line.polled.settings);
     heard_by = std::max(heard_by, asked_by + line.retry_cost_max);
-    for (std::vector<Turn>* const turns : {&line.turns, &line.retries}) {
+    for (std::vector<Turn>* const turns : {&line.turns, &line.repeats, &line.retries}) {
       for (Turn& turn : *turns) turn.due = std::min(turn.due, now + pause_of(turn.unit));
       std::make_heap(turns->begin(), turns->end(), later);
     }
@@ -152,7 +154,10 @@ bool Poller::ask_next(std::uint32_t number, port::Instant now) {
     }
     const Turn next = turn;
     turns->pop_back();
-    ask(line, next, turns == &line.retries ? Asking::retry : Asking::turn, now);
+    const Asking asking = turns == &line.turns     ? Asking::turn
+                          : turns == &line.repeats ? Asking::repeat
+                                                   : Asking::retry;
+    ask(line, next, asking, now);
     return true;
   }
   return false;
@@ -184,7 +189,7 @@ void Poller::ask(Line& line, const Turn& turn, Asking asking, port::Instant now)
   Unit& unit = units_[turn.unit];
   unit.due = turn.due;
   unit.asking = asking;
-  if (asking == Asking::retry) ++line.retries_under_way;
+  if (asking == Asking::repeat || asking == Asking::retry) ++line.retries_under_way;
   if (asking == Asking::scan) line.scan_under_way = true;
   unit.asked_at = now;
   ++unit.counters.requests;
@@ -196,27 +201,39 @@ void Poller::ask(Line& line, const Turn& turn, Asking asking, port::Instant now)
 // Where the next question comes from: whoever has waited longest and may be asked. Null for nobody.
 std::vector<Poller::Turn>* Poller::next_turns(Line& line, port::Instant now) const {
   const port::Instant turn = line.turns.empty() ? port::never : line.turns.front().due;
-  const port::Instant retry = retry_due(line, now);
-  if (std::min(turn, retry) > now) return nullptr;
-  if (takes_one(line)) {
-    // A retry of a busy line has its share of the time, however long the others have waited; but
-    // where they will soon have been asked it comes after them, unless somebody calls for it.
-    if (turn > now) return &line.retries;
-    const bool is_first = retry <= now && (line.retries.front().due == port::Instant{} ||
-                                           now - retry >= settings_.interval);
-    return is_first ? &line.retries : &line.turns;
-  }
-  return turn <= retry ? &line.turns : &line.retries;
+  const port::Instant repeat = repeat_start(line, now);
+  const port::Instant retry = retry_start(line, now);
+  if (std::min({turn, repeat, retry}) > now) return nullptr;
+  std::vector<Turn>* const failing = repeat <= retry ? &line.repeats : &line.retries;
+  if (!takes_one(line)) return turn <= std::min(repeat, retry) ? &line.turns : failing;
+  if (turn > now) return failing;
+  if (repeat <= now) return &line.repeats;
+  // A retry of a busy line has its share of the time, however long the others have waited; but
+  // where they will soon have been asked it comes after them, unless somebody calls for it.
+  const bool is_first = retry <= now && (line.retries.front().due == port::Instant{} ||
+                                         now - retry >= settings_.interval);
+  return is_first ? &line.retries : &line.turns;
 }
 
-// When a failing unit may be asked, as far as that is known now.
-port::Instant Poller::retry_due(const Line& line, port::Instant now) const {
-  if (line.retries.empty() || line.retries_under_way >= line.retries_max) return port::never;
-  const port::Instant due = line.retries.front().due;
+// When the first of these failing units may be asked, as far as that is known now.
+port::Instant Poller::start_at_cost(const Line& line, const std::vector<Turn>& turns,
+                                    const TimeShare& share, port::Instant now) const {
+  if (turns.empty() || line.retries_under_way >= line.retries_max) return port::never;
+  const port::Instant due = turns.front().due;
   if (!takes_one(line) || line.turns.empty()) return due;
-  const port::Duration cost = retry_cost(line, units_[line.retries.front().unit]);
+  const port::Duration cost = retry_cost(line, units_[turns.front().unit]);
   const bool is_idle = line.turns.front().due > std::max(due, now) + cost;
-  return is_idle ? due : std::max(due, line.retry_allowed);
+  return is_idle ? due : std::max(due, share.free_at());
+}
+
+port::Instant Poller::repeat_start(const Line& line, port::Instant now) const {
+  const bool is_first = !line.repeats.empty() && !units_[line.repeats.front().unit].has_answered;
+  return start_at_cost(line, line.repeats, is_first ? line.first_repeat_share : line.repeat_share,
+                       now);
+}
+
+port::Instant Poller::retry_start(const Line& line, port::Instant now) const {
+  return start_at_cost(line, line.retries, line.retry_share, now);
 }
 
 port::Instant Poller::next_deadline() const {
@@ -228,7 +245,8 @@ port::Instant Poller::next_deadline() const {
     deadline =
         std::min({deadline, request_start(number, stepped_at_), scan_start(line, stepped_at_)});
     if (!line.turns.empty()) deadline = std::min(deadline, line.turns.front().due);
-    deadline = std::min(deadline, retry_due(line, stepped_at_));
+    deadline =
+        std::min({deadline, repeat_start(line, stepped_at_), retry_start(line, stepped_at_)});
   }
   return deadline;
 }
@@ -242,12 +260,15 @@ bool Poller::is_stalled(std::uint32_t bus, port::Instant now, port::Duration pat
   }
   if (!line.polled.bus->ready()) return false;
   const port::Instant turn = line.turns.empty() ? port::never : line.turns.front().due;
-  const port::Instant due = std::min(turn, retry_due(line, now));
+  const port::Instant due = std::min({turn, repeat_start(line, now), retry_start(line, now)});
   return due <= now && std::max(due, line.progressed_at) + patience < now;
 }
 
 void Poller::ask_unit_at_once(std::uint32_t unit, port::Instant now) {
-  lines_[units_[unit].bus].retry_allowed = now;
+  Line& line = lines_[units_[unit].bus];
+  for (TimeShare* const share : {&line.repeat_share, &line.first_repeat_share, &line.retry_share}) {
+    share->open(now);
+  }
   bring_forward(unit, port::Instant{});
 }
 
@@ -260,7 +281,7 @@ void Poller::bring_forward(std::uint32_t index, port::Instant due) {
     --line.undiscovered;
     return ask_again(index, due);
   }
-  for (std::vector<Turn>* const turns : {&line.turns, &line.retries}) {
+  for (std::vector<Turn>* const turns : {&line.turns, &line.repeats, &line.retries}) {
     const auto found = std::find_if(turns->begin(), turns->end(),
                                     [&](const Turn& turn) { return turn.unit == index; });
     if (found == turns->end()) continue;
@@ -324,7 +345,10 @@ void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Inst
 void Poller::miss(std::uint32_t index, std::string_view why, bool is_silence, port::Instant now) {
   const bool was_sound = is_sound(index);
   fail(index, why, is_silence, now);
-  if (was_sound) repeat(index, now);
+  const Unit& unit = units_[index];
+  const Line& line = lines_[unit.bus];
+  // Networks lose no frame; what is behind them does, but not of all at once.
+  if (was_sound && (takes_one(line) || line.sound > 0)) bring_forward(index, unit.due);
 }
 
 void Poller::count_answer(Unit& unit, port::BusResult result, port::Instant now) {
@@ -348,12 +372,16 @@ void Poller::count_sound(std::uint32_t index, port::Instant now) {
   Unit& unit = units_[index];
   Line& line = lines_[unit.bus];
   if ((!unit.has_answered || unit.failures > 0) && line.sound++ == 0) {
-    for (Turn& retry : line.retries) {
-      retry.due = std::min(retry.due, now);
-      units_[retry.unit].failures = std::min(units_[retry.unit].failures, failures_free);
+    for (std::vector<Turn>* const turns : {&line.repeats, &line.retries}) {
+      for (Turn& turn : *turns) {
+        turn.due = std::min(turn.due, now);
+        units_[turn.unit].failures = std::min(units_[turn.unit].failures, failures_free);
+      }
+      std::make_heap(turns->begin(), turns->end(), later);
     }
-    std::make_heap(line.retries.begin(), line.retries.end(), later);
-    line.retry_allowed = now;
+    line.repeat_share.open(now);
+    line.first_repeat_share.open(now);
+    line.retry_share.open(now);
   }
   unit.has_answered = true;
   unit.failures = 0;
@@ -392,7 +420,9 @@ port::Duration Poller::pause_of(std::uint32_t index) const {
 void Poller::ask_again(std::uint32_t index, port::Instant due) {
   const Unit& unit = units_[index];
   Line& line = lines_[unit.bus];
-  std::vector<Turn>& turns = unit.failures > 0 ? line.retries : line.turns;
+  std::vector<Turn>& turns = unit.failures == 0        ? line.turns
+                             : is_repeated(line, unit) ? line.repeats
+                                                       : line.retries;
   turns.push_back({.due = due, .unit = index});
   std::push_heap(turns.begin(), turns.end(), later);
 }

@@ -12,6 +12,7 @@
 #include "firmware/logging/text_line.h"
 #include "firmware/polling/bus_request.h"
 #include "firmware/polling/poll_counters.h"
+#include "firmware/polling/time_share.h"
 #include "firmware/protocol/node_registers.h"
 
 namespace etcm::firmware {
@@ -50,10 +51,12 @@ class ReadingListener {
 // answers; on a line that others want within scan_budget of each interval. One that was found and
 // does not answer any more is only looked for again, once others of its bus answer.
 //
-// Units that somebody calls for are asked at once, and so is, once, a unit whose answer is missing
-// where the one before was there: a frame may be lost. Where a bus takes one request at a time this
-// costs the others 1/32 of its time at the most, and beyond that they are asked as failing units
-// are.
+// A frame may be lost. So a unit whose answer is missing where the one before was there is asked
+// once more at once, and on a serial line one that has missed its first question is after an
+// interval: both before those that have failed more often. Where a bus takes one request at a time
+// the former costs the others 1/32 of its time (what was not used in two minutes may be used at
+// once, for many may lose a frame together), the latter 1/12 until each unit was asked twice. Units
+// that somebody calls for are asked at once too, for another 1/32; beyond it as failing units are.
 //
 // Requests wait until nobody is due; on a bus that is always busy they have 1/16 of its time.
 //
@@ -111,7 +114,7 @@ class Poller {
  private:
   static constexpr std::uint32_t request_ticket = 0xffffffff;
 
-  enum class Asking : std::uint8_t { turn, retry, scan };
+  enum class Asking : std::uint8_t { turn, repeat, retry, scan };
   struct Unit {
     std::uint32_t bus = 0;
     std::uint8_t address = 0;
@@ -136,13 +139,18 @@ class Poller {
     PolledBus polled;
     std::vector<std::uint32_t> unit_at;  // by address; no_unit where there is none
     std::vector<Turn> turns;             // of sound units; a heap, the earliest on top
-    std::vector<Turn> retries;           // of failing ones, likewise
+    std::vector<Turn> repeats;           // of those that have failed once, likewise
+    std::vector<Turn> retries;           // of other failing ones, likewise
     std::uint32_t sound = 0;             // units that answered when last asked
     std::uint32_t retries_under_way = 0;
     std::uint32_t retries_max = 0;
-    port::Duration retry_cost_max{};         // to a unit that does not answer, where it takes one
-    port::Instant retry_allowed{};           // at others' cost, where it takes one
-    port::Instant call_allowed{};            // likewise, whom somebody calls for
+    port::Duration retry_cost_max{};  // to a unit that does not answer, where it takes one
+    // At others' cost, where it takes one.
+    TimeShare repeat_share{32, std::chrono::minutes(2)};
+    TimeShare first_repeat_share{12};  // of units that have never answered
+    TimeShare retry_share{32};
+    TimeShare call_share{32};  // of units that somebody calls for
+    TimeShare request_share{16};
     std::vector<std::uint32_t> discovery{};  // units that are not listed
     std::size_t discovery_next = 0;
     std::uint32_t undiscovered = 0;
@@ -151,20 +159,19 @@ class Poller {
     port::Instant scan_allowed{};  // at others' cost
     bool request_under_way = false;
     port::Instant request_asked_at{};
-    port::Instant request_allowed{};  // at others' cost
     std::uint32_t under_way = 0;
     port::Instant progressed_at{};  // asked or heard
     port::Duration exchange_floor{};
     BusCounters counters{};
   };
 
-  void repeat(std::uint32_t unit, port::Instant now);
-  void call_for(std::uint32_t unit, port::Instant due, port::Instant now);
+  void call_for(std::uint32_t unit, port::Instant now);
   void bring_forward(std::uint32_t unit, port::Instant due);
   // Whether it takes one request at a time, so that one in vain costs all others its time.
   static bool takes_one(const Line& line) {
     return line.polled.settings->outstanding_max == 1 || line.polled.bus->is_one_line();
   }
+  static bool is_repeated(const Line& line, const Unit& unit);
   static port::Duration retry_cost(const Line& line, const Unit& unit);
   port::RegisterRead read_of(std::uint32_t unit) const;
   void add_unit(Line& line, std::uint8_t address, bool is_listed);
@@ -182,7 +189,10 @@ class Poller {
   void note_cost(Unit& unit, const port::BusAnswer& answer, port::Instant now);
   void rest(std::uint32_t unit);
   std::vector<Turn>* next_turns(Line& line, port::Instant now) const;
-  port::Instant retry_due(const Line& line, port::Instant now) const;
+  port::Instant start_at_cost(const Line& line, const std::vector<Turn>& turns,
+                              const TimeShare& share, port::Instant now) const;
+  port::Instant repeat_start(const Line& line, port::Instant now) const;
+  port::Instant retry_start(const Line& line, port::Instant now) const;
   void take(const port::BusAnswer& answer, std::uint32_t unit, port::Instant now);
   void count_answer(Unit& unit, port::BusResult result, port::Instant now);
   void miss(std::uint32_t unit, std::string_view why, bool is_silence, port::Instant now);

@@ -6,39 +6,28 @@
 
 namespace etcm::firmware {
 
-namespace {
-
-// Units that do not answer get one part in so many of the time of a bus that others want.
-constexpr std::int64_t retry_time_share = 32;
-// So have requests.
-constexpr std::int64_t request_share = 16;
-
-}  // namespace
-
 void Poller::ask_at_once(std::uint8_t address, port::Instant now) {
   for (Line& line : lines_) {
     const std::uint32_t unit = line.unit_at[address];
     if (unit == no_unit) continue;
-    takes_one(line) ? call_for(unit, now, now) : ask_unit_at_once(unit, now);
+    takes_one(line) ? call_for(unit, now) : ask_unit_at_once(unit, now);
   }
 }
 
-// One that answered the time before is most likely still there: a frame was lost.
-void Poller::repeat(std::uint32_t index, port::Instant now) {
-  const Unit& unit = units_[index];
-  const Line& line = lines_[unit.bus];
-  if (takes_one(line)) return call_for(index, unit.due, now);
-  // Networks lose none; what is behind them does, but not all of it at once.
-  if (line.sound > 0) bring_forward(index, unit.due);
-}
-
-// At once, whoever else is due, where the share of such calls allows; else as if it was due then.
-void Poller::call_for(std::uint32_t index, port::Instant due, port::Instant now) {
+// At once, whoever else is due, where the share of such calls allows; else as if it was due now.
+void Poller::call_for(std::uint32_t index, port::Instant now) {
   const Unit& unit = units_[index];
   Line& line = lines_[unit.bus];
-  if (now < line.call_allowed) return bring_forward(index, due);
-  line.call_allowed = now + retry_cost(line, unit) * retry_time_share;
+  if (now < line.call_share.free_at()) return bring_forward(index, now);
+  line.call_share.charge(retry_cost(line, unit), now);
   ask_unit_at_once(index, now);
+}
+
+// Whether it has failed only once, where a frame may have been lost: networks lose none, and what
+// is behind them was there before.
+bool Poller::is_repeated(const Line& line, const Unit& unit) {
+  const bool is_serial = line.exchange_floor > port::Duration{};
+  return unit.failures == 1 && (unit.has_answered || is_serial);
 }
 
 // The most that a question to it costs the others, where the bus takes one at a time.
@@ -74,7 +63,7 @@ port::Instant Poller::start_beside(const Line& line, port::Instant due, port::In
 port::Instant Poller::request_start(std::uint32_t number, port::Instant now) const {
   const Line& line = lines_[number];
   if (requests_ == nullptr || line.request_under_way) return port::never;
-  return start_beside(line, requests_->request_due(number), line.request_allowed, now);
+  return start_beside(line, requests_->request_due(number), line.request_share.free_at(), now);
 }
 
 port::Instant Poller::scan_start(const Line& line, port::Instant now) {
@@ -115,7 +104,7 @@ void Poller::finish_request(std::uint32_t number, const port::BusAnswer& answer,
   line.request_under_way = false;
   --line.under_way;
   line.progressed_at = now;
-  line.request_allowed = now + cost_of(line.request_asked_at, answer, now) * (request_share - 1);
+  line.request_share.charge(cost_of(line.request_asked_at, answer, now), now);
   requests_->on_request_done(number, answer, now);
 }
 
@@ -129,25 +118,31 @@ port::Duration Poller::cost_of(port::Instant asked_at, const port::BusAnswer& an
 void Poller::note_cost(Unit& unit, const port::BusAnswer& answer, port::Instant now) {
   Line& line = lines_[unit.bus];
   const port::Duration cost = cost_of(unit.asked_at, answer, now);
-  if (answer.result != port::BusResult::ok) unit.cost = cost;
-  if (unit.asking == Asking::turn) {
-    // Who was never there is asked again in the time of those that fail.
-    if (answer.result != port::BusResult::ok && !unit.has_answered) {
-      line.retry_allowed = std::max(line.retry_allowed, now + cost * (retry_time_share - 1));
-    }
-    return;
+  const port::Duration missed_cost = unit.cost;
+  const bool is_ok = answer.result == port::BusResult::ok;
+  if (!is_ok) unit.cost = cost;
+  switch (unit.asking) {
+    case Asking::turn:
+      // Who was never there is asked again in the time of those that fail.
+      if (!is_ok && !unit.has_answered) line.retry_share.charge(cost, now);
+      return;
+    case Asking::repeat:
+      --line.retries_under_way;
+      // One that loses every other answer has the time of the lost ones from this share too.
+      if (unit.has_answered) return line.repeat_share.charge(cost + missed_cost, now);
+      line.first_repeat_share.charge(cost, now);
+      if (!is_ok) line.retry_share.charge(cost, now);
+      return;
+    case Asking::retry:
+      --line.retries_under_way;
+      // Who answers takes no more than those that are there.
+      if (!is_ok) line.retry_share.charge(cost, now);
+      return;
+    case Asking::scan:
+      line.scan_under_way = false;
+      line.scan_due = unit.asked_at + settings_.interval;
+      line.scan_allowed = unit.asked_at + scan_pause(line, cost);
   }
-  if (unit.asking == Asking::retry) {
-    --line.retries_under_way;
-    // Who answers takes no more than those that are there.
-    if (answer.result != port::BusResult::ok) {
-      line.retry_allowed = now + cost * (retry_time_share - 1);
-    }
-    return;
-  }
-  line.scan_under_way = false;
-  line.scan_due = unit.asked_at + settings_.interval;
-  line.scan_allowed = unit.asked_at + scan_pause(line, cost);
 }
 
 // As many intervals as have the time for such a search.

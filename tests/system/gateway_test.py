@@ -403,8 +403,6 @@ class OnASerialLine(GatewayCase):
         rows += [f"0,{serial},{fault}{'' if ',' in fault else ',,'}"
                  for serial, fault in enumerate(faults, start=13)]
         path, _ = self.start_line(rows)
-        # There is time to look for units that have missed their turn.
-        self.interval = "1s"
         gateway = self.start_gateway(path, "1-20")
         self.wait_for_header(nodes=13)
         gateway.wait_for_line(r"unit 16 answered too late, after \d+ ms")
