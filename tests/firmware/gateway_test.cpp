@@ -314,7 +314,7 @@ TEST(Gateway, AbsentUnitsAreNotAskedTogether) {
   for (int turn = 0; turn < 1000; ++turn) {
     rig.run(10ms);
     const std::uint32_t after = asked();
-    EXPECT_LE(after - before, 4u);
+    EXPECT_LE(after - before, 6u) << "of nineteen, by chance";
     before = after;
   }
 }

@@ -1,0 +1,379 @@
+#include "firmware/polling/bus_schedule.h"
+
+#include <algorithm>
+
+namespace etcm::firmware {
+
+namespace {
+
+constexpr std::size_t addresses = 256;
+// A unit may miss this many answers in a row before it is asked less often.
+constexpr std::uint32_t failures_free = 2;
+// A day doubled this often is still a Duration.
+constexpr std::uint32_t doublings_max = 16;
+// A unit that is only looked for, was found, and has not answered so often is looked for again.
+constexpr std::uint32_t failures_of_the_lost = 8;
+// Bytes on a serial line for one question and one answer.
+constexpr std::int64_t exchange_characters = 8 + 29;
+
+port::Duration exchange_floor_of(const BusSettings& bus) {
+  const auto* const line = std::get_if<port::SerialLine>(&bus.link);
+  return line == nullptr ? port::Duration{}
+                         : exchange_characters * character_time(*line) + 2 * frame_silence(*line);
+}
+
+port::Duration cost_max_of(const BusSettings& bus) {
+  port::Duration timeout = bus.timeout;
+  for (const UnitTimeout& other : bus.unit_timeouts) timeout = std::max(timeout, other.timeout);
+  const bool is_line = std::holds_alternative<port::SerialLine>(bus.link);
+  return timeout + (is_line ? bus.quiet + exchange_floor_of(bus) : port::Duration{});
+}
+
+// What others had to wait for it.
+port::Duration cost_of(port::Instant asked_at, const port::BusAnswer& answer, port::Instant now) {
+  return now - asked_at + answer.silence;
+}
+
+// A well-mixed number from two: the same in every run.
+std::uint32_t mix(std::uint32_t a, std::uint32_t b) {
+  std::uint32_t value = a * 0x9e3779b9u ^ b * 0x85ebca6bu;
+  value = (value ^ value >> 16) * 0x7feb352du;
+  value = (value ^ value >> 15) * 0x846ca68bu;
+  return value ^ value >> 16;
+}
+
+}  // namespace
+
+BusSchedule::BusSchedule(const PollSettings& poll, const BusSettings& settings,
+                         const port::NodeBus& bus)
+    : poll_(poll),
+      settings_(settings),
+      bus_(bus),
+      exchange_floor_(exchange_floor_of(settings)),
+      cost_max_(cost_max_of(settings)),
+      units_(addresses) {}
+
+void BusSchedule::add_unit(std::uint8_t address, bool is_listed) {
+  units_[address] = {.timeout = timeout_of(settings_, address),
+                     .is_listed = is_listed,
+                     .is_undiscovered = !is_listed};
+  if (is_listed) {
+    turns_.push_back({.due = port::Instant{}, .address = address});
+  } else {
+    discovery_.push_back(address);
+    ++undiscovered_;
+  }
+  for (Turns* const turns : {&turns_, &repeats_, &retries_}) {
+    turns->reserve(turns_.size() + discovery_.size());
+  }
+}
+
+port::Instant BusSchedule::update_settings(port::Instant now) {
+  for (std::size_t address = 0; address < addresses; ++address) {
+    units_[address].timeout = timeout_of(settings_, static_cast<std::uint8_t>(address));
+  }
+  cost_max_ = cost_max_of(settings_);
+  const port::Instant asked_by = now + poll_.interval;
+  for (Turns* const turns : {&turns_, &repeats_, &retries_}) {
+    for (Turn& turn : *turns) turn.due = std::min(turn.due, now + pause_of(turn.address));
+    std::make_heap(turns->begin(), turns->end(), is_later);
+  }
+  discovery_due_ = std::min(discovery_due_, asked_by);
+  discovery_allowed_ = std::min(discovery_allowed_, now + discovery_pause(cost_max_));
+  return asked_by + cost_max_;
+}
+
+// Whoever has a share of a busy bus comes before those that are due; their shares are small.
+std::optional<BusSchedule::Question> BusSchedule::next_question(port::Instant now) {
+  if (discovery_start(now) <= now) {
+    return Question{.address = next_undiscovered(), .reason = Reason::discovery, .due = now};
+  }
+  const std::optional<Reason> reason = next_reason(now);
+  if (!reason) return std::nullopt;
+  Turns& turns = turns_of(*reason);
+  std::pop_heap(turns.begin(), turns.end(), is_later);
+  const Turn turn = turns.back();
+  turns.pop_back();
+  return Question{.address = turn.address, .reason = *reason, .due = turn.due};
+}
+
+// Whoever has waited longest and may be asked.
+std::optional<BusSchedule::Reason> BusSchedule::next_reason(port::Instant now) const {
+  const port::Instant turn = turns_.empty() ? port::never : turns_.front().due;
+  const port::Instant repeat = repeat_start(now);
+  const port::Instant retry = retry_start(now);
+  if (std::min({turn, repeat, retry}) > now) return std::nullopt;
+  const Reason failing = repeat <= retry ? Reason::repeat : Reason::retry;
+  if (!takes_one()) return turn <= std::min(repeat, retry) ? Reason::turn : failing;
+  if (turn > now) return failing;
+  if (repeat <= now) return Reason::repeat;
+  // A retry of a busy line has its share of the time, however long the others have waited; but
+  // where they will soon have been asked it comes after them, unless somebody calls for it.
+  const bool is_first =
+      retry <= now && (retries_.front().due == port::Instant{} || now - retry >= poll_.interval);
+  return is_first ? Reason::retry : Reason::turn;
+}
+
+BusSchedule::Turns& BusSchedule::turns_of(Reason reason) {
+  return reason == Reason::turn ? turns_ : reason == Reason::repeat ? repeats_ : retries_;
+}
+
+void BusSchedule::ask(const Question& question, port::Instant now) {
+  Unit& unit = units_[question.address];
+  unit.due = question.due;
+  unit.reason = question.reason;
+  unit.asked_at = now;
+  if (question.reason == Reason::repeat || question.reason == Reason::retry) ++retries_under_way_;
+  if (question.reason == Reason::discovery) {
+    discovery_under_way_ = true;
+    discovery_postponed_ = 0;
+  }
+}
+
+void BusSchedule::postpone(const Question& question, port::Instant until) {
+  if (question.reason != Reason::discovery) {
+    return push(turns_of(question.reason), {.due = until, .address = question.address});
+  }
+  units_[question.address].is_undiscovered = true;
+  ++undiscovered_;
+  if (++discovery_postponed_ < undiscovered_) return;
+  // None of them can be asked now.
+  discovery_postponed_ = 0;
+  discovery_due_ = question.due + poll_.interval;
+}
+
+port::Instant BusSchedule::next_due(port::Instant now) const {
+  const port::Instant turn = turns_.empty() ? port::never : turns_.front().due;
+  return std::min({turn, repeat_start(now), retry_start(now)});
+}
+
+// From when on something may be asked that is less urgent than those whose turn it is: at once
+// where nobody is about to be asked, else when its share allows.
+port::Instant BusSchedule::start_beside(port::Instant due, port::Instant free_at,
+                                        port::Duration cost, port::Instant now) const {
+  if (due == port::never || turns_.empty()) return due;
+  const bool is_idle = turns_.front().due > std::max(due, now) + cost;
+  return is_idle ? due : std::max(due, free_at);
+}
+
+// When the first of these may be asked, as far as that is known now.
+port::Instant BusSchedule::start_of_failing(const Turns& turns, const TimeShare& share,
+                                            port::Instant now) const {
+  const std::uint32_t under_way_max = std::max(1u, settings_.outstanding_max / 2);
+  if (turns.empty() || retries_under_way_ >= under_way_max) return port::never;
+  const port::Instant due = turns.front().due;
+  if (!takes_one()) return due;
+  return start_beside(due, share.free_at(), retry_cost(units_[turns.front().address]), now);
+}
+
+const TimeShare& BusSchedule::share_of_repeats() const {
+  const bool is_first = !repeats_.empty() && !units_[repeats_.front().address].has_answered;
+  return is_first ? first_repeat_share_ : repeat_share_;
+}
+
+port::Instant BusSchedule::repeat_start(port::Instant now) const {
+  return start_of_failing(repeats_, share_of_repeats(), now);
+}
+
+port::Instant BusSchedule::retry_start(port::Instant now) const {
+  return start_of_failing(retries_, retry_share_, now);
+}
+
+port::Instant BusSchedule::discovery_start(port::Instant now) const {
+  if (undiscovered_ == 0 || discovery_under_way_) return port::never;
+  return start_beside(discovery_due_, discovery_allowed_,
+                      takes_one() ? cost_max_ : port::Duration{}, now);
+}
+
+port::Instant BusSchedule::request_start(port::Instant due, port::Instant now) const {
+  return start_beside(due, request_share_.free_at(), takes_one() ? cost_max_ : port::Duration{},
+                      now);
+}
+
+// REQUIRES: undiscovered_ > 0.
+std::uint8_t BusSchedule::next_undiscovered() {
+  std::uint8_t address = 0;
+  do {
+    address = discovery_[discovery_next_];
+    discovery_next_ = (discovery_next_ + 1) % discovery_.size();
+  } while (!units_[address].is_undiscovered);
+  units_[address].is_undiscovered = false;
+  --undiscovered_;
+  return address;
+}
+
+// What the others had to wait for a unit that failed, or was only looked for, comes off its share.
+void BusSchedule::note_cost(std::uint8_t address, const port::BusAnswer& answer,
+                            port::Instant now) {
+  Unit& unit = units_[address];
+  unit.silence = answer.silence;
+  const port::Duration cost = cost_of(unit.asked_at, answer, now);
+  const port::Duration missed_cost = unit.cost;
+  const bool is_ok = answer.result == port::BusResult::ok;
+  if (!is_ok) unit.cost = cost;
+  switch (unit.reason) {
+    case Reason::turn:
+      // Who was never there is asked again in the time of those that fail.
+      if (!is_ok && !unit.has_answered) retry_share_.charge(cost, now);
+      return;
+    case Reason::repeat:
+      --retries_under_way_;
+      // One that loses every other answer has the time of the lost ones from this share too.
+      if (unit.has_answered) return repeat_share_.charge(cost + missed_cost, now);
+      first_repeat_share_.charge(cost, now);
+      if (!is_ok) retry_share_.charge(cost, now);
+      return;
+    case Reason::retry:
+      --retries_under_way_;
+      // Who answers takes no more than those that are there.
+      if (!is_ok) retry_share_.charge(cost, now);
+      return;
+    case Reason::discovery:
+      discovery_under_way_ = false;
+      discovery_due_ = unit.asked_at + poll_.interval;
+      discovery_allowed_ = unit.asked_at + discovery_pause(cost);
+  }
+}
+
+void BusSchedule::charge_request(port::Duration cost, port::Instant now) {
+  request_share_.charge(cost, now);
+}
+
+void BusSchedule::note_success(std::uint8_t address, port::Instant now) {
+  Unit& unit = units_[address];
+  if (!is_sound(address) && sound_++ == 0) bring_back_all(now);
+  unit.has_answered = true;
+  unit.failures = 0;
+  ask_again(address, std::max(now, due_after(unit, poll_.interval)));
+}
+
+// The first unit answers again: whatever was broken is mended.
+void BusSchedule::bring_back_all(port::Instant now) {
+  for (Turns* const turns : {&repeats_, &retries_}) {
+    for (Turn& turn : *turns) {
+      turn.due = std::min(turn.due, now);
+      units_[turn.address].failures = std::min(units_[turn.address].failures, failures_free);
+    }
+    std::make_heap(turns->begin(), turns->end(), is_later);
+  }
+  for (TimeShare* const share : {&repeat_share_, &first_repeat_share_, &retry_share_}) {
+    share->open(now);
+  }
+}
+
+void BusSchedule::note_failure(std::uint8_t address, bool is_miss, port::Instant now) {
+  Unit& unit = units_[address];
+  const bool was_sound = is_sound(address);
+  if (was_sound) --sound_;
+  ++unit.failures;
+  const bool is_lost = unit.failures >= failures_of_the_lost && sound_ > 0;
+  if (!unit.is_listed && (!unit.has_answered || is_lost)) return rest(address);
+  // Networks lose no frame; what is behind them does, but not of all at once.
+  const bool is_at_once = is_miss && was_sound && (takes_one() || sound_ > 0);
+  const port::Instant due = std::max(now, due_after(unit, pause_of(address)));
+  ask_again(address, is_at_once ? unit.due : due);
+}
+
+void BusSchedule::note_torn(std::uint8_t address) { ask_again(address, units_[address].due); }
+
+void BusSchedule::note_link_lost(std::uint8_t address, port::Instant now) {
+  const Unit& unit = units_[address];
+  unit.is_listed || unit.has_answered ? ask_again(address, now) : rest(address);
+}
+
+// Being late does not add up, but what was missed by a whole interval is not made up for either.
+port::Instant BusSchedule::due_after(const Unit& unit, port::Duration pause) const {
+  const bool is_on_time = unit.asked_at - unit.due < poll_.interval;
+  return (is_on_time ? unit.due : unit.asked_at) + pause;
+}
+
+port::Duration BusSchedule::pause_of(std::uint8_t address) const {
+  const std::uint32_t failures = units_[address].failures;
+  if (failures <= failures_free || sound_ == 0) return poll_.interval;
+  const std::uint32_t doublings = std::min(failures - failures_free, doublings_max);
+  const port::Duration pause =
+      std::clamp(poll_.interval * (std::int64_t{1} << doublings), poll_.interval,
+                 std::max(poll_.interval, poll_.absent_interval));
+  // Up to an eighth less.
+  return pause - pause / 8 / 1024 * (mix(address, failures) % 1024);
+}
+
+// As many intervals as have the time for such a search.
+port::Duration BusSchedule::discovery_pause(port::Duration cost) const {
+  const port::Duration budget =
+      std::max<port::Duration>(settings_.scan_budget, std::chrono::milliseconds(1));
+  const std::int64_t intervals = cost / budget + 1;
+  return intervals * poll_.interval;
+}
+
+// Whether it has failed only once, where a frame may have been lost: networks lose none, and what
+// is behind them was there before.
+bool BusSchedule::is_repeated(const Unit& unit) const {
+  const bool is_serial = exchange_floor_ > port::Duration{};
+  return unit.failures == 1 && (unit.has_answered || is_serial);
+}
+
+// The most that a question to it costs the others, where the bus takes one at a time.
+port::Duration BusSchedule::retry_cost(const Unit& unit) const {
+  return std::max({cost_max_, unit.timeout + unit.silence + exchange_floor_,
+                   unit.failures > 0 ? unit.cost : port::Duration{}});
+}
+
+void BusSchedule::push(Turns& turns, const Turn& turn) {
+  turns.push_back(turn);
+  std::push_heap(turns.begin(), turns.end(), is_later);
+}
+
+void BusSchedule::ask_again(std::uint8_t address, port::Instant due) {
+  const Unit& unit = units_[address];
+  const Reason reason = unit.failures == 0  ? Reason::turn
+                        : is_repeated(unit) ? Reason::repeat
+                                            : Reason::retry;
+  push(turns_of(reason), {.due = due, .address = address});
+}
+
+// It is looked for again when its time comes.
+void BusSchedule::rest(std::uint8_t address) {
+  Unit& unit = units_[address];
+  unit.has_answered = false;
+  unit.is_undiscovered = true;
+  ++undiscovered_;
+}
+
+void BusSchedule::call_for(std::uint8_t address, port::Instant now) {
+  if (!takes_one()) return ask_at_once(address, now);
+  if (now < call_share_.free_at()) return bring_forward(address, now);
+  call_share_.charge(retry_cost(units_[address]), now);
+  ask_at_once(address, now);
+}
+
+void BusSchedule::ask_at_once(std::uint8_t address, port::Instant now) {
+  for (TimeShare* const share : {&repeat_share_, &first_repeat_share_, &retry_share_}) {
+    share->open(now);
+  }
+  bring_forward(address, port::Instant{});
+}
+
+// It is asked in its turn, but as if it had been due then.
+void BusSchedule::bring_forward(std::uint8_t address, port::Instant due) {
+  Unit& unit = units_[address];
+  if (unit.is_undiscovered) {
+    unit.is_undiscovered = false;
+    --undiscovered_;
+    return ask_again(address, due);
+  }
+  for (Turns* const turns : {&turns_, &repeats_, &retries_}) {
+    const auto found = std::find_if(turns->begin(), turns->end(),
+                                    [&](const Turn& turn) { return turn.address == address; });
+    if (found == turns->end()) continue;
+    found->due = std::min(found->due, due);
+    std::make_heap(turns->begin(), turns->end(), is_later);
+  }
+}
+
+void BusSchedule::expect_silence(std::uint8_t address) {
+  if (is_sound(address)) --sound_;
+  units_[address].has_answered = false;
+}
+
+}  // namespace etcm::firmware

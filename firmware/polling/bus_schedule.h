@@ -1,0 +1,179 @@
+// Which unit of a bus is asked next, and when.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "etcm/port/node_bus.h"
+#include "firmware/config/settings.h"
+#include "firmware/polling/time_share.h"
+
+namespace etcm::firmware {
+
+// Questions to a unit are due one interval after the other, however late each was asked: on a busy
+// machine no poll is missed. Where one was late by an interval and more (a line that is too slow
+// for so many units, a program that was stopped), the next is due an interval after it: missed
+// polls are not made up for.
+//
+// A unit that does not answer, or not soundly, is asked ever less often, down to absent_interval
+// (a little earlier each time, differently for each unit, so that such units do not meet). What it
+// costs the others is bounded too: where a bus takes several requests at a time, such units never
+// have more than half of them; where it takes one, they have the time that nobody else needs, and
+// 1/32 of the rest. A torn read is repeated at once. While a bus has lost its link, its units are
+// not asked and do not count as failing.
+//
+// A frame may be lost. So a unit whose answer is missing where the one before was there is asked
+// once more at once, and on a serial line one that has missed its first question is after an
+// interval: both before those that have failed more often. Where a bus takes one request at a time
+// the former costs the others 1/32 of its time (what was not used in two minutes may be used at
+// once, for many may lose a frame together), the latter 1/12 until each unit was asked twice. Units
+// that somebody calls for are asked at once too, for another 1/32; beyond it as failing units are.
+//
+// Units that are only looked for (discovery) are asked one at a time, one in each interval, until
+// one answers; on a line that others want within scan_budget of each interval. One that was found
+// and does not answer any more is only looked for again, once others of its bus answer.
+//
+// Requests wait until nobody is due; on a bus that is always busy they have 1/16 of its time.
+//
+// Where no unit of a bus answers, something between is broken, such as a cable: all are asked as
+// often as if they were there, and all at once when the first answers again.
+//
+// Units go by their addresses; all calls but has_unit() and add_unit() are for one that was added.
+class BusSchedule {
+ public:
+  enum class Reason : std::uint8_t { turn, repeat, retry, discovery };
+  struct Question {
+    std::uint8_t address = 0;
+    Reason reason = Reason::turn;
+    port::Instant due{};
+  };
+
+  // All arguments must outlive the schedule.
+  BusSchedule(const PollSettings& poll, const BusSettings& settings, const port::NodeBus& bus);
+
+  void add_unit(std::uint8_t address, bool is_listed);
+
+  // The settings have changed: whoever would be asked later than these have it comes forward.
+  // Returns when all units that are there will have answered, on a bus that has the time.
+  port::Instant update_settings(port::Instant now);
+
+  // Whom to ask now. Each question ends with ask(), or with postpone() where the bus would not take
+  // it yet.
+  std::optional<Question> next_question(port::Instant now);
+  void ask(const Question& question, port::Instant now);
+  void postpone(const Question& question, port::Instant until);
+
+  // When next_question() has one that is due; `discovery_start` of units that are looked for.
+  port::Instant next_due(port::Instant now) const;
+  port::Instant discovery_start(port::Instant now) const;
+
+  // What came of a question: note_cost() first, then one of the four.
+  void note_cost(std::uint8_t address, const port::BusAnswer& answer, port::Instant now);
+  void note_success(std::uint8_t address, port::Instant now);
+  // `is_miss`: no answer to this question, so that a frame may have been lost.
+  void note_failure(std::uint8_t address, bool is_miss, port::Instant now);
+  void note_torn(std::uint8_t address);
+  void note_link_lost(std::uint8_t address, port::Instant now);
+
+  // Somebody is said to be there: it is asked next, whoever else is due and however often it has
+  // failed; call_for() does so as far as the share of such calls allows.
+  void ask_at_once(std::uint8_t address, port::Instant now);
+  void call_for(std::uint8_t address, port::Instant now);
+  // Whoever was there is known to have gone: its silence is no news.
+  void expect_silence(std::uint8_t address);
+
+  // When a request that is due then may be made.
+  port::Instant request_start(port::Instant due, port::Instant now) const;
+  void charge_request(port::Duration cost, port::Instant now);
+
+  std::uint32_t failures(std::uint8_t address) const { return units_[address].failures; }
+  bool has_answered(std::uint8_t address) const { return units_[address].has_answered; }
+  bool is_listed(std::uint8_t address) const { return units_[address].is_listed; }
+  bool is_sound(std::uint8_t address) const {
+    return units_[address].has_answered && units_[address].failures == 0;
+  }
+  port::Instant asked_at(std::uint8_t address) const { return units_[address].asked_at; }
+  port::Duration timeout(std::uint8_t address) const { return units_[address].timeout; }
+
+  // The least time a question and its answer keep the line; nothing where there is none.
+  port::Duration exchange_floor() const { return exchange_floor_; }
+  // The most a question costs that is not answered.
+  port::Duration cost_max() const { return cost_max_; }
+
+ private:
+  struct Unit {
+    port::Duration timeout{};
+    bool has_answered = false;
+    bool is_listed = true;         // else it is only looked for
+    bool is_undiscovered = false;  // not listed, and its time to be looked for has not come
+    Reason reason = Reason::turn;  // why it was asked last
+    std::uint32_t failures = 0;    // in a row
+    port::Instant due{};           // for the question asked at
+    port::Instant asked_at{};
+    port::Duration silence{};  // that its last answer, or the wait for it, cost the others
+    port::Duration cost{};     // of the last question that was not answered, with all that
+  };
+  struct Turn {
+    port::Instant due{};
+    std::uint8_t address = 0;
+  };
+  using Turns = std::vector<Turn>;  // a heap, the earliest on top
+
+  static bool is_later(const Turn& a, const Turn& b) { return a.due > b.due; }
+
+  // Whether it takes one request at a time, so that one in vain costs all others its time.
+  bool takes_one() const { return settings_.outstanding_max == 1 || bus_.is_one_line(); }
+  bool is_repeated(const Unit& unit) const;
+  port::Duration retry_cost(const Unit& unit) const;
+  port::Duration pause_of(std::uint8_t address) const;
+  port::Duration discovery_pause(port::Duration cost) const;
+  port::Instant due_after(const Unit& unit, port::Duration pause) const;
+
+  const TimeShare& share_of_repeats() const;
+  port::Instant start_beside(port::Instant due, port::Instant free_at, port::Duration cost,
+                             port::Instant now) const;
+  port::Instant start_of_failing(const Turns& turns, const TimeShare& share,
+                                 port::Instant now) const;
+  port::Instant repeat_start(port::Instant now) const;
+  port::Instant retry_start(port::Instant now) const;
+  std::optional<Reason> next_reason(port::Instant now) const;
+  std::uint8_t next_undiscovered();
+
+  Turns& turns_of(Reason reason);
+  void push(Turns& turns, const Turn& turn);
+  void ask_again(std::uint8_t address, port::Instant due);
+  void bring_forward(std::uint8_t address, port::Instant due);
+  void bring_back_all(port::Instant now);
+  void rest(std::uint8_t address);
+
+  const PollSettings& poll_;
+  const BusSettings& settings_;
+  const port::NodeBus& bus_;
+  port::Duration exchange_floor_;
+  port::Duration cost_max_;
+  std::vector<Unit> units_;  // by address
+
+  Turns turns_;              // of sound units
+  Turns repeats_;            // of those that have failed once
+  Turns retries_;            // of other failing ones
+  std::uint32_t sound_ = 0;  // units that answered when last asked
+  std::uint32_t retries_under_way_ = 0;
+
+  // At others' cost, where the bus takes one request at a time.
+  TimeShare repeat_share_{32, std::chrono::minutes(2)};
+  TimeShare first_repeat_share_{12};  // of units that have never answered
+  TimeShare retry_share_{32};
+  TimeShare call_share_{32};  // of units that somebody calls for
+  TimeShare request_share_{16};
+
+  std::vector<std::uint8_t> discovery_;  // units that are not listed
+  std::size_t discovery_next_ = 0;
+  std::uint32_t undiscovered_ = 0;
+  std::uint32_t discovery_postponed_ = 0;  // since one was asked
+  bool discovery_under_way_ = false;
+  port::Instant discovery_due_{};
+  port::Instant discovery_allowed_{};  // at others' cost
+};
+
+}  // namespace etcm::firmware
