@@ -34,9 +34,9 @@ Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports
       presence_(settings.poll, poller_, nodes_, keeper_, ports.log),
       admission_(settings.poll, keeper_.features(), nodes_, poller_, ports.log),
       assigner_(settings.poll, poller_, nodes_, ports.log),
-      distributor_(settings, poller_, nodes_, keeper_, ports.log),
       is_assigning_(poller_.bus_count()),
       snapshots_(settings, static_cast<std::uint32_t>(nodes_.records().size())),
+      distributor_(settings, poller_, nodes_, snapshots_.latest(), ports.log),
       images_(register_capacity(settings), images_ready, settings.server.clients_max + 2),
       state_transfer_(keeper_, nodes_, poller_),
       interval_(settings.poll.interval) {
@@ -199,7 +199,7 @@ bool Gateway::next_request(std::uint32_t bus, port::Instant now, BusRequest& req
     assigner_.next(bus, request);
     return true;
   }
-  return distributor_.next(bus, changed_ ? generation_ + 1 : generation_, now, request);
+  return distributor_.next(bus, now, request);
 }
 
 void Gateway::on_request_done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now) {
@@ -235,10 +235,10 @@ void Gateway::publish(port::Instant now) {
   if (file_publisher_) file_publisher_->mark_dirty();
   if (state_saver_) state_saver_->mark_dirty();
   const port::Instant started = ports_.clock.now();
-  distributor_.invalidate();
   list_quarantine(nodes_, keeper_.features(), keeper_.anchors(), admission_, quarantine_);
   const Snapshot& snapshot =
       snapshots_.take(generation_, keeper_, nodes_, poller_, presence_, quarantine_, now);
+  distributor_.take_snapshot();
   state_ = snapshot.state;
   ports_.server.publish(images_.encode(snapshot));
   // A large mesh takes its time; polling must not wait for it often.

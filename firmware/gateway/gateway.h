@@ -114,10 +114,10 @@ class Gateway final : private ReadingListener, private RequestSource {
   Presence presence_;
   Admission admission_;
   AddressAssigner assigner_;
-  NeighbourDistributor distributor_;
   std::vector<bool> is_assigning_;  // by bus: whose request is under way
   std::vector<QuarantineEntry> quarantine_;
   SnapshotTaker snapshots_;
+  NeighbourDistributor distributor_;
   ImagePool images_;
   StateTransfer state_transfer_;
   std::optional<StateSaver> state_saver_;

@@ -7,8 +7,8 @@ namespace etcm::firmware {
 namespace {
 
 constexpr std::uint8_t tries_max = 3;
-// So many nodes are looked at before others have their turn.
-constexpr std::uint32_t looks_max = 64;
+// So many nodes are checked in one call: what else the loop does waits meanwhile.
+constexpr std::uint32_t checks_max = 64;
 // As many whole serials as one write can carry.
 constexpr std::uint16_t neighbour_registers_max = port::write_registers_max / 2 * 2;
 
@@ -29,55 +29,63 @@ std::uint64_t fingerprint_of(std::span<const std::uint32_t> serials) {
 }  // namespace
 
 NeighbourDistributor::NeighbourDistributor(const Settings& settings, const Poller& poller,
-                                           const NodeTable& nodes, const MeshKeeper& keeper,
+                                           const NodeTable& nodes, const Snapshot& snapshot,
                                            port::Log& log)
     : settings_(settings),
       poller_(poller),
       nodes_(nodes),
-      keeper_(keeper),
+      snapshot_(snapshot),
       log_(log),
       neighbours_(settings.write_back.is_enabled ? settings.mesh.vertices_max : 0),
       delivered_(settings.write_back.is_enabled ? nodes.records().size() : 0),
       jobs_(settings.write_back.is_enabled ? poller.bus_count() : 0) {}
 
+void NeighbourDistributor::take_snapshot() {
+  const auto records = nodes_.records();
+  for (std::uint32_t slot = 0; slot < delivered_.size(); ++slot) {
+    const NodeRecord& node = records[slot];
+    delivered_[slot].row = node.is_placed() ? node.vertex.value - 1u : no_row;
+  }
+  invalidate();
+}
+
 void NeighbourDistributor::invalidate() {
-  for (Job& job : jobs_) job.unseen = static_cast<std::uint32_t>(delivered_.size());
+  for (Job& job : jobs_) job.unchecked = static_cast<std::uint32_t>(delivered_.size());
 }
 
 port::Instant NeighbourDistributor::due(std::uint32_t bus) const {
   if (jobs_.empty()) return port::never;
   const Job& job = jobs_[bus];
-  return job.place != no_place || job.unseen > 0 ? port::Instant{} : job.retry_at;
+  return job.slot != no_slot || job.unchecked > 0 ? port::Instant{} : job.retry_at;
 }
 
-bool NeighbourDistributor::next(std::uint32_t bus, std::uint32_t generation, port::Instant now,
-                                BusRequest& request) {
+bool NeighbourDistributor::next(std::uint32_t bus, port::Instant now, BusRequest& request) {
   if (jobs_.empty()) return false;
   Job& job = jobs_[bus];
-  if (job.place != no_place && !is_same(job, bus)) {
-    job.place = no_place;
-    job.unseen = static_cast<std::uint32_t>(delivered_.size());
+  if (job.slot != no_slot && !is_same(job, bus)) {
+    job.slot = no_slot;
+    job.unchecked = static_cast<std::uint32_t>(delivered_.size());
   }
-  if (job.place != no_place) {
+  if (job.slot != no_slot) {
     request = next_part(job);
     return true;
   }
-  if (job.unseen == 0) {
+  if (job.unchecked == 0) {
     if (job.retry_at > now) return false;
-    job.unseen = static_cast<std::uint32_t>(delivered_.size());
+    job.unchecked = static_cast<std::uint32_t>(delivered_.size());
   }
-  if (job.unseen == delivered_.size()) job.retry_at = port::never;
+  if (job.unchecked == delivered_.size()) job.retry_at = port::never;
   const auto records = nodes_.records();
-  for (std::uint32_t looks = 0; looks < looks_max && job.unseen > 0; ++looks) {
-    const std::uint32_t place = job.cursor;
+  for (std::uint32_t checks = 0; checks < checks_max && job.unchecked > 0; ++checks) {
+    const std::uint32_t slot = job.cursor;
     job.cursor = (job.cursor + 1) % static_cast<std::uint32_t>(delivered_.size());
-    --job.unseen;
-    const NodeRecord& node = records[place];
+    --job.unchecked;
+    const NodeRecord& node = records[slot];
     if (!node.is_known() || node.unit == no_unit || poller_.bus_of(node.unit) != bus) continue;
-    DeliveredConfig& told = delivered_[place];
+    DeliveredConfig& told = delivered_[slot];
     if (!needs_write(node, told, job, now)) continue;
-    job.place = place;
-    fill(job, bus, generation, told);
+    job.slot = slot;
+    fill(job, bus, told);
     request = next_part(job);
     return true;
   }
@@ -88,12 +96,17 @@ bool NeighbourDistributor::next(std::uint32_t bus, std::uint32_t generation, por
 bool NeighbourDistributor::needs_write(const NodeRecord& node, DeliveredConfig& told, Job& job,
                                        port::Instant now) {
   if (told.serial != node.serial || told.boot_count != node.boot_count) {
-    told = {.serial = node.serial, .boot_count = node.boot_count};
+    // Who is not in the snapshot with this slot has it since then.
+    const bool is_in_snapshot =
+        told.row != no_row && snapshot_.vertices[told.row].serial == node.serial;
+    told = {.serial = node.serial,
+            .row = is_in_snapshot ? told.row : no_row,
+            .boot_count = node.boot_count};
   }
   if (told.is_rejected) return false;
   list_ = {};
-  if (node.is_placed()) {
-    list_ = neighbours_.of(keeper_.mesh(), node.vertex, keeper_.serials());
+  if (told.row != no_row) {
+    list_ = neighbours_.of(snapshot_, told.row);
   } else if (!told.is_written) {
     return false;  // it has never had any
   }
@@ -124,17 +137,16 @@ bool NeighbourDistributor::needs_write(const NodeRecord& node, DeliveredConfig& 
 // Whether the node under way is still the one it was, and on this bus: it may have left, booted or
 // gone elsewhere meanwhile.
 bool NeighbourDistributor::is_same(const Job& job, std::uint32_t bus) const {
-  const NodeRecord& node = nodes_.records()[job.place];
-  const DeliveredConfig& told = delivered_[job.place];
+  const NodeRecord& node = nodes_.records()[job.slot];
+  const DeliveredConfig& told = delivered_[job.slot];
   return node.serial == told.serial && node.boot_count == told.boot_count && node.unit != no_unit &&
          poller_.bus_of(node.unit) == bus;
 }
 
-void NeighbourDistributor::fill(Job& job, std::uint32_t bus, std::uint32_t generation,
-                                const DeliveredConfig& told) const {
+void NeighbourDistributor::fill(Job& job, std::uint32_t bus, const DeliveredConfig& told) const {
   const std::size_t count = std::min<std::size_t>(list_.size(), configuration_neighbours_max);
   job.count = static_cast<std::uint16_t>(encode_configuration(
-      generation, list_.first(count), poller_.bus(bus).word_order, job.registers));
+      snapshot_.generation, list_.first(count), poller_.bus(bus).word_order, job.registers));
   job.written = 0;
   // On a serial line a late answer must not be taken for one to the next try: that has other
   // ranges.
@@ -142,7 +154,7 @@ void NeighbourDistributor::fill(Job& job, std::uint32_t bus, std::uint32_t gener
 }
 
 BusRequest NeighbourDistributor::next_part(Job& job) const {
-  const NodeRecord& node = nodes_.records()[job.place];
+  const NodeRecord& node = nodes_.records()[job.slot];
   const auto registers = std::span<const std::uint16_t>(job.registers).first(job.count);
   BusRequest request{.address = poller_.address_of(node.unit), .values = {}};
   const auto neighbours_end = static_cast<std::uint16_t>(job.count - configuration_head_count);
@@ -166,14 +178,14 @@ BusRequest NeighbourDistributor::next_part(Job& job) const {
 void NeighbourDistributor::done(std::uint32_t bus, const port::BusAnswer& answer,
                                 port::Instant now) {
   Job& job = jobs_[bus];
-  DeliveredConfig& told = delivered_[job.place];
+  DeliveredConfig& told = delivered_[job.slot];
   if (!is_same(job, bus) || answer.result == port::BusResult::link_lost) {
-    job.place = no_place;
+    job.slot = no_slot;
     job.retry_at = std::min(job.retry_at, now + settings_.poll.interval);
     return;
   }
   if (answer.result != port::BusResult::ok) {
-    job.place = no_place;
+    job.slot = no_slot;
     fail(told, answer, now);
     if (told.tries < tries_max && !told.is_rejected) {
       job.retry_at = std::min(job.retry_at, told.retry_at);
@@ -184,7 +196,7 @@ void NeighbourDistributor::done(std::uint32_t bus, const port::BusAnswer& answer
   told.is_written = true;
   told.fingerprint = job.fingerprint;
   told.tries = 0;
-  job.place = no_place;
+  job.slot = no_slot;
 }
 
 void NeighbourDistributor::fail(DeliveredConfig& told, const port::BusAnswer& answer,

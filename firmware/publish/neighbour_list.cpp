@@ -1,48 +1,26 @@
 #include "firmware/publish/neighbour_list.h"
 
 #include <algorithm>
-
-#include "firmware/protocol/node_registers.h"
+#include <utility>
 
 namespace etcm::firmware {
 
-NeighbourList::NeighbourList(std::uint32_t vertices_max)
-    : around_(vertices_max), around_steiner_(vertices_max) {
-  list_.reserve(vertices_max);
-}
-
-std::span<const std::uint32_t> NeighbourList::of(const Mesh& mesh, VertexId node,
-                                                 std::span<const std::uint32_t> serials) {
+std::span<const std::uint32_t> NeighbourList::of(const Snapshot& snapshot, std::uint32_t row) {
   list_.clear();
-  const std::uint32_t degree = mesh.neighbours(node, around_);
-  for (const Neighbour& neighbour : std::span(around_).first(degree)) {
-    VertexId other = neighbour.vertex;
-    if (mesh.kind(other) == VertexKind::steiner) {
-      if (!neighbour.constrained) continue;
-      other = end_of_stretch(mesh, node, other);
+  for (const SnapshotNeighbour& neighbour : neighbours_of(snapshot, row)) {
+    std::uint32_t from = row;
+    std::uint32_t at = neighbour.row;
+    if (snapshot.vertices[at].kind == VertexKind::steiner && !neighbour.constrained) continue;
+    while (at != no_row && snapshot.vertices[at].kind == VertexKind::steiner) {
+      at = next_on_feature(snapshot, std::exchange(from, at), at);
     }
-    if (!other.is_none()) list_.push_back(serials[other.value]);
+    // An anchor cannot be asked.
+    if (at == no_row || snapshot.vertices[at].is_anchor) continue;
+    list_.push_back(snapshot.vertices[at].serial);
   }
   std::sort(list_.begin(), list_.end());
   list_.erase(std::unique(list_.begin(), list_.end()), list_.end());
-  // Anchors: no serial is greater, and none can be asked.
-  if (!list_.empty() && list_.back() == no_serial) list_.pop_back();
   return list_;
-}
-
-// The node at the other end of the row of Steiner vertices that begins with `over`.
-VertexId NeighbourList::end_of_stretch(const Mesh& mesh, VertexId from, VertexId over) {
-  for (std::uint32_t left = mesh.steiner_count(); left > 0; --left) {
-    const std::uint32_t degree = mesh.neighbours(over, around_steiner_);
-    VertexId next;
-    for (const Neighbour& neighbour : std::span(around_steiner_).first(degree)) {
-      if (neighbour.constrained && neighbour.vertex != from) next = neighbour.vertex;
-    }
-    if (next.is_none() || mesh.kind(next) == VertexKind::node) return next;
-    from = over;
-    over = next;
-  }
-  return VertexId::none();
 }
 
 }  // namespace etcm::firmware

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "etcm/mesh.h"
+#include "firmware/publish/snapshot.h"
 
 namespace etcm::firmware {
 
@@ -16,18 +16,13 @@ namespace etcm::firmware {
 class NeighbourList {
  public:
   // All the memory it needs is taken here.
-  explicit NeighbourList(std::uint32_t vertices_max);
+  explicit NeighbourList(std::uint32_t vertices_max) { list_.reserve(vertices_max); }
 
-  // Ascending, each once; good until the next call. `serials` is by vertex id. O(degree, and the
+  // Of the node in this row. Ascending, each once; good until the next call. O(degree, and the
   // length of the features that leave the node).
-  std::span<const std::uint32_t> of(const Mesh& mesh, VertexId node,
-                                    std::span<const std::uint32_t> serials);
+  std::span<const std::uint32_t> of(const Snapshot& snapshot, std::uint32_t row);
 
  private:
-  VertexId end_of_stretch(const Mesh& mesh, VertexId from, VertexId over);
-
-  std::vector<Neighbour> around_;
-  std::vector<Neighbour> around_steiner_;
   std::vector<std::uint32_t> list_;
 };
 

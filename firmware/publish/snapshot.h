@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "etcm/mesh.h"
@@ -96,5 +97,15 @@ struct Snapshot {
   std::vector<SnapshotQuarantined> quarantine{};
   MeshAnalysis analysis{};
 };
+
+// Of the vertex in this row, counter-clockwise.
+inline std::span<const SnapshotNeighbour> neighbours_of(const Snapshot& snapshot,
+                                                        std::uint32_t row) {
+  const SnapshotVertex& vertex = snapshot.vertices[row];
+  return std::span(snapshot.neighbours).subspan(vertex.first_neighbour, vertex.degree);
+}
+
+// What follows the Steiner vertex `over` on its feature for who comes from its neighbour `from`.
+std::uint32_t next_on_feature(const Snapshot& snapshot, std::uint32_t from, std::uint32_t over);
 
 }  // namespace etcm::firmware
