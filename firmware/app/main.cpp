@@ -251,7 +251,7 @@ void run(const std::string& config, firmware::Settings& settings, const port::Cl
   std::unique_ptr<port::MeshFolder> folder;
   if (settings.files) {
     folder = std::make_unique<port::MeshFolder>(settings.files->folder, settings.files->name,
-                                                settings.mesh);
+                                                settings.mesh.vertices_max);
     log.write(port::Level::info, "writes " + folder->base() + ".node, .ele and .svg");
   }
 

@@ -45,7 +45,8 @@ Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports
     state_saver_.emplace(settings, publish_pause, *ports.store, ports.log);
   }
   if (ports.files != nullptr) {
-    file_publisher_.emplace(*settings.files, publish_share, *ports.files, ports.clock, ports.log);
+    file_publisher_.emplace(*settings.files, settings.mesh, publish_share, *ports.files,
+                            ports.clock, ports.log);
   }
 }
 
@@ -93,8 +94,7 @@ void Gateway::step(port::Instant now) {
   if (changed_ && publish_due_ <= now) publish(now);
   if (file_publisher_) {
     file_publisher_->step(now);
-    if (file_publisher_->is_due(now))
-      file_publisher_->write(keeper_.mesh(), keeper_.serials(), now);
+    if (file_publisher_->is_due(now)) file_publisher_->write(snapshot(), now);
   }
   if (state_saver_) {
     keep_silences(now);
@@ -126,7 +126,7 @@ void Gateway::finish(port::Instant now) {
   if (changed_) publish(now);
   if (file_publisher_) {
     file_publisher_->step(now);
-    file_publisher_->write(keeper_.mesh(), keeper_.serials(), now);
+    file_publisher_->write(snapshot(), now);
   }
   if (state_saver_ && !ports_.store->is_saving()) {
     state_saver_->step(now);

@@ -8,9 +8,9 @@
 
 namespace etcm::firmware {
 
-FilePublisher::FilePublisher(const FileSettings& settings, int share, port::MeshFiles& files,
-                             const port::Clock& clock, port::Log& log)
-    : settings_(settings), share_(share), files_(files), clock_(clock), log_(log) {}
+FilePublisher::FilePublisher(const FileSettings& settings, const MeshConfig& mesh, int share,
+                             port::MeshFiles& files, const port::Clock& clock, port::Log& log)
+    : settings_(settings), share_(share), files_(files), clock_(clock), log_(log), imager_(mesh) {}
 
 void FilePublisher::step(port::Instant now) {
   if (!is_writing_) return;
@@ -41,8 +41,7 @@ port::Instant FilePublisher::next_deadline() const {
   return std::max(started_at_ + settings_.interval, not_before_);
 }
 
-void FilePublisher::write(const Mesh& mesh, std::span<const std::uint32_t> serials,
-                          port::Instant now) {
+void FilePublisher::write(const Snapshot& published, port::Instant now) {
   if (is_writing_ || !(is_dirty_ || is_unchecked_)) return;
   started_at_ = now;
   is_writing_ = true;
@@ -50,7 +49,7 @@ void FilePublisher::write(const Mesh& mesh, std::span<const std::uint32_t> seria
   is_check_ = !std::exchange(is_dirty_, false);
   if (is_check_) return files_.start_check();
   const port::Instant begin = clock_.now();
-  files_.start_write(mesh, serials);
+  files_.start_write(imager_.make(published));
   not_before_ = now + share_ * (clock_.now() - begin);
 }
 

@@ -6,23 +6,21 @@
 // answered for a while.
 #pragma once
 
-#include <cstdint>
-#include <span>
-
-#include "etcm/mesh.h"
+#include "etcm/config.h"
 #include "etcm/port/clock.h"
 #include "etcm/port/log.h"
 #include "etcm/port/mesh_files.h"
 #include "firmware/config/settings.h"
+#include "firmware/publish/snapshot_image.h"
 
 namespace etcm::firmware {
 
 class FilePublisher {
  public:
-  // All must outlive the keeper. At most one part in `share` of all time goes into handing a mesh
-  // over: the loop stands still meanwhile.
-  FilePublisher(const FileSettings& settings, int share, port::MeshFiles& files,
-                const port::Clock& clock, port::Log& log);
+  // All must outlive this, but `mesh`. At most one part in `share` of all time goes into handing a
+  // mesh over: the loop stands still meanwhile. All the memory for that is taken here.
+  FilePublisher(const FileSettings& settings, const MeshConfig& mesh, int share,
+                port::MeshFiles& files, const port::Clock& clock, port::Log& log);
 
   // There is a generation that the files do not show.
   void mark_dirty() { is_dirty_ = true; }
@@ -32,9 +30,9 @@ class FilePublisher {
   bool is_due(port::Instant now) const { return next_deadline() <= now; }
   port::Instant next_deadline() const;
 
-  // Starts to write them, unless something is under way or they show the mesh already. Only checks
-  // the folder where there is no mesh to show yet.
-  void write(const Mesh& mesh, std::span<const std::uint32_t> serials, port::Instant now);
+  // Starts to write the generation that was published last, unless something is under way or they
+  // show it already. Only checks the folder where there is none yet.
+  void write(const Snapshot& published, port::Instant now);
 
   // The last try failed, or the disk has not answered for a while.
   bool is_in_trouble() const { return is_failing_ || is_unresponsive_; }
@@ -45,6 +43,7 @@ class FilePublisher {
   port::MeshFiles& files_;
   const port::Clock& clock_;
   port::Log& log_;
+  SnapshotImager imager_;
   bool is_dirty_ = false;
   bool is_unchecked_ = true;
   bool is_writing_ = false;  // or checking

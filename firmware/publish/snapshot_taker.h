@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "etcm/domain.h"
 #include "etcm/mesh.h"
 #include "etcm/port/clock.h"
 #include "firmware/config/settings.h"
@@ -43,6 +44,7 @@ class SnapshotTaker {
 
  private:
   void copy_mesh(const MeshKeeper& keeper);
+  void mark_domain(const Mesh& mesh);
   void look_at_nodes(const NodeTable& nodes, port::Instant now);
   void look_at_outsider(const NodeRecord& node);
   std::uint16_t state_of(const MeshKeeper& keeper) const;
@@ -52,6 +54,9 @@ class SnapshotTaker {
 
   Snapshot snapshot_;
   std::vector<Neighbour> around_;  // of one vertex
+  // By triangle; empty where no files are written.
+  std::vector<Region> region_;
+  std::vector<TriangleId> waiting_;
   Analyst analyst_;
 };
 

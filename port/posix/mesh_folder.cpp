@@ -5,7 +5,6 @@
 
 #include <cerrno>
 #include <filesystem>
-#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -19,9 +18,9 @@ namespace etcm::port {
 // What the thread uses, and keeps should it hang.
 struct MeshFolder::Writing {
   Writing(const std::string& where, const std::string& base, std::string title,
-          const MeshConfig& config)
-      : folder(where), imager(config), words{.title = std::move(title)} {
-    room.reserve(config.vertices_max);
+          std::uint32_t vertices_max)
+      : folder(where), words{.title = std::move(title)} {
+    room.reserve(vertices_max);
     files.add(base + ".node", [this](files::TextSink& out) { files::write_node(out, *image); });
     files.add(base + ".ele", [this](files::TextSink& out) { files::write_ele(out, *image); });
     files.add(base + ".svg",
@@ -54,10 +53,9 @@ struct MeshFolder::Writing {
   }
 
   const std::string folder;
-  bool is_made = false;   // as far as is known
-  bool is_clean = false;  // of what a crash left
-  files::Imager imager;
-  files::MeshImage* image = nullptr;  // of the imager; null: check only
+  bool is_made = false;                           // as far as is known
+  bool is_clean = false;                          // of what a crash left
+  std::shared_ptr<const files::MeshImage> image;  // null: check only
   files::PictureText words;
   files::PictureRoom room;
   files::FileSet files;
@@ -65,30 +63,20 @@ struct MeshFolder::Writing {
   files::FileSet::Failure failure;
 };
 
-MeshFolder::MeshFolder(const std::string& folder, const std::string& name, const MeshConfig& config)
+MeshFolder::MeshFolder(const std::string& folder, const std::string& name,
+                       std::uint32_t vertices_max)
     : base_(std::filesystem::path(folder) / name),
-      writing_(std::make_shared<Writing>(folder, base_, name, config)),
+      writing_(std::make_shared<Writing>(folder, base_, name, vertices_max)),
       worker_("etcm-files", [writing = writing_] { writing->run(); }) {}
 
 void MeshFolder::start_check() {
-  writing_->image = nullptr;
+  writing_->image.reset();
   is_result_due_ = true;
   worker_.start();
 }
 
-void MeshFolder::start_write(const Mesh& mesh, std::span<const std::uint32_t> serials) {
-  files::MeshImage& image = writing_->imager.make(mesh, Exterior::automatic, {});
-  // The image has the nodes in the order of their ids, and then the Steiner vertices.
-  image.attribute_count = 1;
-  for (std::uint32_t id = 1; id < mesh.vertex_id_end(); ++id) {
-    const bool is_node = mesh.kind(VertexId{static_cast<IdValue>(id)}) == VertexKind::node;
-    if (!is_node) continue;
-    // An anchor has no serial. Neither text is too long for a string without memory of its own.
-    const bool has_serial = serials[id] != std::numeric_limits<std::uint32_t>::max();
-    image.attributes.push_back(has_serial ? std::to_string(serials[id]) : "-1");
-  }
-  image.attributes.resize(image.vertices.size(), "-1");
-  writing_->image = &image;
+void MeshFolder::start_write(std::shared_ptr<const files::MeshImage> image) {
+  writing_->image = std::move(image);
   is_result_due_ = true;
   worker_.start();
 }

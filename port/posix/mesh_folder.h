@@ -1,6 +1,7 @@
 // MeshFiles in a folder: NAME.node, NAME.ele and NAME.svg, written by a thread of its own.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -12,13 +13,13 @@ namespace etcm::port {
 
 class MeshFolder final : public MeshFiles {
  public:
-  // Touches nothing yet; takes all the memory now that meshes of this size need. Where there is no
+  // Touches nothing yet; takes all the memory now that so many vertices need. Where there is no
   // folder, it is made when it is needed. What is done first removes the temporary files of an
   // earlier gateway that was killed while it wrote; so nobody else may write files of this name.
-  MeshFolder(const std::string& folder, const std::string& name, const MeshConfig& config);
+  MeshFolder(const std::string& folder, const std::string& name, std::uint32_t vertices_max);
 
   void start_check() override;
-  void start_write(const Mesh& mesh, std::span<const std::uint32_t> serials) override;
+  void start_write(std::shared_ptr<const files::MeshImage> image) override;
   bool is_writing() const override { return worker_.is_busy(); }
   bool take_result(DiskResult& result) override;
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "etcm/files/mesh_image.h"
 #include "etcm/mesh.h"
 #include "firmware/config/settings.h"
 #include "firmware/gateway/gateway.h"
@@ -111,11 +112,12 @@ class RecordingFiles final : public port::MeshFiles {
     ++checks;
     is_check_ = has_news_ = true;
   }
-  void start_write(const Mesh& mesh, std::span<const std::uint32_t>) override {
+  void start_write(std::shared_ptr<const files::MeshImage> image) override {
     ++attempts;
     has_news_ = true;
     is_check_ = false;
-    if (!failing) nodes_written.push_back(mesh.node_count());
+    if (!failing) nodes_written.push_back(image->node_count);
+    last = std::move(image);
   }
   bool is_writing() const override { return has_news_ && is_unresponsive; }
   bool take_result(port::DiskResult& result) override {
@@ -134,6 +136,7 @@ class RecordingFiles final : public port::MeshFiles {
   std::uint32_t checks = 0;
   std::uint32_t attempts = 0;
   std::vector<std::uint32_t> nodes_written;
+  std::shared_ptr<const files::MeshImage> last;  // tried to write; null before
 
  private:
   bool has_news_ = false;

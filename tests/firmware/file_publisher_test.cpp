@@ -24,6 +24,40 @@ TEST(Files, AreWrittenNotMoreOftenThanAskedAndFinallyComplete) {
   EXPECT_EQ(rig.log.count("audit passed: conforming"), 1u);
 }
 
+// The mesh changes all the time, and masters see it a tenth of a second later.
+TEST(Files, ShowTheSnapshotOfTheirGeneration) {
+  Rig rig({feature(1001, 1002)});
+  rig.settings.poll.interval = 70ms;
+  rig.settings.files->interval = 130ms;
+  rig.put_square();
+  rig.run(10ms);
+  std::size_t written = 0;
+  std::size_t unpublished = 0;
+  for (int step = 0; step < 500; ++step) {
+    rig.put(4, step / 7, 100 + step / 7);
+    // Some join between two generations.
+    if (step % 50 == 0) rig.put(static_cast<std::uint8_t>(5 + step / 50), 300 + step, step % 7);
+    rig.run(10ms);
+    if (rig.files.attempts == written) continue;
+    written = rig.files.attempts;
+    const Snapshot& snapshot = rig.gateway->snapshot();
+    ASSERT_EQ(snapshot.generation, rig.server.header("generation"));
+    std::vector<Point> published;
+    for (const SnapshotVertex& vertex : snapshot.vertices) {
+      if (vertex.kind == VertexKind::node) published.push_back(vertex.point);
+    }
+    std::vector<Point> shown;
+    for (const files::ImageVertex& vertex : rig.files.last->vertices) {
+      if (!vertex.is_steiner) shown.push_back(vertex.point);
+    }
+    ASSERT_EQ(shown, published);
+    ASSERT_EQ(rig.files.last->edges.size(), snapshot.edge_count);
+    if (rig.mesh.hash() != snapshot.mesh_hash) ++unpublished;
+  }
+  EXPECT_GT(written, 20u);
+  EXPECT_GT(unpublished, 5u) << "while the mesh was another one already";
+}
+
 TEST(Files, ThatCannotBeWrittenAreSaidOnceAndTriedAgain) {
   Rig rig;
   rig.files.failing = true;
@@ -95,7 +129,7 @@ TEST(Files, OfALargeMeshAreWrittenLessOften) {
    public:
     explicit SlowFiles(SimulatedClock& clock) : clock_(clock) {}
     void start_check() override {}
-    void start_write(const Mesh&, std::span<const std::uint32_t>) override {
+    void start_write(std::shared_ptr<const files::MeshImage>) override {
       ++attempts;
       clock_.pass(200ms);
     }
@@ -113,13 +147,12 @@ TEST(Files, OfALargeMeshAreWrittenLessOften) {
   RecordingLog log;
   SlowFiles files(clock);
   const FileSettings settings{.folder = "", .name = "", .interval = 1s};
-  FilePublisher keeper(settings, 20, files, clock, log);
-  const Mesh mesh;
+  FilePublisher publisher(settings, {.vertices_max = 10}, 20, files, clock, log);
   const port::Instant end = clock.now() + 40s;
   while (clock.now() < end) {
-    keeper.mark_dirty();
-    keeper.step(clock.now());
-    if (keeper.is_due(clock.now())) keeper.write(mesh, {}, clock.now());
+    publisher.mark_dirty();
+    publisher.step(clock.now());
+    if (publisher.is_due(clock.now())) publisher.write(Snapshot{}, clock.now());
     clock.pass(10ms);
   }
   EXPECT_GE(files.attempts, 10);

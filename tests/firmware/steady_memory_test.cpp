@@ -184,7 +184,7 @@ class SteadyMemory : public testing::Test {
   PinningServer server_;
   const test::ScratchFolder scratch_;
   port::MeshFolder files_{scratch_.path("files"), "a mesh with a name that no short string holds",
-                          settings_.mesh};
+                          settings_.mesh.vertices_max};
   const std::array<PolledBus, 1> buses_{{{.bus = &bus_, .settings = &settings_.buses[0]}}};
   std::optional<Gateway> gateway_;
 };

@@ -50,14 +50,15 @@ FIRMWARE_ROOMS = {
     "records": ("logging", "protocol", "site", "config", "polling"),
     "mesh": ("logging", "protocol", "site", "config", "polling", "records"),
     "nodes": ("logging", "protocol", "site", "config", "polling", "records", "mesh"),
-    "persist": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes"),
     "publish": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes"),
+    "persist": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes",
+                "publish"),
     "gateway": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes",
-                "persist", "publish"),
+                "publish", "persist"),
     "status": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes",
-               "persist", "publish", "gateway"),
+               "publish", "persist", "gateway"),
     "app": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes",
-            "persist", "publish", "gateway", "status"),
+            "publish", "persist", "gateway", "status"),
 }
 # Folder, what an include of a room begins with there, and the rooms.
 HOUSES = [

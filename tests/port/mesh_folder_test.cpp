@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -39,13 +38,22 @@ class MeshFolderTest : public testing::Test {
   void join(Position position) {
     VertexId vertex;
     ASSERT_EQ((*mesh_)->join(position, vertex), Status::ok);
-    serials_[vertex.value] = 4'000'000'000u + vertex.value;
+  }
+
+  // Each node with an attribute.
+  std::shared_ptr<const files::MeshImage> image() const {
+    auto image =
+        std::make_shared<files::MeshImage>(files::image_of(**mesh_, Exterior::automatic, {}));
+    image->attribute_count = 1;
+    for (std::uint32_t i = 1; i <= image->vertices.size(); ++i) {
+      image->attributes.push_back(std::to_string(4'000'000'000u + i));
+    }
+    return image;
   }
 
   MeshFolder& folder() {
     if (!opened_) {
-      opened_ = std::make_unique<MeshFolder>(
-          path_, "mesh", MeshConfig{.vertices_max = vertices_max, .features_max = 20});
+      opened_ = std::make_unique<MeshFolder>(path_, "mesh", vertices_max);
     }
     return *opened_;
   }
@@ -59,7 +67,7 @@ class MeshFolderTest : public testing::Test {
   }
 
   DiskResult write() {
-    folder().start_write(**mesh_, serials_);
+    folder().start_write(image());
     EXPECT_TRUE(folder().wait(patience));
     return result();
   }
@@ -73,7 +81,6 @@ class MeshFolderTest : public testing::Test {
   const ScratchFolder scratch_;
   const std::string path_ = scratch_.path("f");
   std::unique_ptr<test::OwnedMesh> mesh_ = test::empty_mesh(vertices_max, 20);
-  std::vector<std::uint32_t> serials_ = std::vector<std::uint32_t>(vertices_max + 1);
   std::unique_ptr<MeshFolder> opened_;
 };
 
@@ -99,11 +106,10 @@ class HangingDisk {
   std::string path_;
 };
 
-TEST_F(MeshFolderTest, HoldsTheMeshAndTheSerials) {
+TEST_F(MeshFolderTest, HoldsTheMesh) {
   EXPECT_TRUE(write().ok);
   EXPECT_EQ(file_count(), 3u);
-  files::MeshImage image = files::image_of(**mesh_, Exterior::automatic, {});
-  EXPECT_EQ(read(".ele"), files::text_of(files::write_ele, image));
+  EXPECT_EQ(read(".ele"), files::text_of(files::write_ele, *image()));
   EXPECT_NE(read(".node").find("\n60 "), std::string::npos);
   EXPECT_NE(read(".node").find(" 4000000060 0\n"), std::string::npos);
   EXPECT_NE(read(".svg").find("60 nodes"), std::string::npos);
@@ -138,23 +144,16 @@ TEST_F(MeshFolderTest, WhatACrashLeftIsRemoved) {
   EXPECT_TRUE(write().ok);
 }
 
-TEST_F(MeshFolderTest, AnAnchorHasNoSerial) {
-  serials_[1] = std::numeric_limits<std::uint32_t>::max();
-  EXPECT_TRUE(write().ok);
-  EXPECT_NE(read(".node").find("\n1 0 0 -1 0\n"), std::string::npos);
-}
-
 // The mesh goes on changing while it is written; what comes to the disk is what was handed over.
 TEST_F(MeshFolderTest, DoesNotWaitForADiskThatHangs) {
   std::filesystem::create_directory(path_);
   HangingDisk disk(path_ + "/mesh.svg");
-  folder().start_write(**mesh_, serials_);
+  folder().start_write(image());
   EXPECT_FALSE(folder().wait(20ms));
   EXPECT_TRUE(folder().is_writing());
   DiskResult none;
   EXPECT_FALSE(folder().take_result(none));
-  const std::string ele =
-      files::text_of(files::write_ele, files::image_of(**mesh_, Exterior::automatic, {}));
+  const std::string ele = files::text_of(files::write_ele, *image());
   for (int i = 0; i < 100; ++i) join({2000 + i * 37 % 501, i * 53 % 499});
   disk.answer(folder());
   EXPECT_TRUE(result().ok);
@@ -165,7 +164,7 @@ TEST_F(MeshFolderTest, DoesNotWaitForADiskThatHangs) {
 TEST_F(MeshFolderTest, IsLeftBehindWhereTheDiskHangs) {
   std::filesystem::create_directory(path_);
   HangingDisk disk(path_ + "/mesh.svg");
-  folder().start_write(**mesh_, serials_);
+  folder().start_write(image());
   EXPECT_FALSE(folder().wait(20ms));
   opened_.reset();
   // The thread still has what it uses.

@@ -59,97 +59,80 @@ void carry_markers(const ConstraintGraph& graph, MeshImage& image) {
   }
 }
 
-}  // namespace
+class Imager {
+ public:
+  Imager(const Mesh& mesh, Exterior exterior, std::span<const Point> holes);
 
-std::size_t find_edge(const MeshImage& image, std::uint32_t a, std::uint32_t b) {
-  const std::pair<std::uint32_t, std::uint32_t> ends(std::min(a, b), std::max(a, b));
-  const auto edge = std::lower_bound(
-      image.edges.begin(), image.edges.end(), ends,
-      [](const ImageEdge& e, const auto& key) { return std::pair(e.from, e.to) < key; });
-  const bool found = edge != image.edges.end() && std::pair(edge->from, edge->to) == ends;
-  return found ? static_cast<std::size_t>(edge - image.edges.begin()) : image.edges.size();
-}
+  MeshImage take() { return std::move(image_); }
 
-std::uint32_t MeshImage::unresolved_count() const {
-  return static_cast<std::uint32_t>(
-      std::count_if(subsegments.begin(), subsegments.end(),
-                    [](const ImageSubsegment& piece) { return !piece.is_edge; }));
-}
+ private:
+  void add_vertex(VertexId id, bool is_steiner);
+  void add_nodes();
+  void add_features();
+  void label(Exterior exterior, std::span<const Point> holes);
+  void add_triangles();
+  void mark_edges();
 
-Imager::Imager(const MeshConfig& config) {
-  const std::size_t vertices = config.vertices_max;
-  const std::size_t triangles = 2 * vertices;  // with ghosts
-  image_.vertices.reserve(vertices);
-  image_.triangles.reserve(triangles);
-  image_.edges.reserve(3 * vertices);
-  image_.subsegments.reserve(vertices + config.features_max);
-  image_.attributes.reserve(vertices);
-  index_of_.reserve(vertices + 1);
-  chain_.reserve(vertices);
-  region_.reserve(triangles);
-  waiting_.reserve(triangles);
-}
+  const Mesh& mesh_;
+  MeshImage image_;
+  std::vector<std::uint32_t> index_of_;  // by vertex id
+  std::vector<Region> region_;           // by triangle
+};
 
-MeshImage& Imager::make(const Mesh& mesh, Exterior exterior, std::span<const Point> holes) {
-  image_.vertices.clear();
-  image_.triangles.clear();
-  image_.edges.clear();
-  image_.subsegments.clear();
-  image_.attributes.clear();
-  image_.attribute_count = 0;
-  image_.feature_count = 0;
-  index_of_.assign(mesh.vertex_id_end(), unnumbered);
-  add_nodes(mesh);
-  add_features(mesh);
-  label(mesh, exterior, holes);
-  add_triangles(mesh);
+Imager::Imager(const Mesh& mesh, Exterior exterior, std::span<const Point> holes)
+    : mesh_(mesh),
+      index_of_(mesh.vertex_id_end(), unnumbered),
+      region_(mesh.triangle_count(), Region::outside) {
+  add_nodes();
+  add_features();
+  label(exterior, holes);
+  add_triangles();
   mark_edges();
-  return image_;
 }
 
-void Imager::add_vertex(const Mesh& mesh, VertexId id, bool is_steiner) {
+void Imager::add_vertex(VertexId id, bool is_steiner) {
   index_of_[id.value] = static_cast<std::uint32_t>(image_.vertices.size());
-  image_.vertices.push_back({mesh.point(id), is_steiner, is_steiner ? -1 : 0});
+  image_.vertices.push_back({mesh_.point(id), is_steiner, is_steiner ? -1 : 0});
 }
 
-void Imager::add_nodes(const Mesh& mesh) {
-  for (std::uint32_t i = 1; i < mesh.vertex_id_end(); ++i) {
+void Imager::add_nodes() {
+  for (std::uint32_t i = 1; i < mesh_.vertex_id_end(); ++i) {
     const VertexId id(static_cast<IdValue>(i));
-    if (mesh.kind(id) == VertexKind::node) add_vertex(mesh, id, false);
+    if (mesh_.kind(id) == VertexKind::node) add_vertex(id, false);
   }
   image_.node_count = static_cast<std::uint32_t>(image_.vertices.size());
 }
 
-void Imager::add_features(const Mesh& mesh) {
-  for (std::uint32_t f = 0; f < mesh.feature_id_end(); ++f) {
+void Imager::add_features() {
+  std::vector<VertexId> chain;
+  for (std::uint32_t f = 0; f < mesh_.feature_id_end(); ++f) {
     const FeatureId feature(static_cast<IdValue>(f));
-    if (!mesh.is_feature(feature)) continue;
+    if (!mesh_.is_feature(feature)) continue;
     ++image_.feature_count;
-    chain_.resize(mesh.chain(feature, {}));
-    (void)mesh.chain(feature, chain_);
-    for (std::size_t i = 0; i < chain_.size(); ++i) {
-      if (index_of_[chain_[i].value] == unnumbered) add_vertex(mesh, chain_[i], true);
+    chain.resize(mesh_.chain(feature, {}));
+    (void)mesh_.chain(feature, chain);
+    for (std::size_t i = 0; i < chain.size(); ++i) {
+      if (index_of_[chain[i].value] == unnumbered) add_vertex(chain[i], true);
       if (i == 0) continue;
       image_.subsegments.push_back(
-          {index_of_[chain_[i - 1].value], index_of_[chain_[i].value], f, 0, false});
+          {index_of_[chain[i - 1].value], index_of_[chain[i].value], f, 0, false});
     }
   }
 }
 
-void Imager::label(const Mesh& mesh, Exterior exterior, std::span<const Point> holes) {
-  region_.assign(mesh.triangle_count(), Region::outside);
-  waiting_.resize(mesh.triangle_count());
-  if (mesh.finite_triangle_count() == 0) return;
-  // Both buffers have the size it asks for, so it cannot refuse.
-  (void)label_domain(mesh, exterior, holes, region_, waiting_);
+void Imager::label(Exterior exterior, std::span<const Point> holes) {
+  if (mesh_.finite_triangle_count() == 0) return;
+  std::vector<TriangleId> waiting(region_.size());
+  // Both buffers have the size it asks for, so it cannot reject them.
+  (void)label_domain(mesh_, exterior, holes, region_, waiting);
 }
 
-void Imager::add_triangles(const Mesh& mesh) {
-  const bool is_flat = mesh.finite_triangle_count() == 0;
+void Imager::add_triangles() {
+  const bool is_flat = mesh_.finite_triangle_count() == 0;
   const auto is_inside = [&](TriangleId id) { return region_[id.value] == Region::inside; };
-  for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+  for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
     const TriangleId id(static_cast<IdValue>(t));
-    const Triangle triangle = mesh.triangle(id);
+    const Triangle triangle = mesh_.triangle(id);
     for (std::size_t i = 0; i < 3; ++i) {
       const VertexId from = triangle.corner[(i + 1) % 3];
       const VertexId to = triangle.corner[(i + 2) % 3];
@@ -182,9 +165,25 @@ void Imager::mark_edges() {
   }
 }
 
+}  // namespace
+
+std::size_t find_edge(const MeshImage& image, std::uint32_t a, std::uint32_t b) {
+  const std::pair<std::uint32_t, std::uint32_t> ends(std::min(a, b), std::max(a, b));
+  const auto edge = std::lower_bound(
+      image.edges.begin(), image.edges.end(), ends,
+      [](const ImageEdge& e, const auto& key) { return std::pair(e.from, e.to) < key; });
+  const bool found = edge != image.edges.end() && std::pair(edge->from, edge->to) == ends;
+  return found ? static_cast<std::size_t>(edge - image.edges.begin()) : image.edges.size();
+}
+
+std::uint32_t MeshImage::unresolved_count() const {
+  return static_cast<std::uint32_t>(
+      std::count_if(subsegments.begin(), subsegments.end(),
+                    [](const ImageSubsegment& piece) { return !piece.is_edge; }));
+}
+
 MeshImage image_of(const Mesh& mesh, Exterior exterior, std::span<const Point> holes) {
-  Imager imager;
-  return std::move(imager.make(mesh, exterior, holes));
+  return Imager(mesh, exterior, holes).take();
 }
 
 void carry_through(const ConstraintGraph& graph, const Placement& placement, MeshImage& image) {

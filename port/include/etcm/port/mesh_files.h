@@ -1,14 +1,16 @@
 // Publishes the mesh as files that other programs read.
 //
-// Like a store it waits for no disk: start_write() takes what it needs of the mesh, take_result()
-// tells later how that ended. Nothing is done before one of the two is started.
+// Like a store it waits for no disk: take_result() tells later how what was started ended. Nothing
+// is done before one of the two is started.
 #pragma once
 
-#include <cstdint>
-#include <span>
+#include <memory>
 
-#include "etcm/mesh.h"
 #include "etcm/port/disk_result.h"
+
+namespace etcm::files {
+struct MeshImage;
+}
 
 namespace etcm::port {
 
@@ -18,11 +20,11 @@ class MeshFiles {
   // a mesh; makes the folder where there is none. REQUIRES: nothing is under way.
   virtual void start_check() = 0;
 
-  // Starts to replace the published files by those of `mesh`, which may change once this returns. A
-  // reader sees each file of the old mesh or of the new one, never a part; where it fails, the old
-  // files stay. serials[id] is the serial of the node with that vertex id. REQUIRES: nothing is
-  // under way, and the mesh is no larger than the adapter was made for.
-  virtual void start_write(const Mesh& mesh, std::span<const std::uint32_t> serials) = 0;
+  // Starts to replace the published files by those of this mesh. A reader sees each file of the old
+  // mesh or of the new one, never a part; where it fails, the old files stay. REQUIRES: nothing is
+  // under way, the mesh is no larger than the adapter was made for, and nobody changes the image
+  // until take_result() has told how it ended.
+  virtual void start_write(std::shared_ptr<const files::MeshImage> image) = 0;
   virtual bool is_writing() const = 0;
 
   // How the write or the check that has ended went; false when there is nothing to tell. Each is

@@ -66,31 +66,6 @@ struct MeshImage {
 // The index of the edge between two vertices; edges.size() without one. The edges must be sorted.
 std::size_t find_edge(const MeshImage& image, std::uint32_t a, std::uint32_t b);
 
-// Makes images of meshes, one after the other into the same memory.
-class Imager {
- public:
-  Imager() = default;
-  // Takes all the memory now that a mesh of this size needs; make() then takes none.
-  explicit Imager(const MeshConfig& config);
-
-  // Valid, and the caller's to add to, until the next call. Throws std::bad_alloc only.
-  MeshImage& make(const Mesh& mesh, Exterior exterior, std::span<const Point> holes);
-
- private:
-  void add_vertex(const Mesh& mesh, VertexId id, bool is_steiner);
-  void add_nodes(const Mesh& mesh);
-  void add_features(const Mesh& mesh);
-  void label(const Mesh& mesh, Exterior exterior, std::span<const Point> holes);
-  void add_triangles(const Mesh& mesh);
-  void mark_edges();
-
-  MeshImage image_;
-  std::vector<std::uint32_t> index_of_;  // by vertex id
-  std::vector<VertexId> chain_;          // of one feature
-  std::vector<Region> region_;           // by triangle
-  std::vector<TriangleId> waiting_;
-};
-
 MeshImage image_of(const Mesh& mesh, Exterior exterior, std::span<const Point> holes);
 
 // Gives the image what the graph it was built from says beside geometry: index base, attributes

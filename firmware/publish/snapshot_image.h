@@ -1,0 +1,39 @@
+// A snapshot as the writers of files take a mesh.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "etcm/config.h"
+#include "etcm/files/mesh_image.h"
+#include "firmware/publish/snapshot.h"
+
+namespace etcm::firmware {
+
+// Makes images of snapshots, one after the other into the same memory.
+class SnapshotImager {
+ public:
+  // All the memory it ever needs is taken here.
+  explicit SnapshotImager(const MeshConfig& config);
+
+  // The nodes by row, each with its serial (an anchor with -1), and then the Steiner vertices along
+  // the features, those at the first node first. Equal meshes whose nodes stand in the same rows
+  // give equal images. Good until the next call. REQUIRES: the snapshot marks the domain. O(n),
+  // and O(degree^2) of each vertex.
+  std::shared_ptr<const files::MeshImage> make(const Snapshot& snapshot);
+
+ private:
+  void add_vertex(const Snapshot& snapshot, std::uint32_t row);
+  void add_segments(const Snapshot& snapshot, std::uint32_t node);
+  void add_edges_and_triangles(const Snapshot& snapshot, std::uint32_t index);
+
+  std::shared_ptr<files::MeshImage> image_;
+  std::vector<std::uint32_t> index_of_;  // by row
+  std::vector<std::uint32_t> row_of_;    // by index
+  // The segments of one node: the index of the other end, and the row of the first vertex on it.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> segments_;
+};
+
+}  // namespace etcm::firmware
