@@ -92,7 +92,7 @@ constexpr Key poll_keys[] = {
     {"leave_after", duration<&Settings::poll, &PollSettings::leave_after>(1ms),
      standard(R"("30s")"), at_once,
      "silence after which a node leaves the mesh and "
-     "[is missing](guide/nodes.md#when-it-falls-silent), while others of its bus answer; longer "
+     "[is missing](nodes.md#when-it-falls-silent), while others of its bus answer; longer "
      "than "
      "`interval`"},
     {"dead_band",
@@ -174,8 +174,7 @@ constexpr Key gpio_keys[] = {
     {"join_button", board_line<&Settings::gpio, &GpioSettings::join_button>(),
      unset(R"("LINE_NAME")"), restart, "input: the same, by hand"},
     {"status_led", board_line<&Settings::gpio, &GpioSettings::status_led>(),
-     unset(R"("LINE_NAME")"), restart,
-     "output: [flashes tell](guide/wiring.md) how the gateway is"},
+     unset(R"("LINE_NAME")"), restart, "output: [flashes tell](wiring.md) how the gateway is"},
     {"watchdog", board_line<&Settings::gpio, &GpioSettings::watchdog>(), unset(R"("LINE_NAME")"),
      restart,
      "output for an external watchdog: changes its level every 500 ms while the gateway's loop "
@@ -251,7 +250,7 @@ using TableKind = KeyTable::Kind;
 
 constexpr KeyTable tables[] = {
     {"site", TableKind::optional, "no site file",
-     "features, anchors and the domain, [drawn in a file](guide/site.md)", site_keys},
+     "features, anchors and the domain, [drawn in a file](site.md)", site_keys},
     {"mesh", TableKind::always, "required", "the memory of the mesh is taken once, at the start",
      mesh_keys, "[mesh] with vertices_max"},
     {"poll", TableKind::always, "", "how the nodes are asked, on all buses", poll_keys},
@@ -266,7 +265,7 @@ constexpr KeyTable tables[] = {
     {"server", TableKind::always, "", "where other masters read the mesh, over Modbus TCP",
      server_keys},
     {"analysis", TableKind::always, "nothing worked out",
-     "[what each mesh tells](guide/analysis.md) about radio links and coverage", analysis_keys},
+     "[what each mesh tells](analysis.md) about radio links and coverage", analysis_keys},
     {"http", TableKind::optional, "no page",
      "the status page: `http://` and the address of `listen`, in a browser", http_keys, nullptr,
      is_set<&Settings::http>, emplace<&Settings::http>},

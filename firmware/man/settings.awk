@@ -1,5 +1,5 @@
 # Makes the manual page of the settings from the operating guide, whose table is that of
-# settings_keys.cpp (a test compares them): awk -f settings.awk README.md > gateway.toml.5
+# settings_keys.cpp (a test compares them): awk -f settings.awk settings.md > gateway.toml.5
 
 # What troff would take for a request, or mdoc for more than text.
 function escaped(text) {
@@ -65,7 +65,7 @@ BEGIN {
   print ".Ic etcm\\-gateway \\-\\-config gateway.toml \\-\\-check\\-config ."
 }
 
-/^## Settings/ { inside = 1; next }
+/^# Settings/ { inside = 1; next }
 inside && /^## / { inside = 0 }
 !inside { next }
 
@@ -125,7 +125,7 @@ END {
   print ".Xr etcm-bus 1 ,"
   print ".Xr etcm-gateway 8"
   if (rows == 0) {
-    print "settings.awk: there is no table under '## Settings'" > "/dev/stderr"
+    print "settings.awk: there is no table under '# Settings'" > "/dev/stderr"
     exit 1
   }
 }

@@ -125,7 +125,7 @@ TEST_F(SettingsKeys, TheOperatingGuideHasThem) {
   std::stringstream text;
   text << file.rdbuf();
   EXPECT_NE(text.str().find("\n\n" + describe_settings() + "\n"), std::string::npos)
-      << "put the output of `etcm-gateway --settings-table` into firmware/README.md";
+      << "put the output of `etcm-gateway --settings-table` into firmware/guide/settings.md";
 }
 
 TEST_F(SettingsKeys, HaveNamesAndWordsOfTheirOwn) {

@@ -180,7 +180,7 @@ class OnAMachine(ProgramCase):
                           '[[bus]]\nname = "odd"\nrtu = "/dev/ttyXR0"\nunits = "1"\n')
         self.wait_for_mesh(nodes=3, state=0)
         self.wait_for_entry(WARNING, r"^bus odd: /dev/ttyXR0: Operation not permitted; .*DeviceAllow")
-        # As firmware/README.md says.
+        # As the operating guide says.
         self.write(f"/etc/systemd/system/{SERVICE}.service.d/override.conf",
                    "[Service]\nDeviceAllow=char-misc rw\n")
         self.run_there("systemctl", "daemon-reload")

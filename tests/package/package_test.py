@@ -67,7 +67,9 @@ class Content(ProgramCase):
                      "usr/share/doc/etcm-gateway/changelog.gz", "usr/share/man/man1/etcm.1.gz",
                      "usr/share/man/man1/etcm-bus.1.gz", "usr/share/man/man1/etcm-nodes.1.gz",
                      "usr/share/man/man8/etcm-gateway.8.gz",
-                     "usr/share/man/man5/gateway.toml.5.gz"]:
+                     "usr/share/man/man5/gateway.toml.5.gz",
+                     "usr/share/doc/etcm-gateway/guide/README.md",
+                     "usr/share/doc/etcm-gateway/guide/page.png"]:
             self.assertIn(path, found)
         self.assertEqual([path for path in found if path.endswith((".h", ".a", ".cmake"))], [])
         development = files_under(self.unpacked(DEVELOPMENT))
@@ -117,6 +119,14 @@ class Content(ProgramCase):
             plain.write_bytes(subprocess.run(["gzip", "-dc", page], capture_output=True,
                                              check=True).stdout)
             self.assertEqual(run("mandoc", "-T", "lint", "-W", "warning", plain), "")
+
+    def test_the_guide_links_to_nothing_that_is_not_in_the_package(self):
+        guide = self.unpacked(GATEWAY) / "usr/share/doc/etcm-gateway/guide"
+        for page in guide.glob("*.md"):
+            text = re.sub(r"```.*?```", "", page.read_text(), flags=re.S)
+            for target in re.findall(r"\]\(([^)#\s]+)", text):
+                self.assertTrue("://" in target or (guide / target).is_file(),
+                                f"{page.name}: {target}")
 
     def test_the_manual_names_every_option(self):
         root = self.unpacked(GATEWAY)

@@ -500,7 +500,7 @@ class CommandLine(GatewayCase):
     def test_the_manual_page_has_each_key_of_the_settings(self):
         table = self.run_gateway("--settings-table").stdout
         man = HERE.parents[1] / "firmware/man"
-        page = subprocess.run(["awk", "-f", man / "settings.awk", man.parent / "README.md"],
+        page = subprocess.run(["awk", "-f", man / "settings.awk", man.parent / "guide/settings.md"],
                               capture_output=True, text=True, timeout=PATIENCE_S, check=True).stdout
         keys = re.findall(r"^\| (?:\*\*)?`([^`]+)`", table, re.M)
         self.assertGreater(len(keys), 50)
