@@ -177,7 +177,6 @@ TEST(Capacity, OfStorageIsCheckedToTheByte) {
   const std::span<std::byte> bytes = std::as_writable_bytes(std::span(storage));
   Mesh mesh;
   EXPECT_EQ(mesh.open(bytes.first(storage_bytes(config) - 1), config), Status::storage_too_small);
-  EXPECT_EQ(mesh.open(bytes.subspan(1), config), Status::storage_too_small) << "not aligned";
   EXPECT_EQ(mesh.open(bytes.first(storage_bytes(config)), config), Status::ok);
 }
 

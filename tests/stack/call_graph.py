@@ -25,7 +25,7 @@ INDIRECT = {
 # floating point of machines without a unit for it. More than any of them takes.
 RUNTIME_BYTES = 128
 # Ends the program; where it leads is the program's choice.
-FINAL = {"etcm_check_failed"}
+FINAL = {"etcm_check_failed", "etcm_illegal_argument"}
 
 NODE = re.compile(r'^node: \{ title: "([^"]+)" label: "([^"]*)"( shape : ellipse)?')
 EDGE = re.compile(r'^edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"(?: label: "([^"]*)")?')

@@ -1,10 +1,10 @@
-# etcm_mesh_variant(NAME [ID_BITS 16|32] [FORCE_LIMBS] [ANALYSIS] [OPTIONS option...])
+# etcm_mesh_variant(NAME [ID_BITS 16|32] [FORCE_LIMBS] [UNCHECKED] [ANALYSIS] [OPTIONS option...])
 #
 # The library once more, compiled in another way than this build's own: an object library of the
-# same sources with the same flags, and OPTIONS after them; with ANALYSIS those of etcm_analysis
-# too. For tests.
+# same sources with the same flags, and OPTIONS after them; UNCHECKED without checks of arguments;
+# with ANALYSIS those of etcm_analysis too. For tests.
 function(etcm_mesh_variant name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "FORCE_LIMBS;ANALYSIS" "ID_BITS" "OPTIONS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "FORCE_LIMBS;UNCHECKED;ANALYSIS" "ID_BITS" "OPTIONS")
   if(NOT arg_ID_BITS)
     set(arg_ID_BITS ${ETCM_ID_BITS})
   endif()
@@ -22,6 +22,7 @@ function(etcm_mesh_variant name)
   target_compile_features(${name} PUBLIC cxx_std_20)
   target_include_directories(${name} PUBLIC "${folder}/include" PRIVATE "${folder}/src")
   target_compile_definitions(${name} PUBLIC ETCM_ID_BITS=${arg_ID_BITS}
+    $<$<AND:$<BOOL:${ETCM_CHECK_ARGUMENTS}>,$<NOT:$<BOOL:${arg_UNCHECKED}>>>:ETCM_CHECK_ARGUMENTS>
     $<$<BOOL:${ETCM_VERIFY}>:ETCM_VERIFY>
     $<$<BOOL:${arg_FORCE_LIMBS}>:ETCM_FORCE_LIMBS>)
   target_compile_options(${name} PRIVATE ${options} ${arg_OPTIONS})

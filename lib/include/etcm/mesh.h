@@ -30,7 +30,8 @@ namespace etcm {
 
 namespace internal {
 struct MeshState;
-}
+struct MeshAccess;
+}  // namespace internal
 
 enum class VertexKind : std::uint8_t { none, node, steiner };
 
@@ -73,13 +74,15 @@ struct Triangle {
 
 class Mesh {
  public:
-  // A mesh without storage: open() first. Any other call before that is a programming error.
+  // A mesh without storage: open() first. Any other call before that is a programming error
+  // (illegal_argument.h).
   Mesh() noexcept = default;
   Mesh(const Mesh&) = delete;
   Mesh& operator=(const Mesh&) = delete;
 
   // Takes the storage, which must outlive the mesh, be aligned to 8 and have storage_bytes(config)
-  // bytes; the mesh in it is empty. Errors: bad_config, storage_too_small. O(1).
+  // bytes; the mesh in it is empty. Errors: bad_config, storage_too_small. A pointer that is null
+  // or not aligned is a programming error. O(1).
   Status open(std::span<std::byte> storage, const MeshConfig& config) noexcept;
 
   // Forgets all nodes and features. O(1).
@@ -148,7 +151,8 @@ class Mesh {
   std::uint32_t feature_id_end() const noexcept;
   const ErrorDetail& error_detail() const noexcept;
 
-  // Vertices. The id must be below vertex_id_end(), and in use for all but kind().
+  // Vertices. The id must be below vertex_id_end(), and in use for all but kind(), else it is a
+  // programming error; so with the ids below.
   VertexKind kind(VertexId vertex) const noexcept;
   Point point(VertexId vertex) const noexcept;
   Position position(VertexId node) const noexcept;
@@ -161,7 +165,7 @@ class Mesh {
   // Triangles. The id must be below triangle_count().
   Triangle triangle(TriangleId id) const noexcept;
 
-  // Features.
+  // Features. The id must be in use for all but is_feature().
   bool is_feature(FeatureId feature) const noexcept;
   FeatureEnds ends(FeatureId feature) const noexcept;
   // Writes the vertices along the feature from ends().from to ends().to, as many as fit, and
@@ -173,8 +177,7 @@ class Mesh {
   std::uint64_t hash() const noexcept;
 
  private:
-  friend const internal::MeshState& state_of(const Mesh& mesh) noexcept;
-  friend internal::MeshState& state_of(Mesh& mesh) noexcept;
+  friend internal::MeshAccess;
   internal::MeshState* state_ = nullptr;
 };
 

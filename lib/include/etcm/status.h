@@ -9,7 +9,7 @@ enum class [[nodiscard]] Status : std::uint8_t{
     ok,
     // The arguments.
     bad_config,            // the configuration contradicts itself or the id width
-    storage_too_small,     // fewer bytes than storage_bytes(config), or not aligned to 8
+    storage_too_small,     // fewer bytes than storage_bytes(config)
     bad_coordinate,        // |x| or |y| is above position_max
     duplicate_vertex,      // another node stands exactly there
     unknown_vertex,        // the id names no node

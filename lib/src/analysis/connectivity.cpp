@@ -83,7 +83,8 @@ class Forest {
 
 Status connectivity(const Mesh& mesh, std::uint32_t radio_range,
                     std::span<ConnectivityScratch> scratch, Connectivity& out) noexcept {
-  const MeshState& m = state_of(mesh);
+  const MeshState& m = opened(mesh, Call::connectivity);
+  demand(radio_range != 0, Call::connectivity, Fault::zero_range);
   if (scratch.size() < m.vertex_end) return Status::buffer_too_small;
   out = Forest(m, scratch).grow(squared_range(radio_range, 0));
   return Status::ok;

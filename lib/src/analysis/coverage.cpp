@@ -4,6 +4,7 @@
 #include "analysis/internal.h"
 #include "geometry/predicates_inline.h"
 #include "geometry/wide_int.h"
+#include "triangulation/hints.h"
 #include "triangulation/locate.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
@@ -49,14 +50,10 @@ struct Centre {
 
 class Coverage {
  public:
-  Coverage(const Mesh& sensors, const Domain& domain, std::uint32_t range,
-           std::span<Hole> out) noexcept
-      : m_(state_of(sensors)), range_(range), out_(out) {
-    if (domain.mesh == nullptr || domain.mesh->finite_triangle_count() == 0) return;
-    domain_ = domain.mesh;
-    region_ = domain.region;
-    ETCM_CHECK(region_.size() >= domain_->triangle_count());
-  }
+  // Without a domain: the hull.
+  Coverage(const MeshState& sensors, const MeshState* domain, std::span<const Region> region,
+           std::uint32_t range, std::span<Hole> out) noexcept
+      : m_(sensors), range_(range), out_(out), domain_(domain), region_(region) {}
 
   std::uint32_t run() noexcept {
     if (m_.vertex_count() == 0) return 0;
@@ -64,7 +61,7 @@ class Coverage {
     if (domain_ == nullptr) {
       visit_hull();
     } else {
-      visit_boundary(state_of(*domain_));
+      visit_boundary(*domain_);
     }
     return count_;
   }
@@ -133,16 +130,16 @@ class Coverage {
   }
 
   bool is_inside(IdValue t) const noexcept {
-    return !state_of(*domain_).topology.is_ghost(t) && region_[t] == Region::inside;
+    return !domain_->topology.is_ghost(t) && region_[t] == Region::inside;
   }
 
   // Whether the centre is in the domain and not on its boundary, which is visited for itself. The
   // rounded place leads close; from there a visibility walk with the exact one, as in locate.cpp.
   bool is_in_domain(const Centre& centre, const Point& place) const noexcept {
     if (domain_ == nullptr) return true;
-    const MeshState& d = state_of(*domain_);
+    const MeshState& d = *domain_;
     const Topology& topo = d.topology;
-    IdValue t = locate(*domain_, place).triangle.value;
+    IdValue t = Topology::triangle_of(find(d, place, edge_near(d, place)).edge);
     if (topo.is_ghost(t)) {
       unsigned side = 0;
       while (topo.triangle(t).corner[side] != infinite_vertex) ++side;
@@ -173,7 +170,7 @@ class Coverage {
   }
 
   bool is_inside_around(VertexId v) const noexcept {
-    const Topology& topo = state_of(*domain_).topology;
+    const Topology& topo = domain_->topology;
     Spokes spokes(topo, v);
     do {
       if (!is_inside(Topology::triangle_of(spokes.edge()))) return false;
@@ -253,8 +250,8 @@ class Coverage {
   const MeshState& m_;
   const std::uint32_t range_;
   const std::span<Hole> out_;
-  const Mesh* domain_ = nullptr;
-  std::span<const Region> region_{};
+  const MeshState* const domain_;
+  const std::span<const Region> region_;
   std::uint32_t count_ = 0;
 };
 
@@ -262,7 +259,16 @@ class Coverage {
 
 std::uint32_t coverage_holes(const Mesh& sensors, const Domain& domain, std::uint32_t sensing_range,
                              std::span<Hole> out) noexcept {
-  return Coverage(sensors, domain, sensing_range, out).run();
+  const MeshState& m = opened(sensors, Call::coverage_holes);
+  demand(sensing_range != 0, Call::coverage_holes, Fault::zero_range);
+  const MeshState* d = nullptr;
+  if (domain.mesh != nullptr) d = &opened(*domain.mesh, Call::coverage_holes);
+  if (d == nullptr || d->topology.triangle_count() == 0 || is_flat(*d)) {
+    return Coverage(m, nullptr, {}, sensing_range, out).run();
+  }
+  demand(domain.region.size() >= d->topology.triangle_count(), Call::coverage_holes,
+         Fault::no_region);
+  return Coverage(m, d, domain.region, sensing_range, out).run();
 }
 
 }  // namespace etcm

@@ -1,6 +1,8 @@
 // Along features: relays and barrier gaps.
 #include "analysis/internal.h"
 #include "geometry/wide_int.h"
+#include "triangulation/hints.h"
+#include "triangulation/locate.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
@@ -32,8 +34,8 @@ std::int64_t part_way(std::int64_t from, std::int64_t to, std::int64_t k, std::i
   return from + way / n * k + rest / n - (rest % n < 0 ? 1 : 0);
 }
 
-bool has_device(const Mesh& devices, const Point& place) noexcept {
-  return !locate(devices, place).vertex.is_none();
+bool has_device(const MeshState& devices, const Point& place) noexcept {
+  return find(devices, place, edge_near(devices, place)).place == Place::on_vertex;
 }
 
 // One of the features that the vertex is on, the same whatever the history; none: it is on none.
@@ -67,8 +69,9 @@ bool sees_all(const MeshState& sensors, const Point& from, const Point& to,
 // Goes along one feature after the other, from stop to stop.
 class GapSearch {
  public:
-  GapSearch(const Mesh& mesh, const Mesh& sensors, std::uint32_t range, std::span<Gap> out) noexcept
-      : m_(state_of(mesh)), sensors_(sensors), range_(range), out_(out) {}
+  GapSearch(const MeshState& m, const MeshState& sensors, std::uint32_t range,
+            std::span<Gap> out) noexcept
+      : m_(m), sensors_(sensors), range_(range), out_(out) {}
 
   std::uint32_t run() noexcept {
     for (IdValue value = 0; value < m_.segment_end; ++value) {
@@ -112,14 +115,13 @@ class GapSearch {
       if (squared_distance(start, end) <= squared_range(range_, doublings)) return;
     }
     if (count_ < out_.size()) {
-      out_[count_] = {feature, from.vertex, to.vertex,
-                      sees_all(state_of(sensors_), start, end, range_)};
+      out_[count_] = {feature, from.vertex, to.vertex, sees_all(sensors_, start, end, range_)};
     }
     ++count_;
   }
 
   const MeshState& m_;
-  const Mesh& sensors_;
+  const MeshState& sensors_;
   const std::uint32_t range_;
   const std::span<Gap> out_;
   std::uint32_t count_ = 0;
@@ -129,8 +131,9 @@ class GapSearch {
 
 std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_range,
                      std::span<Relay> out) noexcept {
-  ETCM_CHECK(radio_range != 0);
-  const MeshState& m = state_of(mesh);
+  const MeshState& m = opened(mesh, Call::relays);
+  demand(radio_range != 0, Call::relays, Fault::zero_range);
+  const MeshState& with_device = opened(devices, Call::relays);
   std::uint64_t count = 0;
   const auto add = [&](const Relay& relay) {
     if (count < out.size()) out[static_cast<std::size_t>(count)] = relay;
@@ -138,7 +141,7 @@ std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_
   };
   for (IdValue value = 1; value < m.vertex_end; ++value) {
     const VertexId v{value};
-    if (m.owner(v).role() == Role::free || has_device(devices, m.at(v))) continue;
+    if (m.owner(v).role() == Role::free || has_device(with_device, m.at(v))) continue;
     add({m.at(v), feature_at(m, v), v});
   }
   for_each_subsegment(m, [&](SegmentId s, VertexId head, VertexId tail) {
@@ -159,7 +162,9 @@ std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_
 
 std::uint32_t barrier_gaps(const Mesh& mesh, const Mesh& sensors, std::uint32_t sensing_range,
                            std::span<Gap> out) noexcept {
-  return GapSearch(mesh, sensors, sensing_range, out).run();
+  const MeshState& m = opened(mesh, Call::barrier_gaps);
+  demand(sensing_range != 0, Call::barrier_gaps, Fault::zero_range);
+  return GapSearch(m, opened(sensors, Call::barrier_gaps), sensing_range, out).run();
 }
 
 }  // namespace etcm

@@ -65,7 +65,7 @@ std::uint32_t range_for(const SquaredLength& length) noexcept {
 }
 
 std::uint32_t links(const Mesh& mesh, std::uint32_t longer_than, std::span<Link> out) noexcept {
-  const MeshState& m = state_of(mesh);
+  const MeshState& m = opened(mesh, Call::links);
   const SquaredLength limit = squared_range(longer_than, 0);
   std::uint32_t count = 0;
   for_each_edge(m, [&](Edge e) {
@@ -79,7 +79,8 @@ std::uint32_t links(const Mesh& mesh, std::uint32_t longer_than, std::span<Link>
 }
 
 std::uint32_t links_at(const Mesh& mesh, VertexId vertex, std::span<Link> out) noexcept {
-  const MeshState& m = state_of(mesh);
+  const MeshState& m = opened(mesh, Call::links_at);
+  demand(m.is_vertex(vertex), Call::links_at, Fault::no_vertex);
   if (m.topology.triangle_count() == 0) return 0;
   std::uint32_t count = 0;
   Spokes spokes(m.topology, vertex);

@@ -55,7 +55,7 @@ std::int64_t on_edge(const MeshState& m, Edge e, const Point& p,
 
 Status interpolate(const Mesh& mesh, const Point& place, std::span<const std::int32_t> readings,
                    Interpolated& out) noexcept {
-  const MeshState& m = state_of(mesh);
+  const MeshState& m = opened(mesh, Call::interpolate);
   if (readings.size() < m.vertex_end) return Status::buffer_too_small;
   const Location at = locate(mesh, place);
   out = {at.place, 0};

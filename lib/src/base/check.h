@@ -8,7 +8,7 @@
 // it.
 #pragma once
 
-extern "C" void etcm_check_failed(const char* what, const char* file, int line);
+extern "C" [[noreturn]] void etcm_check_failed(const char* what, const char* file, int line);
 
 #define ETCM_CHECK(fact) ((fact) ? void(0) : ::etcm_check_failed(#fact, __FILE_NAME__, __LINE__))
 

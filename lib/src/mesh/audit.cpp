@@ -223,6 +223,6 @@ const char* to_string(Rule rule) noexcept {
   return "unknown";
 }
 
-Audit audit(const Mesh& mesh) noexcept { return Auditor(state_of(mesh)).run(); }
+Audit audit(const Mesh& mesh) noexcept { return Auditor(opened(mesh, Call::audit)).run(); }
 
 }  // namespace etcm

@@ -193,7 +193,7 @@ Status constrain_segment(MeshState& m, SegmentId s) noexcept {
 
 Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds> features,
                    void (*nodes_stand)(void* context) noexcept, void* context) noexcept {
-  MeshState& m = *state_;
+  MeshState& m = opened(*this, Call::build);
   SegmentId list{};
   Status status = enter(*this, nodes, features, list);
   if (status != Status::ok) return status;
@@ -226,7 +226,7 @@ Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds>
 
 Status Mesh::restore(std::span<const Position> nodes, std::span<const FeatureEnds> features,
                      std::span<const SteinerPlace> steiner) noexcept {
-  MeshState& m = *state_;
+  MeshState& m = opened(*this, Call::restore);
   SegmentId list{};
   Status status = enter(*this, nodes, features, list);
   if (status != Status::ok) return status;
@@ -248,7 +248,7 @@ Status Mesh::restore(std::span<const Position> nodes, std::span<const FeatureEnd
 }
 
 Status Mesh::rebuild() noexcept {
-  MeshState& m = *state_;
+  MeshState& m = opened(*this, Call::rebuild);
   begin(m);
   if (m.unresolved != 0) return m.error_detail.status = Status::mesh_unresolved;
   SegmentId list{};

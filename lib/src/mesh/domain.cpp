@@ -75,7 +75,7 @@ class Labeller {
 
 Status label_domain(const Mesh& mesh, Exterior exterior, std::span<const Point> hole_seeds,
                     std::span<Region> region, std::span<TriangleId> scratch) noexcept {
-  const MeshState& m = state_of(mesh);
+  const MeshState& m = opened(mesh, Call::label_domain);
   const std::size_t count = m.topology.triangle_count();
   if (region.size() < count || scratch.size() < count) return Status::buffer_too_small;
   if (count == 0) return Status::ok;

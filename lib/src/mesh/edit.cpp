@@ -166,7 +166,7 @@ void turn_features(MeshState& m, SegmentId list) noexcept {
 }  // namespace
 
 Status Mesh::join(Position position, VertexId& id) noexcept {
-  MeshState& m = *state_;
+  MeshState& m = opened(*this, Call::join);
   begin(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!in_range(position)) return report(m, Status::bad_coordinate, VertexId::none());
@@ -197,7 +197,7 @@ Status Mesh::join(Position position, VertexId& id) noexcept {
 }
 
 Status Mesh::leave(VertexId node) noexcept {
-  MeshState& m = *state_;
+  MeshState& m = opened(*this, Call::leave);
   begin(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!m.is_node(node) || node == infinite_vertex) {
@@ -224,7 +224,7 @@ Status Mesh::leave(VertexId node) noexcept {
 }
 
 Status Mesh::move(VertexId node, Position position) noexcept {
-  MeshState& m = *state_;
+  MeshState& m = opened(*this, Call::move);
   begin(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!m.is_node(node) || node == infinite_vertex) {
@@ -286,7 +286,7 @@ Status Mesh::move(VertexId node, Position position) noexcept {
 }
 
 Status Mesh::add_feature(FeatureEnds ends, FeatureId& id) noexcept {
-  MeshState& m = *state_;
+  MeshState& m = opened(*this, Call::add_feature);
   begin(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   for (const VertexId v : {ends.from, ends.to}) {
@@ -316,7 +316,7 @@ Status Mesh::add_feature(FeatureEnds ends, FeatureId& id) noexcept {
 }
 
 Status Mesh::remove_feature(FeatureId feature) noexcept {
-  MeshState& m = *state_;
+  MeshState& m = opened(*this, Call::remove_feature);
   begin(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!is_feature(feature)) {

@@ -48,10 +48,10 @@ Status validate(const MeshConfig& config) noexcept {
 Status Mesh::open(std::span<std::byte> storage, const MeshConfig& config) noexcept {
   const Status status = validate(config);
   if (status != Status::ok) return status;
-  if (storage.size() < storage_bytes(config) ||
-      reinterpret_cast<std::uintptr_t>(storage.data()) % alignof(MeshState) != 0) {
-    return Status::storage_too_small;
-  }
+  if (storage.size() < storage_bytes(config)) return Status::storage_too_small;
+  demand(storage.data() != nullptr &&
+             reinterpret_cast<std::uintptr_t>(storage.data()) % alignof(MeshState) == 0,
+         Call::open, Fault::bad_storage);
   state_ = ::new (storage.data()) MeshState;
   state_->config = config;
   state_->mesh = this;
@@ -60,9 +60,9 @@ Status Mesh::open(std::span<std::byte> storage, const MeshConfig& config) noexce
 }
 
 void Mesh::clear() noexcept {
-  const MeshConfig config = state_->config;
-  *state_ = MeshState{};
-  MeshState& m = *state_;
+  MeshState& m = opened(*this, Call::clear);
+  const MeshConfig config = m.config;
+  m = MeshState{};
   m.config = config;
   m.mesh = this;
   std::byte* free = reinterpret_cast<std::byte*>(state_) + sizeof(MeshState);
@@ -83,25 +83,43 @@ void Mesh::clear() noexcept {
   m.topology = Topology(reinterpret_cast<TriangleRecord*>(m.triangle_memory), m.vertex_edges);
 }
 
-const MeshConfig& Mesh::config() const noexcept { return state_->config; }
-std::uint32_t Mesh::node_count() const noexcept { return state_->node_count; }
-std::uint32_t Mesh::steiner_count() const noexcept { return state_->steiner_count; }
-std::uint32_t Mesh::feature_count() const noexcept { return state_->feature_count; }
-std::uint32_t Mesh::triangle_count() const noexcept { return state_->topology.triangle_count(); }
-std::uint32_t Mesh::unresolved() const noexcept { return state_->unresolved; }
-std::uint32_t Mesh::vertex_id_end() const noexcept { return state_->vertex_end; }
-std::uint32_t Mesh::feature_id_end() const noexcept { return state_->segment_end; }
-const ErrorDetail& Mesh::error_detail() const noexcept { return state_->error_detail; }
+const MeshConfig& Mesh::config() const noexcept { return opened(*this, Call::config).config; }
+std::uint32_t Mesh::node_count() const noexcept {
+  return opened(*this, Call::node_count).node_count;
+}
+std::uint32_t Mesh::steiner_count() const noexcept {
+  return opened(*this, Call::steiner_count).steiner_count;
+}
+std::uint32_t Mesh::feature_count() const noexcept {
+  return opened(*this, Call::feature_count).feature_count;
+}
+std::uint32_t Mesh::triangle_count() const noexcept {
+  return opened(*this, Call::triangle_count).topology.triangle_count();
+}
+std::uint32_t Mesh::unresolved() const noexcept {
+  return opened(*this, Call::unresolved).unresolved;
+}
+std::uint32_t Mesh::vertex_id_end() const noexcept {
+  return opened(*this, Call::vertex_id_end).vertex_end;
+}
+std::uint32_t Mesh::feature_id_end() const noexcept {
+  return opened(*this, Call::feature_id_end).segment_end;
+}
+const ErrorDetail& Mesh::error_detail() const noexcept {
+  return opened(*this, Call::error_detail).error_detail;
+}
 
 std::uint32_t Mesh::finite_triangle_count() const noexcept {
-  const Topology& topo = state_->topology;
+  const Topology& topo = opened(*this, Call::finite_triangle_count).topology;
   if (topo.triangle_count() == 0) return 0;
   return topo.triangle_count() - topo.degree(infinite_vertex);
 }
 
 VertexKind Mesh::kind(VertexId vertex) const noexcept {
+  const MeshState& m = opened(*this, Call::kind);
+  demand(vertex.value < m.vertex_end, Call::kind, Fault::no_vertex);
   if (vertex == infinite_vertex) return VertexKind::none;
-  switch (state_->owner(vertex).role()) {
+  switch (m.owner(vertex).role()) {
     case Role::node:
       return VertexKind::node;
     case Role::steiner:
@@ -112,20 +130,30 @@ VertexKind Mesh::kind(VertexId vertex) const noexcept {
   }
 }
 
-Point Mesh::point(VertexId vertex) const noexcept { return state_->at(vertex); }
+Point Mesh::point(VertexId vertex) const noexcept {
+  const MeshState& m = opened(*this, Call::point);
+  demand(m.is_vertex(vertex), Call::point, Fault::no_vertex);
+  return m.at(vertex);
+}
 
 Position Mesh::position(VertexId node) const noexcept {
-  const Point& p = state_->at(node);
+  const MeshState& m = opened(*this, Call::position);
+  demand(m.is_vertex(node), Call::position, Fault::no_vertex);
+  const Point& p = m.at(node);
   return {static_cast<std::int32_t>(p.x / subunits_per_unit),
           static_cast<std::int32_t>(p.y / subunits_per_unit)};
 }
 
 FeatureId Mesh::feature_of(VertexId steiner) const noexcept {
-  return internal::feature_of(*state_, state_->owner(steiner).segment());
+  const MeshState& m = opened(*this, Call::feature_of);
+  demand(m.is_vertex(steiner), Call::feature_of, Fault::no_vertex);
+  return internal::feature_of(m, m.owner(steiner).segment());
 }
 
 std::uint32_t Mesh::neighbours(VertexId vertex, std::span<Neighbour> out) const noexcept {
-  const Topology& topo = state_->topology;
+  const MeshState& m = opened(*this, Call::neighbours);
+  demand(m.is_vertex(vertex), Call::neighbours, Fault::no_vertex);
+  const Topology& topo = m.topology;
   if (topo.triangle_count() == 0) return 0;
   std::uint32_t count = 0;
   Spokes spokes(topo, vertex);
@@ -141,7 +169,8 @@ std::uint32_t Mesh::neighbours(VertexId vertex, std::span<Neighbour> out) const 
 }
 
 Triangle Mesh::triangle(TriangleId id) const noexcept {
-  const Topology& topo = state_->topology;
+  const Topology& topo = opened(*this, Call::triangle).topology;
+  demand(id.value < topo.triangle_count(), Call::triangle, Fault::no_triangle);
   Triangle t;
   for (unsigned i = 0; i < 3; ++i) {
     const Edge e = Topology::edge(id.value, i);
@@ -153,20 +182,21 @@ Triangle Mesh::triangle(TriangleId id) const noexcept {
 }
 
 bool Mesh::is_feature(FeatureId feature) const noexcept {
-  const MeshState& m = *state_;
-  const SegmentId s{feature.value};
-  return feature.value < m.segment_end && !m.segment(s).from.is_none() &&
-         internal::feature_of(m, s) == feature;
+  const MeshState& m = opened(*this, Call::is_feature);
+  return internal::is_feature(m, feature);
 }
 
 FeatureEnds Mesh::ends(FeatureId feature) const noexcept {
-  const FeatureEnds ends = ends_of(*state_, SegmentId{feature.value});
-  const bool reversed = (state_->segment(SegmentId{feature.value}).root & reversed_bit) != 0;
+  const MeshState& m = opened(*this, Call::ends);
+  demand(internal::is_feature(m, feature), Call::ends, Fault::no_feature);
+  const FeatureEnds ends = ends_of(m, SegmentId{feature.value});
+  const bool reversed = (m.segment(SegmentId{feature.value}).root & reversed_bit) != 0;
   return reversed ? FeatureEnds{ends.to, ends.from} : ends;
 }
 
 std::uint32_t Mesh::chain(FeatureId feature, std::span<VertexId> out) const noexcept {
-  const MeshState& m = *state_;
+  const MeshState& m = opened(*this, Call::chain);
+  demand(internal::is_feature(m, feature), Call::chain, Fault::no_feature);
   const auto for_each = [&](auto visit) {
     std::uint32_t index = 0;
     StepBound bound(m.segment_end);
@@ -188,7 +218,7 @@ std::uint32_t Mesh::chain(FeatureId feature, std::span<VertexId> out) const noex
 
 std::uint64_t Mesh::hash() const noexcept {
   // A sum over what there is does not depend on the order in which it is met.
-  const MeshState& m = *state_;
+  const MeshState& m = opened(*this, Call::hash);
   std::uint64_t sum = 0;
   for (IdValue i = 1; i < m.vertex_end; ++i) {
     const VertexKind what = kind(VertexId{i});

@@ -1,9 +1,5 @@
 #include "etcm/status.h"
 
-#include "geometry/predicates_inline.h"
-#include "triangulation/march.h"
-#include "triangulation/worklist.h"
-
 namespace etcm {
 
 namespace {
@@ -24,8 +20,8 @@ Text text_of(Status status) noexcept {
               "compare it with vertices_limit and features_limit."};
     case Status::storage_too_small:
       return {"storage_too_small",
-              "The storage has fewer bytes than storage_bytes(config) asks for, or is not aligned "
-              "to 8."};
+              "The storage has fewer bytes than storage_bytes(config) asks for; give it more, or "
+              "lower the capacities."};
     case Status::bad_coordinate:
       return {"bad_coordinate",
               "A coordinate is beyond 16777216 (2^24) units from 0; use a coarser unit or a nearer "

@@ -44,6 +44,10 @@ enum class Role : std::uint8_t {
   detached,  // out of the mesh, but back in it if the running change fails
 };
 
+constexpr bool is_in_mesh(Role role) noexcept {
+  return role == Role::node || role == Role::steiner || role == Role::fresh;
+}
+
 class Owner {
  public:
   constexpr Owner() noexcept = default;

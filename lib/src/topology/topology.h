@@ -31,7 +31,7 @@ inline constexpr IdValue constrained_bit =
 
 // Stops the program (check.h): a walk has not ended where in a mesh every walk has. So the mesh is
 // none any more, because its storage was written to, or was asked for a vertex that is not in it.
-[[gnu::cold]] void stop_lost_walk() noexcept;
+[[noreturn, gnu::cold]] void stop_lost_walk() noexcept;
 
 // The most steps that a walk may take.
 class StepBound {

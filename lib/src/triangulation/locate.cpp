@@ -119,7 +119,7 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept {
 }  // namespace internal
 
 Location locate(const Mesh& mesh, Point point, TriangleId near) noexcept {
-  const internal::MeshState& m = state_of(mesh);
+  const internal::MeshState& m = internal::opened(mesh, Call::locate);
   const internal::Edge start = near.value < m.topology.triangle_count()
                                    ? internal::Topology::edge(near.value, 0)
                                    : internal::edge_near(m, point);

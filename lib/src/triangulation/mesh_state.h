@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <span>
 
+#include "base/arguments.h"
 #include "base/check.h"
 #include "etcm/mesh.h"
 #include "topology/segments.h"
@@ -64,11 +65,35 @@ struct MeshState {
   bool is_node(VertexId v) const noexcept {
     return v.value < vertex_end && owner(v).role() == Role::node;
   }
+  // A node or a Steiner vertex that is in the mesh.
+  bool is_vertex(VertexId v) const noexcept {
+    return v != infinite_vertex && v.value < vertex_end && is_in_mesh(owner(v).role());
+  }
 };
+
+struct MeshAccess {
+  // Null: it has not been opened.
+  static MeshState* state(const Mesh& mesh) noexcept { return mesh.state_; }
+};
+
+// For public calls, which ask first.
+inline const MeshState& opened(const Mesh& mesh, Call call) noexcept {
+  demand(MeshAccess::state(mesh) != nullptr, call, Fault::not_open);
+  return *MeshAccess::state(mesh);
+}
+inline MeshState& opened(Mesh& mesh, Call call) noexcept {
+  demand(MeshAccess::state(mesh) != nullptr, call, Fault::not_open);
+  return *MeshAccess::state(mesh);
+}
 
 }  // namespace etcm::internal
 
 namespace etcm {
-inline const internal::MeshState& state_of(const Mesh& mesh) noexcept { return *mesh.state_; }
-inline internal::MeshState& state_of(Mesh& mesh) noexcept { return *mesh.state_; }
+// Of a mesh that is known to be open.
+inline const internal::MeshState& state_of(const Mesh& mesh) noexcept {
+  return *internal::MeshAccess::state(mesh);
+}
+inline internal::MeshState& state_of(Mesh& mesh) noexcept {
+  return *internal::MeshAccess::state(mesh);
+}
 }  // namespace etcm

@@ -107,6 +107,12 @@ SegmentId segment_of_edge(const MeshState& m, VertexId u, VertexId v) noexcept {
   return SegmentId::none();
 }
 
+bool is_feature(const MeshState& m, FeatureId feature) noexcept {
+  const SegmentId s{feature.value};
+  return feature.value < m.segment_end && !m.segment(s).from.is_none() &&
+         feature_of(m, s) == feature;
+}
+
 FeatureId feature_of(const MeshState& m, SegmentId s) noexcept {
   if (s.is_none()) return FeatureId::none();
   return FeatureId{static_cast<IdValue>(m.segment(s).root & static_cast<IdValue>(~reversed_bit))};

@@ -19,6 +19,7 @@ bool is_linked(const MeshState& m, SegmentId s) noexcept;
 SegmentId next_at(const MeshState& m, SegmentId s, VertexId node) noexcept;
 // The segment that has a subsegment between u and v. O(features at u) if both are nodes, else O(1).
 SegmentId segment_of_edge(const MeshState& m, VertexId u, VertexId v) noexcept;
+bool is_feature(const MeshState& m, FeatureId feature) noexcept;
 FeatureId feature_of(const MeshState& m, SegmentId s) noexcept;
 // Canonical order: by the lexicographically smaller end, then by the greater.
 bool precedes(const MeshState& m, SegmentId a, SegmentId b) noexcept;
