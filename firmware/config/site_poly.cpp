@@ -40,7 +40,7 @@ VertexId next_node(const Mesh& mesh, VertexId from, VertexId to) {
   if (mesh.kind(to) == VertexKind::node) return to;
   const FeatureId feature = mesh.feature_of(to);
   std::vector<VertexId> chain(mesh.chain(feature, {}));
-  mesh.chain(feature, chain);
+  chain.resize(mesh.chain(feature, chain));
   auto at = std::find(chain.begin(), chain.end(), to);
   const bool is_forward = *std::prev(at) == from;
   while (mesh.kind(*at) != VertexKind::node) at = is_forward ? std::next(at) : std::prev(at);

@@ -139,6 +139,43 @@ def library_includes():
                 yield f'{name(path)}:{number}: a public header includes "{header}", a private one'
 
 
+def questions(text):
+    """(position, name) of each function of a header that answers with a value which says nothing of
+    being discarded. All functions of the library are noexcept; Status says it by its type."""
+    blank = lambda match: re.sub(r"[^\n]", " ", match.group())
+    text = re.sub(r"//.*|^ *#.*|\"[^\"\n]*\"", blank, text, flags=re.M)
+    for statement in re.finditer(r"[^;{}]+", text):
+        body = re.sub(r"^(\s*(public|private|protected):)?\s*", blank, statement.group())
+        start = len(body) - len(body.lstrip())
+        declared = re.match(r"(?:template <[^>]*>\s*)?((?:[\w:<>,&*\[\]\"]+\s+)+?)[&*]*(\w+)\(", body[start:])
+        if not declared or "noexcept" not in body or "operator" in declared.group(1):
+            continue
+        words = set(declared.group(1).split())
+        answers = words - {"constexpr", "static", "inline", "explicit", "extern", "C"}
+        if answers and not words & {"using", "friend", "void", "Status", "[[nodiscard]]"}:
+            yield statement.start() + start, declared.group(2)
+
+
+def nodiscard():
+    """Who asks the library and drops the answer has made a mistake."""
+    for path in files(".h", under=("lib/include",)):
+        text = path.read_text()
+        for position, question in questions(text):
+            number = text.count("\n", 0, position) + 1
+            yield f"{name(path)}:{number}: {question}() answers and is not [[nodiscard]]"
+
+
+def nodiscard_is_watched():
+    """The rule above would see a question without the word, and only that."""
+    planted = ("class A {\n public:\n  A() noexcept;\n  void tell() noexcept;\n"
+               "  Status change() noexcept;\n  [[nodiscard]] int told() const noexcept;\n"
+               "  const int& planted(int a,\n    int b) const noexcept { return a; }\n};\n"
+               "template <class T>\nconstexpr T* sown(T t) noexcept;\n")
+    seen = [question for _, question in questions(planted)]
+    if seen != ["planted", "sown"]:
+        yield f"questions(): sees {seen}"
+
+
 def arrows():
     """The arrow graph of the rooms (tests/README.md) as far as includes show it."""
     for folder, pattern in FORBIDDEN_ARROWS:
@@ -247,7 +284,8 @@ def format():
         yield f"clang-format failed: {result.stderr.strip()}"
 
 
-RULES = [file_length, no_leftovers, readmes, pragma_once, library_includes, arrows, rooms,
+RULES = [file_length, no_leftovers, readmes, pragma_once, library_includes, nodiscard,
+         nodiscard_is_watched, arrows, rooms,
          rooms_are_watched, room_signs, crowded_folders, readme_example,
          links, format]
 

@@ -156,7 +156,7 @@ std::uint32_t parts_at(const std::vector<Point>& points, std::uint32_t range) {
 
 std::vector<VertexId> chain_of(const Mesh& mesh, FeatureId feature) {
   std::vector<VertexId> chain(mesh.chain(feature, {}));
-  mesh.chain(feature, chain);
+  chain.resize(mesh.chain(feature, chain));
   return chain;
 }
 

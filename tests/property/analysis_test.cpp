@@ -95,7 +95,7 @@ RC_GTEST_PROP(Analysis, LinksHaveTheirFlagsByDefinition, ()) {
     const VertexId from{value};
     if ((*mesh)->kind(from) == VertexKind::none) continue;
     std::vector<Neighbour> around((*mesh)->neighbours(from, {}));
-    (*mesh)->neighbours(from, around);
+    around.resize((*mesh)->neighbours(from, around));
     for (const Neighbour& to : around) {
       const mpq_class length =
           squared(rational((*mesh)->point(from)), rational((*mesh)->point(to.vertex)));

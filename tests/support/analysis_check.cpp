@@ -168,7 +168,7 @@ AssertionResult AnalysisCheck::edges(const Mesh& mesh) {
     answer = lists(
         "links_at", [&](std::span<Link> out) { return links_at(mesh, vertex, out); }, at_one);
     around.resize(mesh.neighbours(vertex, {}));
-    mesh.neighbours(vertex, around);
+    around.resize(mesh.neighbours(vertex, around));
     const bool is_same = std::equal(at_one.begin(), at_one.end(), around.begin(),
                                     around.begin() + static_cast<std::ptrdiff_t>(at_one.size()),
                                     [&](const Link& link, const Neighbour& neighbour) {
@@ -212,7 +212,7 @@ AssertionResult AnalysisCheck::features(const Mesh& mesh) {
     const FeatureId feature{value};
     if (!mesh.is_feature(feature)) continue;
     chain.resize(mesh.chain(feature, {}));
-    mesh.chain(feature, chain);
+    chain.resize(mesh.chain(feature, chain));
     const FeatureEnds ends = mesh.ends(feature);
     if (chain.size() < 2 || chain.front() != ends.from || chain.back() != ends.to) {
       return AssertionFailure() << "feature " << value << " does not go from end to end";

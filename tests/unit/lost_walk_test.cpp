@@ -71,32 +71,33 @@ constexpr VertexId v{6};
 
 const std::vector<Case> cases{
     {"neighbours", [](MeshState& m) { spin(m, v); },
-     [](const Mesh& mesh) { mesh.neighbours(v, {}); }},
+     [](const Mesh& mesh) { static_cast<void>(mesh.neighbours(v, {})); }},
     {"neighbours_of_a_vertex_that_has_left", [](MeshState& m) { m.vertex_edges[v.value] = Edge{}; },
-     [](const Mesh& mesh) { mesh.neighbours(v, {}); }},
+     [](const Mesh& mesh) { static_cast<void>(mesh.neighbours(v, {})); }},
     {"neighbours_of_a_vertex_in_another_place",
      [](MeshState& m) { m.vertex_edges[v.value] = Topology::next(m.vertex_edges[v.value]); },
-     [](const Mesh& mesh) { mesh.neighbours(v, {}); }},
+     [](const Mesh& mesh) { static_cast<void>(mesh.neighbours(v, {})); }},
     {"finite_triangle_count", [](MeshState& m) { spin(m, infinite_vertex); },
      [](const Mesh& mesh) { static_cast<void>(mesh.finite_triangle_count()); }},
-    {"links_at", [](MeshState& m) { spin(m, v); }, [](const Mesh& mesh) { links_at(mesh, v, {}); }},
+    {"links_at", [](MeshState& m) { spin(m, v); },
+     [](const Mesh& mesh) { static_cast<void>(links_at(mesh, v, {})); }},
     {"locate", fold,
      [](const Mesh& mesh) {
-       locate(mesh, to_point({1000, 1}));
+       static_cast<void>(locate(mesh, to_point({1000, 1})));
      }},
     {"march",
      [](MeshState& m) { for_all_edges(m, [&m](Edge e) { set_link(m, e, Topology::prev(e)); }); },
      [](const Mesh& mesh) { internal::march(state_of(mesh), VertexId{1}, VertexId{12}); }},
     {"chain", [](MeshState& m) { m.segment(SegmentId{0}).next = SegmentId{0}; },
-     [](const Mesh& mesh) { mesh.chain(FeatureId{0}, {}); }},
+     [](const Mesh& mesh) { static_cast<void>(mesh.chain(FeatureId{0}, {})); }},
     {"barrier_gaps", [](MeshState& m) { m.segment(SegmentId{0}).next = SegmentId{0}; },
-     [](const Mesh& mesh) { barrier_gaps(mesh, mesh, 1, {}); }},
+     [](const Mesh& mesh) { static_cast<void>(barrier_gaps(mesh, mesh, 1, {})); }},
     {"relays", [](MeshState& m) { m.segment(SegmentId{0}).next_at_from = SegmentId{0}; },
-     [](const Mesh& mesh) { relays(mesh, **empty_mesh(), 1, {}); }},
+     [](const Mesh& mesh) { static_cast<void>(relays(mesh, **empty_mesh(), 1, {})); }},
     {"coverage_holes", [](MeshState& m) { spin(m, v); },
      [](const Mesh& mesh) {
        const std::vector<Region> region(mesh.triangle_count(), Region::inside);
-       coverage_holes(mesh, {.mesh = &mesh, .region = region}, 1, {});
+       static_cast<void>(coverage_holes(mesh, {.mesh = &mesh, .region = region}, 1, {}));
      }},
 };
 
@@ -117,7 +118,7 @@ TEST(LostWalkOnALine, Ends) {
   EXPECT_EQ(locate(**mesh, to_point({30, 0})).place, Place::outside);
   for_all_edges(state_of(**mesh),
                 [&](Edge e) { set_link(state_of(**mesh), Topology::next(e), Topology::prev(e)); });
-  EXPECT_EXIT(locate(**mesh, to_point({30, 0})), testing::ExitedWithCode(1),
+  EXPECT_EXIT(static_cast<void>(locate(**mesh, to_point({30, 0}))), testing::ExitedWithCode(1),
               "check failed: a walk through the mesh ends");
 }
 

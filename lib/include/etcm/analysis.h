@@ -36,10 +36,10 @@ struct SquaredLength {
   friend constexpr auto operator<=>(const SquaredLength&, const SquaredLength&) = default;
 };
 
-SquaredLength squared_distance(const Point& a, const Point& b) noexcept;
+[[nodiscard]] SquaredLength squared_distance(const Point& a, const Point& b) noexcept;
 
 // The least whole number of units that is not shorter: the range a device needs for that distance.
-std::uint32_t range_for(const SquaredLength& length) noexcept;
+[[nodiscard]] std::uint32_t range_for(const SquaredLength& length) noexcept;
 
 // --- Links
 
@@ -55,11 +55,13 @@ struct Link {
 
 // The edges longer than a range, each once; 0: all edges. A vertex that leaves them out reaches
 // whom it can. O(n).
-std::uint32_t links(const Mesh& mesh, std::uint32_t longer_than, std::span<Link> out) noexcept;
+[[nodiscard]] std::uint32_t links(const Mesh& mesh, std::uint32_t longer_than,
+                                  std::span<Link> out) noexcept;
 
 // The links of one vertex, from it to each neighbour, in the order of Mesh::neighbours().
 // O(degree).
-std::uint32_t links_at(const Mesh& mesh, VertexId vertex, std::span<Link> out) noexcept;
+[[nodiscard]] std::uint32_t links_at(const Mesh& mesh, VertexId vertex,
+                                     std::span<Link> out) noexcept;
 
 // How a network of all vertices hangs together.
 struct Connectivity {
@@ -95,8 +97,8 @@ struct Relay {
 // that is longer than the range as many more, evenly spaced, that no hop is: ceil(length / range)
 // - 1. The latter are rounded down to the sub-unit. The vertices of `devices` are the devices. O(n
 // + entries written), n of both meshes.
-std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_range,
-                     std::span<Relay> out) noexcept;
+[[nodiscard]] std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_range,
+                                   std::span<Relay> out) noexcept;
 
 // A segment of a feature from a sensor on it to the next one, or to an end of the feature that has
 // none, which they do not see whole: where both ends sense, longer than twice the range; where one
@@ -111,8 +113,8 @@ struct Gap {
 
 // The gaps along the features of `mesh`. The vertices of `sensors` sense. O(n) plus the triangles
 // that gaps pass.
-std::uint32_t barrier_gaps(const Mesh& mesh, const Mesh& sensors, std::uint32_t sensing_range,
-                           std::span<Gap> out) noexcept;
+[[nodiscard]] std::uint32_t barrier_gaps(const Mesh& mesh, const Mesh& sensors,
+                                         std::uint32_t sensing_range, std::span<Gap> out) noexcept;
 
 // --- Coverage
 
@@ -144,8 +146,9 @@ struct Hole {
 // to the boundary.) On the boundary it is a corner without a sensor, or where two sensors take
 // turns in being the nearest, and these places are visited one by one. O(n), n of both meshes, plus
 // the triangles that long segments of the boundary pass.
-std::uint32_t coverage_holes(const Mesh& sensors, const Domain& domain, std::uint32_t sensing_range,
-                             std::span<Hole> out) noexcept;
+[[nodiscard]] std::uint32_t coverage_holes(const Mesh& sensors, const Domain& domain,
+                                           std::uint32_t sensing_range,
+                                           std::span<Hole> out) noexcept;
 
 // --- Readings
 

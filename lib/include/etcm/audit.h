@@ -28,10 +28,10 @@ struct Audit {
   explicit operator bool() const noexcept { return broken == Rule::none; }
 };
 
-const char* to_string(Rule rule) noexcept;
+[[nodiscard]] const char* to_string(Rule rule) noexcept;
 
 // Checks every rule in the order of the enumeration, with exact predicates throughout.
 // O(n * degree); no memory.
-Audit audit(const Mesh& mesh) noexcept;
+[[nodiscard]] Audit audit(const Mesh& mesh) noexcept;
 
 }  // namespace etcm

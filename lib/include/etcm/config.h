@@ -41,7 +41,7 @@ inline constexpr std::size_t bytes_per_feature_capacity = 10 * sizeof(IdValue);
 inline constexpr std::size_t bytes_fixed = 512;
 
 // The grid of hints for locate: 4^n cells, at most one for four vertices.
-constexpr int hint_side_bits(std::uint32_t vertices_max) noexcept {
+[[nodiscard]] constexpr int hint_side_bits(std::uint32_t vertices_max) noexcept {
   int bits = 0;
   while ((std::uint64_t{16} << (2 * bits)) <= vertices_max) ++bits;
   return bits;
@@ -51,7 +51,8 @@ constexpr int hint_side_bits(std::uint32_t vertices_max) noexcept {
 // another. Where that is more than a Size can tell, the greatest there is: storage of that length
 // there is none, so nobody takes less memory for enough.
 template <class Size>
-constexpr Size storage_bytes_as(std::uint32_t vertices_max, std::uint32_t features_max) noexcept {
+[[nodiscard]] constexpr Size storage_bytes_as(std::uint32_t vertices_max,
+                                              std::uint32_t features_max) noexcept {
   // Below 2^40, whatever the capacities.
   const std::uint64_t bytes =
       bytes_fixed + std::uint64_t{bytes_per_vertex_capacity} * vertices_max +
@@ -62,11 +63,11 @@ constexpr Size storage_bytes_as(std::uint32_t vertices_max, std::uint32_t featur
 }
 
 // The same as a std::size_t.
-constexpr std::size_t storage_bytes(std::uint32_t vertices_max,
-                                    std::uint32_t features_max) noexcept {
+[[nodiscard]] constexpr std::size_t storage_bytes(std::uint32_t vertices_max,
+                                                  std::uint32_t features_max) noexcept {
   return storage_bytes_as<std::size_t>(vertices_max, features_max);
 }
-constexpr std::size_t storage_bytes(const MeshConfig& config) noexcept {
+[[nodiscard]] constexpr std::size_t storage_bytes(const MeshConfig& config) noexcept {
   return storage_bytes(config.vertices_max, config.features_max);
 }
 

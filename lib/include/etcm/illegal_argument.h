@@ -77,8 +77,8 @@ enum class Fault : std::uint8_t {
 };
 
 // The name of the call, such as "join", and a few words for a person. Never null.
-const char* to_string(Call call) noexcept;
-const char* to_string(Fault fault) noexcept;
+[[nodiscard]] const char* to_string(Call call) noexcept;
+[[nodiscard]] const char* to_string(Fault fault) noexcept;
 
 }  // namespace etcm
 

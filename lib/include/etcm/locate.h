@@ -20,6 +20,7 @@ struct Location {
 
 // Finds `point` by a visibility walk from `near` (none: from a node nearby, expected O(1) for nodes
 // spread evenly). Never more than one visit to each triangle. No stack to speak of.
-Location locate(const Mesh& mesh, Point point, TriangleId near = TriangleId::none()) noexcept;
+[[nodiscard]] Location locate(const Mesh& mesh, Point point,
+                              TriangleId near = TriangleId::none()) noexcept;
 
 }  // namespace etcm

@@ -66,7 +66,7 @@ struct Triangle {
   std::array<VertexId, 3> corner;       // counter-clockwise
   std::array<TriangleId, 3> neighbour;  // [i] is across the edge opposite corner[i]
   std::array<bool, 3> constrained;      // [i]: that edge is part of a feature
-  bool is_ghost() const noexcept {
+  [[nodiscard]] bool is_ghost() const noexcept {
     return corner[0] == infinite_vertex || corner[1] == infinite_vertex ||
            corner[2] == infinite_vertex;
   }
@@ -139,42 +139,44 @@ class Mesh {
   Status remove_feature(FeatureId feature) noexcept;
 
   // Counts. O(1) each.
-  const MeshConfig& config() const noexcept;
-  std::uint32_t node_count() const noexcept;
-  std::uint32_t steiner_count() const noexcept;
-  std::uint32_t feature_count() const noexcept;
-  std::uint32_t triangle_count() const noexcept;  // ghosts included; ids run below this
-  std::uint32_t finite_triangle_count() const noexcept;
-  std::uint32_t unresolved() const noexcept;  // subsegments of features that are no edges
+  [[nodiscard]] const MeshConfig& config() const noexcept;
+  [[nodiscard]] std::uint32_t node_count() const noexcept;
+  [[nodiscard]] std::uint32_t steiner_count() const noexcept;
+  [[nodiscard]] std::uint32_t feature_count() const noexcept;
+  [[nodiscard]] std::uint32_t triangle_count()
+      const noexcept;  // ghosts included; ids run below this
+  [[nodiscard]] std::uint32_t finite_triangle_count() const noexcept;
+  [[nodiscard]] std::uint32_t unresolved()
+      const noexcept;  // subsegments of features that are no edges
   // Every vertex id in use is below this, every feature id below the next. Ids between may be free.
-  std::uint32_t vertex_id_end() const noexcept;
-  std::uint32_t feature_id_end() const noexcept;
-  const ErrorDetail& error_detail() const noexcept;
+  [[nodiscard]] std::uint32_t vertex_id_end() const noexcept;
+  [[nodiscard]] std::uint32_t feature_id_end() const noexcept;
+  [[nodiscard]] const ErrorDetail& error_detail() const noexcept;
 
   // Vertices. The id must be below vertex_id_end(), and in use for all but kind(), else it is a
   // programming error; so with the ids below.
-  VertexKind kind(VertexId vertex) const noexcept;
-  Point point(VertexId vertex) const noexcept;
-  Position position(VertexId node) const noexcept;
+  [[nodiscard]] VertexKind kind(VertexId vertex) const noexcept;
+  [[nodiscard]] Point point(VertexId vertex) const noexcept;
+  [[nodiscard]] Position position(VertexId node) const noexcept;
   // The feature a Steiner vertex stands on, and its parameter there (see policy.h).
-  FeatureId feature_of(VertexId steiner) const noexcept;
+  [[nodiscard]] FeatureId feature_of(VertexId steiner) const noexcept;
   // Writes the neighbours counter-clockwise, the vertex at infinity left out, as many as fit, and
   // returns how many there are. O(degree).
-  std::uint32_t neighbours(VertexId vertex, std::span<Neighbour> out) const noexcept;
+  [[nodiscard]] std::uint32_t neighbours(VertexId vertex, std::span<Neighbour> out) const noexcept;
 
   // Triangles. The id must be below triangle_count().
-  Triangle triangle(TriangleId id) const noexcept;
+  [[nodiscard]] Triangle triangle(TriangleId id) const noexcept;
 
   // Features. The id must be in use for all but is_feature().
-  bool is_feature(FeatureId feature) const noexcept;
-  FeatureEnds ends(FeatureId feature) const noexcept;
+  [[nodiscard]] bool is_feature(FeatureId feature) const noexcept;
+  [[nodiscard]] FeatureEnds ends(FeatureId feature) const noexcept;
   // Writes the vertices along the feature from ends().from to ends().to, as many as fit, and
   // returns how many there are. O(their degrees).
-  std::uint32_t chain(FeatureId feature, std::span<VertexId> out) const noexcept;
+  [[nodiscard]] std::uint32_t chain(FeatureId feature, std::span<VertexId> out) const noexcept;
 
   // A number of the triangulation alone: the same for the same vertices, edges and subsegments,
   // whatever the ids, the history and the machine. O(n).
-  std::uint64_t hash() const noexcept;
+  [[nodiscard]] std::uint64_t hash() const noexcept;
 
  private:
   friend internal::MeshAccess;

@@ -25,10 +25,10 @@ using SplitPolicy = Parameter (*)(const SplitSite& site) noexcept;
 // of the two feasible ends is finished; where they overlap, the middle of the overlap. Only the
 // rule: build() still takes features in its own order and prunes, which the paper does not. The
 // paper's algorithm word for word is in tools/compare.
-Parameter split_paper(const SplitSite& site) noexcept;
+[[nodiscard]] Parameter split_paper(const SplitSite& site) noexcept;
 
 // The rule that needs the fewest Steiner vertices over everything measured;
 // lib/docs/split-policy.md has the table. Ends on every legal input.
-Parameter split_default(const SplitSite& site) noexcept;
+[[nodiscard]] Parameter split_default(const SplitSite& site) noexcept;
 
 }  // namespace etcm

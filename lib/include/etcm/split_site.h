@@ -34,7 +34,7 @@ struct SplitSite {
   TriangleId head_triangle{};
   TriangleId tail_triangle{};
 
-  constexpr Point at(Parameter t) const noexcept {
+  [[nodiscard]] constexpr Point at(Parameter t) const noexcept {
     return {from.x * subunits_per_unit + t * (static_cast<std::int64_t>(to.x) - from.x),
             from.y * subunits_per_unit + t * (static_cast<std::int64_t>(to.y) - from.y)};
   }

@@ -33,9 +33,9 @@ enum class [[nodiscard]] Status : std::uint8_t{
 };
 
 // The name of the code, such as "crossing_features". Never null.
-const char* to_string(Status status) noexcept;
+[[nodiscard]] const char* to_string(Status status) noexcept;
 
 // One sentence for a person: what is wrong and what to do. Never null.
-const char* explain(Status status) noexcept;
+[[nodiscard]] const char* explain(Status status) noexcept;
 
 }  // namespace etcm

@@ -18,10 +18,10 @@ class MeshStorage {
   static_assert(storage_bytes(VerticesMax, FeaturesMax) < std::numeric_limits<std::size_t>::max());
 
  public:
-  std::span<std::byte> bytes() noexcept { return bytes_; }
+  [[nodiscard]] std::span<std::byte> bytes() noexcept { return bytes_; }
 
   // The configuration this storage has room for.
-  static constexpr MeshConfig config() noexcept {
+  [[nodiscard]] static constexpr MeshConfig config() noexcept {
     return {.vertices_max = VerticesMax, .features_max = FeaturesMax};
   }
 

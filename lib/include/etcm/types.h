@@ -17,7 +17,7 @@ struct Position {
 
 inline constexpr std::int32_t position_max = std::int32_t{1} << 24;
 
-constexpr bool in_range(Position p) noexcept {
+[[nodiscard]] constexpr bool in_range(Position p) noexcept {
   return p.x >= -position_max && p.x <= position_max && p.y >= -position_max && p.y <= position_max;
 }
 
@@ -35,7 +35,7 @@ struct Point {
   friend constexpr auto operator<=>(const Point&, const Point&) = default;
 };
 
-constexpr Point to_point(Position p) noexcept {
+[[nodiscard]] constexpr Point to_point(Position p) noexcept {
   return {p.x * subunits_per_unit, p.y * subunits_per_unit};
 }
 
@@ -55,8 +55,8 @@ struct Id {
 
   constexpr Id() noexcept = default;
   constexpr explicit Id(IdValue v) noexcept : value(v) {}
-  static constexpr Id none() noexcept { return Id{}; }
-  constexpr bool is_none() const noexcept { return value == none_value; }
+  [[nodiscard]] static constexpr Id none() noexcept { return Id{}; }
+  [[nodiscard]] constexpr bool is_none() const noexcept { return value == none_value; }
   friend constexpr auto operator<=>(const Id&, const Id&) = default;
 };
 
