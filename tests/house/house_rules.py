@@ -176,6 +176,15 @@ def nodiscard_is_watched():
         yield f"questions(): sees {seen}"
 
 
+def width_in_names():
+    """What a program sees of the library carries the width of ids in its name (etcm/id_width.h)."""
+    for path in files(".h", under=("lib/include",)):
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            if re.match(r"namespace etcm\b", line) and line not in (
+                    "namespace etcm::inline ETCM_IDS {", "namespace etcm::internal {"):
+                yield f"{name(path)}:{number}: write: namespace etcm::inline ETCM_IDS {{"
+
+
 def arrows():
     """The arrow graph of the rooms (tests/README.md) as far as includes show it."""
     for folder, pattern in FORBIDDEN_ARROWS:
@@ -285,7 +294,7 @@ def format():
 
 
 RULES = [file_length, no_leftovers, readmes, pragma_once, library_includes, nodiscard,
-         nodiscard_is_watched, arrows, rooms,
+         nodiscard_is_watched, width_in_names, arrows, rooms,
          rooms_are_watched, room_signs, crowded_folders, readme_example,
          links, format]
 

@@ -56,7 +56,8 @@ def read(paths):
                 title, label, is_foreign = match.groups()
                 parts = label.split("\\n")
                 # Newer compilers print types that older ones shorten.
-                signature = parts[0].replace("etcm::internal::MeshState&", "MeshState&")
+                signature = re.sub(r"\bids_(16|32)::", "", parts[0])
+                signature = signature.replace("etcm::internal::MeshState&", "MeshState&")
                 signature = signature.replace("etcm::internal::SegmentId", "SegmentId")
                 function = functions.setdefault(title, Function(signature, parts[1] if parts[1:] else ""))
                 if is_foreign:

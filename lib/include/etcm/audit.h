@@ -5,7 +5,7 @@
 
 #include "etcm/mesh.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 enum class Rule : std::uint8_t {
   none,         // all hold
@@ -34,4 +34,4 @@ struct Audit {
 // O(n * degree); no memory.
 [[nodiscard]] Audit audit(const Mesh& mesh) noexcept;
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -9,7 +9,7 @@
 #include "etcm/status.h"
 #include "etcm/types.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 struct MeshConfig {
   // Nodes and Steiner vertices together. At least 1; at most vertices_limit.
@@ -71,4 +71,4 @@ template <class Size>
   return storage_bytes(config.vertices_max, config.features_max);
 }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -6,7 +6,7 @@
 
 #include "etcm/mesh.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 enum class Region : std::uint8_t { inside, outside, hole };
 
@@ -24,4 +24,4 @@ enum class Exterior : std::uint8_t {
 Status label_domain(const Mesh& mesh, Exterior exterior, std::span<const Point> hole_seeds,
                     std::span<Region> region, std::span<TriangleId> scratch) noexcept;
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -5,7 +5,7 @@
 
 #include "etcm/mesh.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 enum class Place : std::uint8_t { outside, inside_triangle, on_edge, on_vertex };
 
@@ -23,4 +23,4 @@ struct Location {
 [[nodiscard]] Location locate(const Mesh& mesh, Point point,
                               TriangleId near = TriangleId::none()) noexcept;
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -26,12 +26,12 @@
 #include "etcm/status.h"
 #include "etcm/types.h"
 
-namespace etcm {
-
-namespace internal {
+namespace etcm::internal {
 struct MeshState;
 struct MeshAccess;
-}  // namespace internal
+}  // namespace etcm::internal
+
+namespace etcm::inline ETCM_IDS {
 
 enum class VertexKind : std::uint8_t { none, node, steiner };
 
@@ -183,4 +183,4 @@ class Mesh {
   internal::MeshState* state_ = nullptr;
 };
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -6,7 +6,7 @@
 
 #include "etcm/types.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 // The grid of one feature segment between two neighbouring nodes P < Q (lexicographic): the point
 // of parameter t stands at P * 2^28 + t * (Q - P), with P and Q in user units and t in
@@ -31,4 +31,4 @@ using SplitPolicy = Parameter (*)(const SplitSite& site) noexcept;
 // lib/docs/split-policy.md has the table. Ends on every legal input.
 [[nodiscard]] Parameter split_default(const SplitSite& site) noexcept;
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -7,7 +7,7 @@
 
 #include "etcm/types.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 // +1 where a, b, c turn counter-clockwise (c is left of a -> b), -1 clockwise, 0 collinear.
 // Swapping two arguments flips the sign.
@@ -26,4 +26,4 @@ namespace etcm {
 [[nodiscard]] int incircle_perturbed(const Point& a, const Point& b, const Point& c,
                                      const Point& d) noexcept;
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

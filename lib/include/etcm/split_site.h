@@ -5,7 +5,7 @@
 #include "etcm/mesh.h"
 #include "etcm/policy.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 // The subsegment runs from the vertex `head` to the vertex `tail` on one segment between two nodes;
 // head has the smaller parameter. No vertex lies between, and the subsegment is no Delaunay edge.
@@ -40,4 +40,4 @@ struct SplitSite {
   }
 };
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

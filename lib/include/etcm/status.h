@@ -3,7 +3,9 @@
 
 #include <cstdint>
 
-namespace etcm {
+#include "etcm/id_width.h"
+
+namespace etcm::inline ETCM_IDS {
 
 enum class [[nodiscard]] Status : std::uint8_t{
     ok,
@@ -38,4 +40,4 @@ enum class [[nodiscard]] Status : std::uint8_t{
 // One sentence for a person: what is wrong and what to do. Never null.
 [[nodiscard]] const char* explain(Status status) noexcept;
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

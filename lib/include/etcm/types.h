@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <limits>
 
-namespace etcm {
+#include "etcm/id_width.h"
+
+namespace etcm::inline ETCM_IDS {
 
 // A place in the user's unit (a metre, a millimetre: the library does not care). Nodes stand on
 // these. Legal while |x| and |y| are at most position_max.
@@ -42,7 +44,7 @@ struct Point {
 // Ids are indices that keep what they name apart. They are 32 bits wide, or 16 where the build
 // asks for it (CMake: ETCM_ID_BITS=16), which nearly halves the memory and holds up to 4094
 // vertices.
-#if defined(ETCM_ID_BITS) && ETCM_ID_BITS == 16
+#if ETCM_ID_BITS == 16
 using IdValue = std::uint16_t;
 #else
 using IdValue = std::uint32_t;
@@ -72,4 +74,4 @@ using TriangleId = Id<struct TriangleTag>;
 // A constraint line between two nodes, as the user gave it. Lasts until it is removed.
 using FeatureId = Id<struct FeatureTag>;
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -5,7 +5,7 @@
 #include "analysis/internal.h"
 #include "triangulation/mesh_state.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 using namespace internal;
 
@@ -90,4 +90,4 @@ Status connectivity(const Mesh& mesh, std::uint32_t radio_range,
   return Status::ok;
 }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -10,7 +10,7 @@
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 using namespace internal;
 
@@ -271,4 +271,4 @@ std::uint32_t coverage_holes(const Mesh& sensors, const Domain& domain, std::uin
   return Coverage(m, d, domain.region, sensing_range, out).run();
 }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

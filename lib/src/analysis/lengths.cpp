@@ -6,7 +6,7 @@
 #include "geometry/wide_int.h"
 #include "triangulation/mesh_state.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 using namespace internal;
 
@@ -95,4 +95,4 @@ std::uint32_t links_at(const Mesh& mesh, VertexId vertex, std::span<Link> out) n
   return count;
 }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

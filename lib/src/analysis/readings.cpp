@@ -6,7 +6,7 @@
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 using namespace internal;
 
@@ -76,4 +76,4 @@ Status interpolate(const Mesh& mesh, const Point& place, std::span<const std::in
   return Status::ok;
 }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -1,6 +1,6 @@
 #include "etcm/illegal_argument.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 const char* to_string(Call call) noexcept {
   switch (call) {
@@ -108,4 +108,4 @@ const char* to_string(Fault fault) noexcept {
   return "unknown";
 }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -7,7 +7,7 @@
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 namespace {
 
 using internal::Edge;
@@ -336,4 +336,4 @@ Parameter split_paper(const SplitSite& site) noexcept {
 
 Parameter split_default(const SplitSite& site) noexcept { return Choice(site).best(); }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -4,9 +4,7 @@
 #include "geometry/predicates_inline.h"
 #include "geometry/predicates_internal.h"
 
-namespace etcm {
-
-namespace internal {
+namespace etcm::internal {
 
 int orient2d_settle(const Point& a, const Point& b, const Point& c) noexcept {
   return orient2d_exact<ExactArithmetic>(a, b, c);
@@ -17,7 +15,9 @@ int incircle_settle(const Point& a, const Point& b, const Point& c, const Point&
   return sign != 0 ? sign : incircle_exact<ExactArithmetic>(a, b, c, d);
 }
 
-}  // namespace internal
+}  // namespace etcm::internal
+
+namespace etcm::inline ETCM_IDS {
 
 int orient2d(const Point& a, const Point& b, const Point& c) noexcept {
   return internal::orient2d_fast(a, b, c);
@@ -47,4 +47,4 @@ int incircle_perturbed(const Point& a, const Point& b, const Point& c, const Poi
   return internal::orient2d_fast(a, b, d);
 }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -6,7 +6,7 @@
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 using namespace internal;
 
@@ -225,4 +225,4 @@ const char* to_string(Rule rule) noexcept {
 
 Audit audit(const Mesh& mesh) noexcept { return Auditor(opened(mesh, Call::audit)).run(); }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -14,7 +14,7 @@
 #include "triangulation/segment_store.h"
 #include "triangulation/worklist.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 using namespace internal;
 
@@ -286,4 +286,4 @@ Status Mesh::rebuild() noexcept {
   return status;
 }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -3,7 +3,7 @@
 #include "etcm/locate.h"
 #include "triangulation/mesh_state.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 using namespace internal;
 
@@ -97,4 +97,4 @@ Status label_domain(const Mesh& mesh, Exterior exterior, std::span<const Point> 
   return Status::ok;
 }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -13,7 +13,7 @@
 #include "triangulation/segment_store.h"
 #include "triangulation/worklist.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 using namespace internal;
 
@@ -330,4 +330,4 @@ Status Mesh::remove_feature(FeatureId feature) noexcept {
   return Status::ok;
 }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -10,7 +10,7 @@
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 using namespace internal;
 
@@ -236,4 +236,4 @@ std::uint64_t Mesh::hash() const noexcept {
   return mix(sum);
 }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

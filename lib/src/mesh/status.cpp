@@ -1,6 +1,6 @@
 #include "etcm/status.h"
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 
 namespace {
 
@@ -87,4 +87,4 @@ const char* to_string(Status status) noexcept { return text_of(status).name; }
 
 const char* explain(Status status) noexcept { return text_of(status).sentence; }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -11,8 +11,7 @@
 #include "triangulation/hints.h"
 #include "triangulation/mesh_state.h"
 
-namespace etcm {
-namespace internal {
+namespace etcm::internal {
 namespace {
 
 // The side of triangle t opposite the vertex at infinity, or 3 where t is finite.
@@ -116,7 +115,9 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept {
   }
 }
 
-}  // namespace internal
+}  // namespace etcm::internal
+
+namespace etcm::inline ETCM_IDS {
 
 Location locate(const Mesh& mesh, Point point, TriangleId near) noexcept {
   const internal::MeshState& m = internal::opened(mesh, Call::locate);
@@ -132,4 +133,4 @@ Location locate(const Mesh& mesh, Point point, TriangleId near) noexcept {
   return location;
 }
 
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS

@@ -88,7 +88,7 @@ inline MeshState& opened(Mesh& mesh, Call call) noexcept {
 
 }  // namespace etcm::internal
 
-namespace etcm {
+namespace etcm::inline ETCM_IDS {
 // Of a mesh that is known to be open.
 inline const internal::MeshState& state_of(const Mesh& mesh) noexcept {
   return *internal::MeshAccess::state(mesh);
@@ -96,4 +96,4 @@ inline const internal::MeshState& state_of(const Mesh& mesh) noexcept {
 inline internal::MeshState& state_of(Mesh& mesh) noexcept {
   return *internal::MeshAccess::state(mesh);
 }
-}  // namespace etcm
+}  // namespace etcm::inline ETCM_IDS
