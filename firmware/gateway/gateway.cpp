@@ -99,7 +99,8 @@ void Gateway::step(port::Instant now) {
   if (state_saver_) {
     keep_silences(now);
     state_saver_->step(now);
-    if (state_saver_->is_due(now)) save_state(now);
+    // What is saved is a generation that was published.
+    if (!changed_ && state_saver_->is_due(now)) save_state(now);
   }
 }
 
@@ -110,6 +111,7 @@ void Gateway::update_settings(port::Instant now) {
   keeper_.update_site(generation_ + 1);
   presence_.dismiss_missing();
   snapshots_.update_site(settings_.domain);
+  if (file_publisher_) file_publisher_->update_settings(*settings_.files);
   quarantine_.reserve(quarantine_max(nodes_, keeper_.features(), keeper_.anchors(), admission_));
 }
 
@@ -117,8 +119,8 @@ port::Instant Gateway::next_deadline() const {
   port::Instant deadline =
       std::min({poller_.next_deadline(), presence_.next_deadline(), keeper_.next_deadline()});
   if (file_publisher_) deadline = std::min(deadline, file_publisher_->next_deadline());
+  if (changed_) return std::min(deadline, publish_due_);
   if (state_saver_) deadline = std::min(deadline, state_saver_->next_deadline());
-  if (changed_) deadline = std::min(deadline, publish_due_);
   return deadline;
 }
 

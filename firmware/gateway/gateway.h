@@ -84,9 +84,11 @@ class Gateway final : private ReadingListener, private RequestSource {
   std::uint16_t state() const { return state_; }
   const Snapshot& snapshot() const { return snapshots_.latest(); }
 
-  // Null where none are wanted.
-  const FilePublisher* files() const { return file_publisher_ ? &*file_publisher_ : nullptr; }
-  const StateSaver* kept_state() const { return state_saver_ ? &*state_saver_ : nullptr; }
+  // Null where nothing is to be written there.
+  const DiskWriter* disk_of_files() const {
+    return file_publisher_ ? &file_publisher_->disk() : nullptr;
+  }
+  const DiskWriter* disk_of_state() const { return state_saver_ ? &state_saver_->disk() : nullptr; }
   const Poller& poller() const { return poller_; }
   const NodeTable& nodes() const { return nodes_; }
   const Presence& presence() const { return presence_; }

@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
-
-#include "firmware/persist/disk_timeout.h"
 
 namespace etcm::firmware {
 
 namespace {
+
+constexpr DiskMessages messages{
+    .failed = "state is not saved: ",
+    .unresponsive =
+        "state: the disk of `folder` of [state] does not answer, look at it: a restart "
+        "would find an earlier state; goes on without",
+    .works_again = "state is saved again"};
 
 // Generations between two saves, and some that were under way.
 std::uint32_t generations_per(port::Duration interval, port::Duration pause) {
@@ -22,6 +26,7 @@ StateSaver::StateSaver(const Settings& settings, port::Duration pause, port::Sto
     : settings_(settings),
       store_(store),
       log_(log),
+      disk_(messages, settings.state->interval, log),
       writer_(saved_state_size_max(settings)),
       generations_between_(generations_per(settings.state->interval, pause)) {}
 
@@ -58,35 +63,9 @@ std::string StateSaver::judge(std::span<const std::byte> bytes, SavedState& stat
 }
 
 void StateSaver::step(port::Instant now) {
-  port::DiskResult result;
-  if (!store_.take_result(result)) {
-    if (!is_saving_ || is_unresponsive_ || now - tried_at_ < disk_timeout) return;
-    is_unresponsive_ = true;
-    log_.write(
-        port::Level::error,
-        "state: the disk of `folder` of [state] does not answer, look at it: a restart would "
-        "find an earlier state; goes on without");
-    return;
-  }
-  const bool was_unresponsive = std::exchange(is_unresponsive_, false);
-  is_saving_ = false;
-  if (result.ok) {
-    saved_content_ = saving_content_;
-    saved_next_ = saving_next_;
-    if (is_failing() || was_unresponsive) log_.write(port::Level::info, "state is saved again");
-    failure_.clear();
-    return;
-  }
-  is_dirty_ = true;
-  if (result.why == failure_) return;
-  failure_ = result.why;
-  log_.write(port::Level::error, "state is not saved: " + failure_ + "; goes on, and tries again");
-}
-
-port::Instant StateSaver::next_deadline() const {
-  // How a save went is heard soon enough in a step that something else asks for.
-  if (!is_dirty_ || is_saving_) return port::never;
-  return was_tried_ ? tried_at_ + settings_.state->interval : port::Instant{};
+  if (disk_.hear(store_, now) != DiskWriter::Heard::written) return;
+  saved_content_ = saving_content_;
+  saved_next_ = saving_next_;
 }
 
 StateWriter& StateSaver::begin(std::uint32_t generation, std::uint64_t mesh_hash) {
@@ -101,22 +80,19 @@ StateWriter& StateSaver::begin(std::uint32_t generation, std::uint64_t mesh_hash
 
 void StateSaver::save(port::Instant now) {
   const std::span<const std::byte> bytes = writer_.finish();
-  was_tried_ = true;
-  tried_at_ = now;
-  is_dirty_ = false;
+  disk_.skip(now);
   const bool is_promise_kept = written_generation_ + generations_between_ < saved_next_;
   if (writer_.content() == saved_content_ && is_promise_kept && !is_ending_) return;
   if (is_ending_ && writer_.content() == saved_content_ && written_next_ == saved_next_) return;
   saving_content_ = writer_.content();
   saving_next_ = written_next_;
-  is_saving_ = true;
+  disk_.start(now);
   store_.start_save(bytes);
 }
 
 void StateSaver::finish() {
   is_ending_ = true;
-  is_dirty_ = true;
-  was_tried_ = false;
+  disk_.mark_urgent();
 }
 
 }  // namespace etcm::firmware

@@ -1,9 +1,5 @@
 // Keeps the state on the disk up to date: seldom enough for flash memory, and whatever the disk
-// does.
-//
-// A save is due when what would be saved has changed, at the most once every interval. One that
-// fails is tried again an interval later; the log says so once for each reason, and when it works
-// again. It also says when the disk has not answered for a while.
+// does (disk_writer.h).
 //
 // Generations go on upward after a restart. A state tells the first one that a restart may give
 // out: beyond all that this gateway can publish before the next save.
@@ -16,14 +12,15 @@
 #include "etcm/port/log.h"
 #include "etcm/port/store.h"
 #include "firmware/config/settings.h"
+#include "firmware/persist/disk_writer.h"
 #include "firmware/persist/saved_state.h"
 
 namespace etcm::firmware {
 
 class StateSaver {
  public:
-  // Both must outlive the keeper. `pause` is the least time between two generations. All the memory
-  // that saving needs is taken here.
+  // All arguments must outlive this. `pause` is the least time between two generations. All the
+  // memory that saving needs is taken here.
   StateSaver(const Settings& settings, port::Duration pause, port::Store& store, port::Log& log);
 
   // The newest state that makes sense here; nothing where there is none. What makes none is set
@@ -31,12 +28,12 @@ class StateSaver {
   std::optional<SavedState> load();
 
   // There is a generation that is not saved.
-  void mark_dirty() { is_dirty_ = true; }
+  void mark_dirty() { disk_.mark_dirty(); }
 
   // Hears how the last save went. The caller then writes a state where is_due().
   void step(port::Instant now);
-  bool is_due(port::Instant now) const { return next_deadline() <= now; }
-  port::Instant next_deadline() const;
+  bool is_due(port::Instant now) const { return disk_.is_due(now); }
+  port::Instant next_deadline() const { return disk_.next_deadline(); }
 
   // To write with: begin(), then its add(), then save().
   StateWriter& begin(std::uint32_t generation, std::uint64_t mesh_hash);
@@ -47,10 +44,7 @@ class StateSaver {
   // a restart may go on with the very next generation. REQUIRES: no save is under way.
   void finish();
 
-  // The last save failed.
-  bool is_failing() const { return !failure_.empty(); }
-  // Or the disk has not answered for a while.
-  bool is_in_trouble() const { return is_failing() || is_unresponsive_; }
+  const DiskWriter& disk() const { return disk_; }
 
  private:
   std::string judge(std::span<const std::byte> bytes, SavedState& state) const;
@@ -58,21 +52,16 @@ class StateSaver {
   const Settings& settings_;
   port::Store& store_;
   port::Log& log_;
+  DiskWriter disk_;
   StateWriter writer_;
   std::uint32_t generations_between_;  // two saves, at the most
-  bool is_dirty_ = false;
   bool is_ending_ = false;
-  bool is_saving_ = false;
-  bool is_unresponsive_ = false;  // and the log was told
-  port::Instant tried_at_{};
-  bool was_tried_ = false;
   std::uint32_t written_next_ = 0;  // of the state being written
   std::uint32_t written_generation_ = 0;
   std::uint64_t saving_content_ = 0;
   std::uint32_t saving_next_ = 0;
   std::uint64_t saved_content_ = 0;  // of the state on the disk, where saved_next_ is not 0
   std::uint32_t saved_next_ = 0;
-  std::string failure_;  // what the log was told; empty while all is well
 };
 
 }  // namespace etcm::firmware

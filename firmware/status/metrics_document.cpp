@@ -98,13 +98,13 @@ void write_features(const Context& context, std::uint32_t, TextWriter& piece) {
 
 // Of those that are wanted.
 void write_disk(const Context& context, std::uint32_t, TextWriter& piece) {
-  const auto disk = [&](const char* section, const auto* keeper) {
-    if (keeper == nullptr) return;
-    piece << context.name << "{section=\"" << section << "\"} " << (keeper->is_in_trouble() ? 1 : 0)
+  const auto disk = [&](const char* section, const DiskWriter* writer) {
+    if (writer == nullptr) return;
+    piece << context.name << "{section=\"" << section << "\"} " << (writer->is_in_trouble() ? 1 : 0)
           << "\n";
   };
-  disk("files", context.sources.gateway.files());
-  disk("state", context.sources.gateway.kept_state());
+  disk("files", context.sources.gateway.disk_of_files());
+  disk("state", context.sources.gateway.disk_of_state());
 }
 
 void write_listening(const Context& context, std::uint32_t, TextWriter& piece) {

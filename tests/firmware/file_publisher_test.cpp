@@ -78,11 +78,11 @@ TEST(Files, WhoseFolderCannotBeMadeAreSaidBeforeThereIsAMesh) {
   EXPECT_GE(rig.files.checks, 5u) << "one an interval";
   EXPECT_EQ(rig.files.attempts, 0u) << "no empty mesh in the place of an earlier one";
   EXPECT_EQ(rig.log.count("no such folder; goes on, and tries again"), 1u);
-  EXPECT_TRUE(rig.gateway->files()->is_in_trouble());
+  EXPECT_TRUE(rig.gateway->disk_of_files()->is_in_trouble());
   rig.files.is_folder_missing = false;
   rig.run(2s);
   EXPECT_EQ(rig.log.count("files are written again"), 1u);
-  EXPECT_FALSE(rig.gateway->files()->is_in_trouble());
+  EXPECT_FALSE(rig.gateway->disk_of_files()->is_in_trouble());
   const std::uint32_t checks = rig.files.checks;
   rig.put(1, 0, 0);
   rig.run(5s);

@@ -1,6 +1,7 @@
 // A gateway that starts again serves the mesh it had, and catches up as the nodes answer.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <memory>
 #include <string>
 
@@ -217,6 +218,29 @@ TEST_F(Restart, NeverGoesBackInGenerationsWheneverThePowerFails) {
     }
     highest = rig->gateway->generation();
   }
+}
+
+TEST_F(Restart, FindsAMeshThatWasPublishedWheneverThePowerFails) {
+  const auto rig = rig_of({});
+  rig->settings.poll.interval = 70ms;
+  rig->settings.state->interval = 1030ms;
+  rig->put_square();
+  rig->run(20ms);
+  std::map<std::uint32_t, std::uint64_t> published;
+  std::size_t checked = store_.saves;
+  for (int step = 0; step < 3000; ++step) {
+    rig->put(4, step / 7, 100 + step / 7);
+    rig->run(10ms);
+    published[rig->gateway->generation()] = hash_of(*rig);
+    if (store_.saves == checked) continue;
+    checked = store_.saves;
+    SavedState state;
+    ASSERT_EQ(decode_state(store_.last, state), "");
+    // Before the first mesh only a promise about generations is saved.
+    if (state.generation == 0) continue;
+    ASSERT_EQ(state.mesh_hash, published.at(state.generation));
+  }
+  EXPECT_GT(checked, 20u);
 }
 
 TEST_F(Restart, GoesOnWithTheNextGenerationAfterAProperEnd) {

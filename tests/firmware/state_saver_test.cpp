@@ -210,12 +210,12 @@ class StateSaverTest : public testing::Test {
  protected:
   // What the gateway does in a step.
   void step(std::int32_t x) {
-    keeper_.step(clock_.now());
-    if (!keeper_.is_due(clock_.now())) return;
-    StateWriter& writer = keeper_.begin(generation_, static_cast<std::uint64_t>(x));
+    saver_.step(clock_.now());
+    if (!saver_.is_due(clock_.now())) return;
+    StateWriter& writer = saver_.begin(generation_, static_cast<std::uint64_t>(x));
     writer.add_bus("yard");
     writer.add(SavedNode{.serial = 1, .position = {x, 0}});
-    keeper_.save(clock_.now());
+    saver_.save(clock_.now());
   }
   SavedState saved() const {
     SavedState state;
@@ -226,37 +226,37 @@ class StateSaverTest : public testing::Test {
   SimulatedClock clock_;
   RecordingLog log_;
   MemoryStore store_;
-  StateSaver keeper_{settings_, 100ms, store_, log_};
+  StateSaver saver_{settings_, 100ms, store_, log_};
   std::uint32_t generation_ = 1;
 };
 
 TEST_F(StateSaverTest, SavesAtOnceAndThenAtTheMostOnceEveryInterval) {
-  EXPECT_FALSE(keeper_.is_due(clock_.now())) << "nothing was published";
-  EXPECT_EQ(keeper_.next_deadline(), port::never);
+  EXPECT_FALSE(saver_.is_due(clock_.now())) << "nothing was published";
+  EXPECT_EQ(saver_.next_deadline(), port::never);
   for (std::int32_t i = 0; i < 6000; ++i) {
-    keeper_.mark_dirty();
+    saver_.mark_dirty();
     ++generation_;
     step(i);
     clock_.pass(100ms);
   }
   EXPECT_EQ(store_.saves, 10u);
-  EXPECT_LE(keeper_.next_deadline(), clock_.now() + 1min);
+  EXPECT_LE(saver_.next_deadline(), clock_.now() + 1min);
 }
 
 TEST_F(StateSaverTest, SavesNothingThatIsSavedAlready) {
   for (int i = 0; i < 100; ++i) {
-    keeper_.mark_dirty();
+    saver_.mark_dirty();
     step(5);
     clock_.pass(1min);
   }
   EXPECT_EQ(store_.saves, 1u);
-  EXPECT_EQ(keeper_.next_deadline(), port::never);
+  EXPECT_EQ(saver_.next_deadline(), port::never);
 }
 
 TEST_F(StateSaverTest, NoGenerationIsGivenOutTwiceWhateverTheMomentOfThePowerFailure) {
   // The mesh goes to and fro, so that what is saved is often what was.
   for (std::int32_t i = 0; i < 20'000; ++i) {
-    keeper_.mark_dirty();
+    saver_.mark_dirty();
     ++generation_;
     step(i / 3000 % 2);
     ASSERT_GT(saved().next_generation, generation_);
@@ -266,16 +266,16 @@ TEST_F(StateSaverTest, NoGenerationIsGivenOutTwiceWhateverTheMomentOfThePowerFai
 }
 
 TEST_F(StateSaverTest, TheLastStateGoesOnWithTheVeryNextGeneration) {
-  keeper_.mark_dirty();
+  saver_.mark_dirty();
   step(1);
   generation_ = 5;
-  keeper_.step(clock_.now());
-  keeper_.finish();
+  saver_.step(clock_.now());
+  saver_.finish();
   step(1);
   EXPECT_EQ(store_.saves, 2u);
   EXPECT_EQ(saved().next_generation, 6u);
-  keeper_.step(clock_.now());
-  keeper_.finish();
+  saver_.step(clock_.now());
+  saver_.finish();
   step(1);
   EXPECT_EQ(store_.saves, 2u) << "once is enough";
 }
@@ -283,14 +283,14 @@ TEST_F(StateSaverTest, TheLastStateGoesOnWithTheVeryNextGeneration) {
 TEST_F(StateSaverTest, SaysOnceThatItCannotSaveTriesAgainAndSaysWhenItCan) {
   store_.why = "/state: cannot write the file (No space left on device); make room on that disk";
   for (int i = 0; i < 600; ++i) {
-    keeper_.mark_dirty();
+    saver_.mark_dirty();
     step(i);
     clock_.pass(1s);
   }
   EXPECT_EQ(store_.saves, 10u);
   EXPECT_EQ(log_.lines, (std::vector<std::string>{"state is not saved: " + store_.why +
                                                   "; goes on, and tries again"}));
-  EXPECT_TRUE(keeper_.is_failing());
+  EXPECT_TRUE(saver_.disk().is_failing());
   store_.why = "/state: cannot write the file (Input/output error); the disk may be failing";
   for (int i = 0; i < 120; ++i, clock_.pass(1s)) step(1);
   EXPECT_EQ(log_.lines.size(), 2u) << "another reason is news";
@@ -298,13 +298,13 @@ TEST_F(StateSaverTest, SaysOnceThatItCannotSaveTriesAgainAndSaysWhenItCan) {
   for (int i = 0; i < 120; ++i, clock_.pass(1s)) step(1);
   EXPECT_EQ(log_.lines.back(), "state is saved again");
   EXPECT_EQ(log_.lines.size(), 3u);
-  EXPECT_FALSE(keeper_.is_failing());
+  EXPECT_FALSE(saver_.disk().is_failing());
 }
 
 TEST_F(StateSaverTest, WaitsForASaveThatTakesLong) {
   store_.is_slow = true;
   for (int i = 0; i < 600; ++i, clock_.pass(1s)) {
-    keeper_.mark_dirty();
+    saver_.mark_dirty();
     step(i);
   }
   EXPECT_EQ(store_.saves, 1u);
@@ -317,7 +317,7 @@ TEST_F(StateSaverTest, WaitsForASaveThatTakesLong) {
 TEST_F(StateSaverTest, SaysOnceThatTheDiskDoesNotAnswer) {
   store_.is_slow = true;
   for (int i = 0; i < 9; ++i, clock_.pass(1s)) {
-    keeper_.mark_dirty();
+    saver_.mark_dirty();
     step(i);
   }
   EXPECT_TRUE(log_.lines.empty()) << "it may be slow";
@@ -333,7 +333,7 @@ TEST_F(StateSaverTest, SaysOnceThatTheDiskDoesNotAnswer) {
   // One that fails after all is not saved.
   clock_.pass(2min);
   store_.is_slow = true;
-  keeper_.mark_dirty();
+  saver_.mark_dirty();
   step(700);
   clock_.pass(20s);
   step(700);
@@ -354,13 +354,13 @@ TEST_F(StateSaverTest, SaysOnceThatTheDiskDoesNotAnswer) {
 }
 
 TEST_F(StateSaverTest, LoadsTheLastElseThePrevious) {
-  EXPECT_FALSE(keeper_.load().has_value());
+  EXPECT_FALSE(saver_.load().has_value());
   EXPECT_TRUE(log_.lines.empty());
   store_.last = store_.previous = example();
-  ASSERT_TRUE(keeper_.load().has_value());
+  ASSERT_TRUE(saver_.load().has_value());
   EXPECT_TRUE(log_.lines.empty());
   store_.last[0] = std::byte{9};
-  const auto state = keeper_.load();
+  const auto state = saver_.load();
   ASSERT_TRUE(state.has_value());
   EXPECT_EQ(state->generation, 41u);
   EXPECT_EQ(log_.lines,
@@ -377,7 +377,7 @@ TEST_F(StateSaverTest, RefusesTheStateOfAnotherConfiguration) {
   writer.add_bus("roof");
   const auto bytes = writer.finish();
   store_.last.assign(bytes.begin(), bytes.end());
-  EXPECT_FALSE(keeper_.load().has_value());
+  EXPECT_FALSE(saver_.load().has_value());
   EXPECT_EQ(log_.lines,
             (std::vector<std::string>{
                 "state: the last copy is not used, it is of another configuration, without any bus "
