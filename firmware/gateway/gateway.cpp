@@ -30,17 +30,19 @@ Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports
       ports_(ports),
       poller_(settings.poll, ports.buses, *this, ports.log, this),
       nodes_(poller_.unit_count()),
-      keeper_(mesh, settings, nodes_, ports.clock, ports.log),
-      presence_(settings.poll, poller_, nodes_, keeper_, ports.log),
-      admission_(settings.poll, keeper_.features(), nodes_, poller_, ports.log),
+      kept_(mesh, settings),
+      site_(kept_, nodes_, ports.clock, ports.log),
+      placement_(kept_, site_, nodes_, settings.domain, ports.clock, ports.log),
+      presence_(settings.poll, poller_, nodes_, placement_, ports.log),
+      admission_(settings.poll, kept_.features(), nodes_, poller_, ports.log),
       assigner_(settings.poll, poller_, nodes_, ports.log),
       is_assigning_(poller_.bus_count()),
       snapshots_(settings, static_cast<std::uint32_t>(nodes_.records().size())),
       distributor_(settings, poller_, nodes_, snapshots_.latest(), ports.log),
       images_(register_capacity(settings), images_ready, settings.server.clients_max + 2),
-      state_transfer_(keeper_, nodes_, poller_),
+      state_transfer_(kept_, site_, placement_, nodes_, poller_),
       interval_(settings.poll.interval) {
-  quarantine_.reserve(quarantine_max(nodes_, keeper_.features(), keeper_.anchors(), admission_));
+  quarantine_.reserve(quarantine_max(nodes_, kept_.features(), kept_.anchors(), admission_));
   if (ports.store != nullptr && settings.state) {
     state_saver_.emplace(settings, publish_pause, *ports.store, ports.log);
   }
@@ -59,7 +61,7 @@ void Gateway::restore(port::Instant now) {
   // Before the first mesh only a promise about generations is saved.
   if (saved->generation > 0) log_restored(*saved, is_same);
   presence_.tell_missing(now);
-  static_cast<void>(keeper_.take_changed());
+  static_cast<void>(kept_.take_changed());
   // Where somebody was is not looked for in its turn, but at once.
   for (const NodeRecord& node : nodes_.records()) {
     if (node.unit != no_unit) poller_.ask_unit_at_once(node.unit, now);
@@ -68,13 +70,13 @@ void Gateway::restore(port::Instant now) {
 }
 
 void Gateway::log_restored(const SavedState& saved, bool is_same) {
-  const Mesh& mesh = keeper_.mesh();
+  const Mesh& mesh = kept_.mesh();
   ports_.log.write(
       port::Level::info,
       std::string(is_same ? "restored the mesh" : "restored the nodes, not their mesh,") +
           " of generation " + std::to_string(saved.generation) + ": " +
-          std::to_string(keeper_.node_count()) + " of " + std::to_string(saved.nodes.size()) +
-          " nodes, " + std::to_string(keeper_.features().active_count()) + " features, " +
+          std::to_string(kept_.node_count()) + " of " + std::to_string(saved.nodes.size()) +
+          " nodes, " + std::to_string(kept_.features().active_count()) + " features, " +
           std::to_string(mesh.steiner_count()) +
           " Steiner vertices; all are stale until they answer");
 }
@@ -87,8 +89,8 @@ void Gateway::step(port::Instant now) {
     presence_.sweep(now, generation_ + 1);
     changed_ = changed_ || presence_.waiting_count() != snapshot().waiting_count;
   }
-  keeper_.retry_rejected(generation_ + 1);
-  changed_ = keeper_.take_changed() || changed_;
+  placement_.retry_rejected(generation_ + 1);
+  changed_ = kept_.take_changed() || changed_;
   changed_ = admission_.take_changed() || changed_;
   changed_ = presence_.take_changed() || changed_;
   if (changed_ && publish_due_ <= now) publish(now);
@@ -108,16 +110,16 @@ void Gateway::update_settings(port::Instant now) {
   const port::Instant heard_by = poller_.update_settings(now);
   presence_.update_settings(settings_.poll.interval < interval_ ? heard_by : now, now);
   interval_ = settings_.poll.interval;
-  keeper_.update_site(generation_ + 1);
+  placement_.update_site(settings_, generation_ + 1);
   presence_.dismiss_missing();
   snapshots_.update_site(settings_.domain);
   if (file_publisher_) file_publisher_->update_settings(*settings_.files);
-  quarantine_.reserve(quarantine_max(nodes_, keeper_.features(), keeper_.anchors(), admission_));
+  quarantine_.reserve(quarantine_max(nodes_, kept_.features(), kept_.anchors(), admission_));
 }
 
 port::Instant Gateway::next_deadline() const {
   port::Instant deadline =
-      std::min({poller_.next_deadline(), presence_.next_deadline(), keeper_.next_deadline()});
+      std::min({poller_.next_deadline(), presence_.next_deadline(), placement_.next_deadline()});
   if (file_publisher_) deadline = std::min(deadline, file_publisher_->next_deadline());
   if (changed_) return std::min(deadline, publish_due_);
   if (state_saver_) deadline = std::min(deadline, state_saver_->next_deadline());
@@ -135,13 +137,13 @@ void Gateway::finish(port::Instant now) {
     state_saver_->finish();
     save_state(now);
   }
-  const Mesh& mesh = keeper_.mesh();
+  const Mesh& mesh = kept_.mesh();
   const Audit audited = audit(mesh);
   ports_.log.write(audited ? port::Level::info : port::Level::error,
                    "ends at generation " + std::to_string(generation_) + ": " +
-                       std::to_string(keeper_.node_count()) + " nodes, " +
-                       std::to_string(keeper_.features().active_count()) + " of " +
-                       std::to_string(keeper_.features().records().size()) + " features, " +
+                       std::to_string(kept_.node_count()) + " nodes, " +
+                       std::to_string(kept_.features().active_count()) + " of " +
+                       std::to_string(kept_.features().records().size()) + " features, " +
                        std::to_string(mesh.steiner_count()) + " Steiner vertices, " +
                        std::to_string(mesh.finite_triangle_count()) + " triangles, " +
                        (audited ? std::string("audit passed: conforming")
@@ -161,7 +163,7 @@ void Gateway::keep_silences(port::Instant now) {
 }
 
 void Gateway::save_state(port::Instant now) {
-  state_transfer_.write(state_saver_->begin(generation_, keeper_.mesh().hash()), now);
+  state_transfer_.write(state_saver_->begin(generation_, kept_.mesh().hash()), now);
   state_saver_->save(now);
 }
 
@@ -179,13 +181,13 @@ bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::I
   }
   if (node->has_asked_to_leave()) {
     if (node->is_placed()) {
-      keeper_.leave(*node, "on its own request", generation_ + 1);
+      placement_.leave(*node, "on its own request", generation_ + 1);
     } else {
-      keeper_.clear_rejection(*node);
+      placement_.clear_rejection(*node);
     }
     return true;
   }
-  keeper_.stay(*node);
+  placement_.on_still_present(*node);
   // Without a fix the node stays where it was last known to be.
   if ((reading.status & node_status::fix_valid) != 0) place(*node);
   return true;
@@ -211,7 +213,7 @@ void Gateway::on_request_done(std::uint32_t bus, const port::BusAnswer& answer, 
   const std::uint32_t newcomers = poller_.unit_at(bus, default_unit);
   NodeRecord* const node = nodes_.find(assigner_.last_serial(bus));
   if (node != nullptr && node->unit == newcomers) {
-    nodes_.seat(*node, unit);
+    nodes_.assign_unit(*node, unit);
     poller_.expect_silence(newcomers);
     distributor_.invalidate();
   }
@@ -220,14 +222,14 @@ void Gateway::on_request_done(std::uint32_t bus, const port::BusAnswer& answer, 
 
 void Gateway::place(NodeRecord& node) {
   if (!node.is_placed()) {
-    keeper_.join(node, generation_ + 1);
+    placement_.join(node, generation_ + 1);
     return;
   }
   const std::int64_t band = settings_.poll.dead_band;
   if (squared_distance(node.position, node.placed) > band * band) {
-    keeper_.move(node, generation_ + 1);
+    placement_.move(node, generation_ + 1);
   } else {
-    keeper_.clear_rejection(node);
+    placement_.clear_rejection(node);
   }
 }
 
@@ -237,9 +239,9 @@ void Gateway::publish(port::Instant now) {
   if (file_publisher_) file_publisher_->mark_dirty();
   if (state_saver_) state_saver_->mark_dirty();
   const port::Instant started = ports_.clock.now();
-  list_quarantine(nodes_, keeper_.features(), keeper_.anchors(), admission_, quarantine_);
+  list_quarantine(nodes_, kept_.features(), kept_.anchors(), admission_, quarantine_);
   const Snapshot& snapshot =
-      snapshots_.take(generation_, keeper_, nodes_, poller_, presence_, quarantine_, now);
+      snapshots_.take(generation_, kept_, nodes_, poller_, presence_, quarantine_, now);
   distributor_.take_snapshot();
   state_ = snapshot.state;
   ports_.server.publish(images_.encode(snapshot));

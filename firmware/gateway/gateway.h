@@ -19,7 +19,9 @@
 #include "etcm/port/mesh_server.h"
 #include "etcm/port/store.h"
 #include "firmware/config/settings.h"
-#include "firmware/mesh/mesh_keeper.h"
+#include "firmware/mesh/kept_mesh.h"
+#include "firmware/mesh/node_placement.h"
+#include "firmware/mesh/site_keeper.h"
 #include "firmware/nodes/address_assigner.h"
 #include "firmware/nodes/admission.h"
 #include "firmware/nodes/presence.h"
@@ -75,7 +77,7 @@ class Gateway final : private ReadingListener, private RequestSource {
   void update_settings(port::Instant now);
 
   std::uint32_t generation() const { return generation_; }
-  std::uint32_t node_count() const { return keeper_.node_count(); }
+  std::uint32_t node_count() const { return kept_.node_count(); }
   // A change of the mesh has waited for so long beyond the pause between two generations.
   bool is_late(port::Instant now, port::Duration patience) const {
     return changed_ && publish_due_ + patience < now;
@@ -92,7 +94,7 @@ class Gateway final : private ReadingListener, private RequestSource {
   const Poller& poller() const { return poller_; }
   const NodeTable& nodes() const { return nodes_; }
   const Presence& presence() const { return presence_; }
-  const MeshTimes& mesh_times() const { return keeper_.times(); }
+  const MeshTimes& mesh_times() const { return placement_.times(); }
   // As published last.
   std::span<const QuarantineEntry> quarantine() const { return quarantine_; }
 
@@ -112,7 +114,9 @@ class Gateway final : private ReadingListener, private RequestSource {
   const GatewayPorts ports_;
   Poller poller_;
   NodeTable nodes_;
-  MeshKeeper keeper_;
+  KeptMesh kept_;
+  SiteKeeper site_;
+  NodePlacement placement_;
   Presence presence_;
   Admission admission_;
   AddressAssigner assigner_;

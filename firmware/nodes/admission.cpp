@@ -72,7 +72,7 @@ NodeRecord* Admission::admit(std::uint32_t unit, std::uint32_t serial, port::Ins
                                       << " is there now, node " << here->serial << " is not");
   }
   conflict.displaced = here == nullptr ? no_serial : here->serial;
-  nodes_.seat(*node, unit);
+  nodes_.assign_unit(*node, unit);
   clear(conflict);
   return node;
 }

@@ -25,11 +25,11 @@ TextLine last_place_of(const NodeRecord& node, const Poller& poller) {
 }
 
 Presence::Presence(const PollSettings& settings, const Poller& poller, NodeTable& nodes,
-                   MeshKeeper& keeper, port::Log& log)
+                   NodePlacement& placement, port::Log& log)
     : settings_(settings),
       poller_(poller),
       nodes_(nodes),
-      keeper_(keeper),
+      placement_(placement),
       log_(log),
       clock_(settings, poller.bus_count()),
       buses_(poller.bus_count()),
@@ -147,9 +147,9 @@ void Presence::lose(NodeRecord& node, port::Instant now, std::uint32_t generatio
     nodes_.vacate(node);
   }
   if (node.is_placed()) {
-    keeper_.leave(node, "silent", generation);
+    placement_.leave(node, "silent", generation);
   } else {
-    keeper_.clear_rejection(node);
+    placement_.clear_rejection(node);
   }
 }
 

@@ -11,7 +11,7 @@
 
 #include "etcm/port/log.h"
 #include "firmware/config/settings.h"
-#include "firmware/mesh/mesh_keeper.h"
+#include "firmware/mesh/node_placement.h"
 #include "firmware/nodes/silence_clock.h"
 #include "firmware/polling/poller.h"
 #include "firmware/protocol/node_registers.h"
@@ -22,8 +22,8 @@ namespace etcm::firmware {
 class Presence {
  public:
   // All arguments must outlive this.
-  Presence(const PollSettings& settings, const Poller& poller, NodeTable& nodes, MeshKeeper& keeper,
-           port::Log& log);
+  Presence(const PollSettings& settings, const Poller& poller, NodeTable& nodes,
+           NodePlacement& placement, port::Log& log);
 
   // The gateway's loop turns: before anything is heard in this turn.
   void turn(port::Instant now) { clock_.turn(now, sweep_interval_); }
@@ -71,7 +71,7 @@ class Presence {
   const PollSettings& settings_;
   const Poller& poller_;
   NodeTable& nodes_;
-  MeshKeeper& keeper_;
+  NodePlacement& placement_;
   port::Log& log_;
   SilenceClock clock_;
   std::vector<Bus> buses_;

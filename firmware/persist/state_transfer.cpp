@@ -5,6 +5,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
+
+#include "firmware/persist/mesh_restorer.h"
 
 namespace etcm::firmware {
 
@@ -36,36 +39,40 @@ std::optional<std::uint32_t> find_unit(const Poller& poller, const std::string& 
 
 }  // namespace
 
-StateTransfer::StateTransfer(MeshKeeper& keeper, NodeTable& nodes, const Poller& poller)
-    : keeper_(keeper),
+StateTransfer::StateTransfer(KeptMesh& kept, SiteKeeper& site, NodePlacement& placement,
+                             NodeTable& nodes, const Poller& poller)
+    : kept_(kept),
+      site_(site),
+      placement_(placement),
       nodes_(nodes),
       poller_(poller),
-      number_by_vertex_(keeper.mesh().config().vertices_max + 1),
-      number_by_feature_(keeper.features().records().size()) {}
+      number_by_vertex_(kept.mesh().config().vertices_max + 1),
+      number_by_feature_(std::as_const(kept).features().records().size()) {}
 
 void StateTransfer::write(StateWriter& writer, port::Instant now) {
   for (std::uint32_t bus = 0; bus < poller_.bus_count(); ++bus) {
     writer.add_bus(poller_.bus(bus).name);
   }
-  const Mesh& mesh = keeper_.mesh();
+  const KeptMesh& kept = kept_;
+  const Mesh& mesh = kept.mesh();
   std::uint32_t number = 0;
   for (std::uint32_t value = 1; value < mesh.vertex_id_end(); ++value) {
     const VertexId id{static_cast<IdValue>(value)};
-    if (mesh.kind(id) != VertexKind::node || keeper_.serials()[value] == no_serial) continue;
+    if (mesh.kind(id) != VertexKind::node || kept.serial_of(id) == no_serial) continue;
     number_by_vertex_[value] = number++;
-    const NodeRecord* const record = nodes_.find(keeper_.serials()[value]);
+    const NodeRecord* const record = nodes_.find(kept.serial_of(id));
     SavedNode node = record == nullptr ? SavedNode{} : saved_node(*record, now);
-    node.serial = keeper_.serials()[value];
+    node.serial = kept.serial_of(id);
     node.position = mesh.position(id);
     writer.add(node);
   }
-  for (const AnchorRecord& anchor : keeper_.anchors().records()) {
+  for (const AnchorRecord& anchor : kept.anchors().records()) {
     // One that a node has taken the place of comes with the node.
     if (!anchor.is_vacant()) continue;
     number_by_vertex_[anchor.vertex.value] = number++;
     writer.add(anchor.settings.position);
   }
-  const std::span<const FeatureRecord> features = keeper_.features().records();
+  const std::span<const FeatureRecord> features = kept.features().records();
   number_by_feature_.resize(features.size());
   number = 0;
   for (std::size_t i = 0; i < features.size(); ++i) {
@@ -78,7 +85,7 @@ void StateTransfer::write(StateWriter& writer, port::Instant now) {
   for (std::uint32_t value = 1; value < mesh.vertex_id_end(); ++value) {
     const VertexId id{static_cast<IdValue>(value)};
     if (mesh.kind(id) != VertexKind::steiner) continue;
-    const std::uint32_t feature = keeper_.features().number_of(mesh.feature_of(id));
+    const std::uint32_t feature = kept.features().number_of(mesh.feature_of(id));
     writer.add(SteinerPlace{.feature = number_by_feature_[feature], .point = mesh.point(id)});
   }
   write_missing(writer, now);
@@ -110,9 +117,9 @@ bool StateTransfer::restore(const SavedState& saved, std::uint32_t generation, p
   std::vector<NodeRecord*> nodes;
   for (const SavedNode& node : saved.nodes) nodes.push_back(restore_node(saved, node, now));
   for (const SavedMissing& missing : saved.missing) restore_missing(saved, missing, now);
-  if (keeper_.restore(saved, nodes)) return true;
+  if (MeshRestorer(kept_, site_, placement_.domain()).restore(saved, nodes)) return true;
   for (NodeRecord* const node : nodes) {
-    if (node != nullptr) keeper_.join(*node, generation);
+    if (node != nullptr) placement_.join(*node, generation);
   }
   return false;
 }
@@ -127,7 +134,7 @@ NodeRecord* StateTransfer::restore_node(const SavedState& saved, const SavedNode
   record->stale = true;
   if (node.bus == no_saved_bus) return record;
   const auto unit = find_unit(poller_, saved.buses[node.bus], node.unit);
-  if (unit && nodes_.at(*unit) == nullptr) nodes_.seat(*record, *unit);
+  if (unit && nodes_.at(*unit) == nullptr) nodes_.assign_unit(*record, *unit);
   return record;
 }
 

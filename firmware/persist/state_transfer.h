@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "firmware/mesh/mesh_keeper.h"
+#include "firmware/mesh/kept_mesh.h"
+#include "firmware/mesh/node_placement.h"
+#include "firmware/mesh/site_keeper.h"
 #include "firmware/persist/saved_state.h"
 #include "firmware/polling/poller.h"
 #include "firmware/records/node_table.h"
@@ -15,7 +17,8 @@ namespace etcm::firmware {
 class StateTransfer {
  public:
   // All arguments must outlive this. The memory that writing needs is taken here.
-  StateTransfer(MeshKeeper& keeper, NodeTable& nodes, const Poller& poller);
+  StateTransfer(KeptMesh& kept, SiteKeeper& site, NodePlacement& placement, NodeTable& nodes,
+                const Poller& poller);
 
   // Adds everything to a state that was begun.
   void write(StateWriter& writer, port::Instant now);
@@ -32,11 +35,13 @@ class StateTransfer {
   NodeRecord* restore_node(const SavedState& saved, const SavedNode& node, port::Instant now);
   void restore_missing(const SavedState& saved, const SavedMissing& missing, port::Instant now);
 
-  MeshKeeper& keeper_;
+  KeptMesh& kept_;
+  SiteKeeper& site_;
+  NodePlacement& placement_;
   NodeTable& nodes_;
   const Poller& poller_;
   std::vector<std::uint32_t> number_by_vertex_;   // as in SavedFeature
-  std::vector<std::uint32_t> number_by_feature_;  // of the saved features, by that in the book
+  std::vector<std::uint32_t> number_by_feature_;  // of the saved features, by that as configured
 };
 
 }  // namespace etcm::firmware

@@ -10,6 +10,20 @@ namespace etcm::firmware {
 
 using namespace std::chrono_literals;
 
+namespace {
+
+// Whether something was rejected for want of room or budget.
+bool is_short_of_room(const KeptMesh& kept, const NodeTable& nodes) {
+  const auto is_any = [](const auto& records) {
+    return std::any_of(records.begin(), records.end(),
+                       [](const auto& record) { return is_want_of_room(record.rejection); });
+  };
+  return is_any(nodes.records()) || is_any(kept.anchors().records()) ||
+         is_any(kept.features().records());
+}
+
+}  // namespace
+
 MeshRegisterCapacity register_capacity(const Settings& settings) {
   const auto analysis = [](std::uint32_t range) {
     return range == 0 ? 0u : static_cast<std::uint32_t>(analysis_list_max);
@@ -45,15 +59,15 @@ SnapshotTaker::SnapshotTaker(const Settings& settings, std::uint32_t nodes)
   analyst_.take_site(settings.domain);
 }
 
-const Snapshot& SnapshotTaker::take(std::uint32_t generation, const MeshKeeper& keeper,
+const Snapshot& SnapshotTaker::take(std::uint32_t generation, const KeptMesh& kept,
                                     const NodeTable& nodes, const Poller& poller,
                                     const Presence& presence,
                                     std::span<const QuarantineEntry> quarantine,
                                     port::Instant now) {
-  const Mesh& mesh = keeper.mesh();
-  const FeatureTable& features = keeper.features();
+  const Mesh& mesh = kept.mesh();
+  const FeatureTable& features = kept.features();
   snapshot_.generation = generation;
-  snapshot_.anchor_count = keeper.anchors().vacant_count();
+  snapshot_.anchor_count = kept.anchors().vacant_count();
   snapshot_.node_count = mesh.node_count() - snapshot_.anchor_count;
   snapshot_.steiner_count = mesh.steiner_count();
   snapshot_.triangle_count = mesh.finite_triangle_count();
@@ -62,31 +76,31 @@ const Snapshot& SnapshotTaker::take(std::uint32_t generation, const MeshKeeper& 
   snapshot_.quarantined_count = static_cast<std::uint32_t>(quarantine.size());
   snapshot_.silent_bus_count = presence.silent_bus_count();
   snapshot_.mesh_hash = mesh.hash();
-  copy_mesh(keeper);
+  copy_mesh(kept);
   if (!region_.empty()) mark_domain(mesh);
   look_at_nodes(nodes, now);
   look_at_features(features);
   look_at_quarantine(poller, quarantine, now);
   analyst_.look_at(mesh, features, snapshot_);
-  snapshot_.state = state_of(keeper);
+  snapshot_.state = state_of(kept, nodes);
   return snapshot_;
 }
 
-std::uint16_t SnapshotTaker::state_of(const MeshKeeper& keeper) const {
+std::uint16_t SnapshotTaker::state_of(const KeptMesh& kept, const NodeTable& nodes) const {
   std::uint16_t state = 0;
   if (snapshot_.quarantined_count > 0 || snapshot_.waiting_count > 0 ||
       snapshot_.features_active < snapshot_.features_configured) {
     state |= snapshot_state::partial;
   }
   if (snapshot_.stale_count > 0) state |= snapshot_state::stale;
-  if (keeper.is_short_of_room()) state |= snapshot_state::budget_hit;
+  if (is_short_of_room(kept, nodes)) state |= snapshot_state::budget_hit;
   if (snapshot_.missing_count > 0) state |= snapshot_state::missing;
   if (snapshot_.silent_bus_count > 0) state |= snapshot_state::bus_silent;
   return state;
 }
 
-void SnapshotTaker::copy_mesh(const MeshKeeper& keeper) {
-  const Mesh& mesh = keeper.mesh();
+void SnapshotTaker::copy_mesh(const KeptMesh& kept) {
+  const Mesh& mesh = kept.mesh();
   snapshot_.vertices.assign(mesh.vertex_id_end() - 1, {});
   snapshot_.neighbours.clear();
   for (std::uint32_t row = 0; row < snapshot_.vertices.size(); ++row) {
@@ -96,10 +110,10 @@ void SnapshotTaker::copy_mesh(const MeshKeeper& keeper) {
     if (vertex.kind == VertexKind::none) continue;
     vertex.point = mesh.point(id);
     if (vertex.kind == VertexKind::node) {
-      vertex.is_anchor = keeper.serials()[id.value] == no_serial;
-      if (!vertex.is_anchor) vertex.serial = keeper.serials()[id.value];
+      vertex.is_anchor = kept.serial_of(id) == no_serial;
+      if (!vertex.is_anchor) vertex.serial = kept.serial_of(id);
     } else {
-      vertex.feature = keeper.features().number_of(mesh.feature_of(id)) + 1;
+      vertex.feature = kept.features().number_of(mesh.feature_of(id)) + 1;
     }
     const std::uint32_t degree = mesh.neighbours(id, around_);
     vertex.degree = static_cast<std::uint16_t>(degree);

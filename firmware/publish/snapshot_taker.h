@@ -10,7 +10,7 @@
 #include "etcm/mesh.h"
 #include "etcm/port/clock.h"
 #include "firmware/config/settings.h"
-#include "firmware/mesh/mesh_keeper.h"
+#include "firmware/mesh/kept_mesh.h"
 #include "firmware/nodes/presence.h"
 #include "firmware/polling/poller.h"
 #include "firmware/publish/analyst.h"
@@ -36,18 +36,18 @@ class SnapshotTaker {
   void update_site(const SiteDomain& domain) { analyst_.take_site(domain); }
 
   // Good until the next call.
-  const Snapshot& take(std::uint32_t generation, const MeshKeeper& keeper, const NodeTable& nodes,
+  const Snapshot& take(std::uint32_t generation, const KeptMesh& kept, const NodeTable& nodes,
                        const Poller& poller, const Presence& presence,
                        std::span<const QuarantineEntry> quarantine, port::Instant now);
   // The one taken last; empty before.
   const Snapshot& latest() const { return snapshot_; }
 
  private:
-  void copy_mesh(const MeshKeeper& keeper);
+  void copy_mesh(const KeptMesh& kept);
   void mark_domain(const Mesh& mesh);
   void look_at_nodes(const NodeTable& nodes, port::Instant now);
   void look_at_outsider(const NodeRecord& node);
-  std::uint16_t state_of(const MeshKeeper& keeper) const;
+  std::uint16_t state_of(const KeptMesh& kept, const NodeTable& nodes) const;
   void look_at_features(const FeatureTable& features);
   void look_at_quarantine(const Poller& poller, std::span<const QuarantineEntry> quarantine,
                           port::Instant now);

@@ -57,7 +57,7 @@ NodeRecord* NodeTable::add(std::uint32_t serial, port::Instant now) {
   return &node;
 }
 
-void NodeTable::seat(NodeRecord& node, std::uint32_t unit) {
+void NodeTable::assign_unit(NodeRecord& node, std::uint32_t unit) {
   if (NodeRecord* const before = at(unit); before != nullptr) before->unit = no_unit;
   if (node.unit != no_unit) by_unit_[node.unit] = no_slot;
   by_unit_[unit] = static_cast<std::uint32_t>(&node - records_.data());

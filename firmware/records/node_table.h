@@ -83,7 +83,7 @@ class NodeTable {
   // A record for a serial that has none, at no unit; null when all are in use.
   NodeRecord* add(std::uint32_t serial, port::Instant now);
   // The node answers at this unit from now on. Whoever was known there is at none.
-  void seat(NodeRecord& node, std::uint32_t unit);
+  void assign_unit(NodeRecord& node, std::uint32_t unit);
   // It answers at no unit any more; the one it had is free for others.
   void vacate(NodeRecord& node);
   void release(NodeRecord& node);

@@ -4,7 +4,7 @@
 #include "etcm/audit.h"
 #include "etcm/config.h"
 #include "fakes.h"
-#include "firmware/mesh/mesh_keeper.h"
+#include "firmware/mesh/node_placement.h"
 #include "geojson.h"
 
 namespace etcm::firmware {
@@ -409,11 +409,13 @@ TEST(SiteKeeping, RefusedFeaturesAreNotTriedAtEachMove) {
   BusyClock clock;
   RecordingLog log;
   NodeTable nodes(100);
-  MeshKeeper keeper(mesh, settings, nodes, clock, log);
+  KeptMesh kept(mesh, settings);
+  SiteKeeper site(kept, nodes, clock, log);
+  NodePlacement placement(kept, site, nodes, settings.domain, clock, log);
   const auto join = [&](std::uint32_t serial, std::int32_t x, std::int32_t y) {
     NodeRecord* const node = nodes.add(serial, clock.now());
     node->position = {x, y};
-    keeper.join(*node, 1);
+    placement.join(*node, 1);
     return node;
   };
   NodeRecord* const barrier = join(1, 0, 0);
@@ -423,16 +425,16 @@ TEST(SiteKeeping, RefusedFeaturesAreNotTriedAtEachMove) {
     join(200 + i, 50 + 70 * static_cast<std::int32_t>(i), -90);
   }
   NodeRecord* const rover = join(3, 0, 500);
-  const FeatureRecord& rejected = keeper.features().records()[1];
-  ASSERT_EQ(keeper.features().rejected_count(), rejected_count);
+  const FeatureRecord& rejected = kept.features().records()[1];
+  ASSERT_EQ(kept.features().rejected_count(), rejected_count);
 
   const port::Instant begin = clock.now();
   std::uint32_t tries = 0;
   for (std::int32_t move = 1; move <= 500; ++move) {
     rover->position = {move, 500};
-    keeper.move(*rover, 1);
+    placement.move(*rover, 1);
     const std::uint32_t before = rejected.rejected_epoch;
-    keeper.retry_rejected(1);
+    placement.retry_rejected(1);
     tries += rejected.rejected_epoch != before;
     clock.pass(5ms);
   }
@@ -442,12 +444,12 @@ TEST(SiteKeeping, RefusedFeaturesAreNotTriedAtEachMove) {
   EXPECT_GE(tries * 2, tries_max);
 
   // What stood in their way goes.
-  keeper.leave(*barrier, "silent", 1);
-  ASSERT_LE(keeper.next_deadline(), clock.now() + 1s);
-  clock.pass(keeper.next_deadline() - clock.now());
-  keeper.retry_rejected(1);
-  EXPECT_EQ(keeper.features().active_count(), rejected_count);
-  EXPECT_EQ(keeper.next_deadline(), port::never);
+  placement.leave(*barrier, "silent", 1);
+  ASSERT_LE(placement.next_deadline(), clock.now() + 1s);
+  clock.pass(placement.next_deadline() - clock.now());
+  placement.retry_rejected(1);
+  EXPECT_EQ(kept.features().active_count(), rejected_count);
+  EXPECT_EQ(placement.next_deadline(), port::never);
 }
 
 }  // namespace

@@ -1,0 +1,25 @@
+#include "firmware/mesh/kept_mesh.h"
+
+#include "firmware/records/node_table.h"
+
+namespace etcm::firmware {
+
+KeptMesh::KeptMesh(Mesh& mesh, const Settings& settings)
+    : mesh_(mesh),
+      features_(settings.features, mesh.config().features_max),
+      anchors_(settings.anchors),
+      serials_(mesh.config().vertices_max + 1, no_serial) {}
+
+void KeptMesh::clear() {
+  mesh_.clear();
+  for (AnchorRecord& anchor : anchors_.records()) {
+    anchor.vertex = VertexId::none();
+    anchor.is_taken = false;
+    anchor.rejection = {};
+  }
+  for (std::uint32_t number = 0; number < features_.records().size(); ++number) {
+    features_.deactivate(number);
+  }
+}
+
+}  // namespace etcm::firmware
