@@ -86,7 +86,8 @@ class OnABoard(gateway_test.GatewayCase):
 
     def test_lines_and_serial_port(self):
         board = self.board
-        board.wait_for_output("board is up")
+        # Emulated, on a machine that has other work too.
+        board.wait_for_output("board is up", patience_s=300)
         board.wait_for_output("serves the mesh on")
         self.assertEqual(self.flashes(), 5, "no nodes yet")
 
