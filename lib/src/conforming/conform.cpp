@@ -8,13 +8,13 @@
 
 #include "conforming/feasible_parameter.h"
 #include "geometry/predicates_inline.h"
+#include "triangulation/change.h"
 #include "triangulation/insert.h"
 #include "triangulation/locate.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 #include "triangulation/ties.h"
-#include "triangulation/worklist.h"
 
 namespace etcm::internal {
 namespace {
@@ -54,8 +54,9 @@ SplitSite site_of(const MeshState& m, SegmentId s, const Subsegment& subsegment)
 }
 
 // Puts a Steiner vertex on the subsegment.
-Status split(MeshState& m, SegmentId s, const Subsegment& subsegment, const SplitSite& site,
+Status split(Change& change, SegmentId s, const Subsegment& subsegment, const SplitSite& site,
              Parameter& t, VertexId& v) noexcept {
+  MeshState& m = change.mesh;
   if (site.tail - site.head < 2) return fail(m, Status::grid_exhausted, s, subsegment);
   const std::uint32_t budget = m.config.steiner_max;
   if (budget != 0 && m.steiner_count >= budget)
@@ -69,7 +70,8 @@ Status split(MeshState& m, SegmentId s, const Subsegment& subsegment, const Spli
   m.owner(v) = Owner(Role::fresh, s);
   ++m.steiner_count;
   const bool from_head = t - site.head <= site.tail - t;
-  insert_vertex(m, v, find(m, m.at(v), from_head ? subsegment.head_edge : subsegment.tail_edge));
+  insert_vertex(change, v,
+                find(m, m.at(v), from_head ? subsegment.head_edge : subsegment.tail_edge));
   return Status::ok;
 }
 
@@ -88,12 +90,13 @@ void constrain_finished(MeshState& m, VertexId v, VertexId end) noexcept {
 // always lies between two vertices that are known, so nothing is walked again: no split breaks
 // another subsegment of the same line. Where a policy splits outside both feasible sets it stops,
 // with `is_whole` false: the caller looks what is there.
-Status conform_subsegment(MeshState& m, SegmentId s, Subsegment subsegment,
+Status conform_subsegment(Change& change, SegmentId s, Subsegment subsegment,
                           bool& is_whole) noexcept {
+  MeshState& m = change.mesh;
   is_whole = true;
   for (;;) {
-    const bool is_last = m.config.steps_max != 0 && m.steps >= m.config.steps_max;
-    ++m.steps;
+    const bool is_last = m.config.steps_max != 0 && change.steps >= m.config.steps_max;
+    ++change.steps;
     if (can_be_edge(m, subsegment)) {
       constrain_subsegment(m, subsegment);
       return Status::ok;
@@ -104,7 +107,7 @@ Status conform_subsegment(MeshState& m, SegmentId s, Subsegment subsegment,
     const SplitSite site = site_of(m, s, subsegment);
     Parameter t = 0;
     VertexId v{};
-    const Status status = split(m, s, subsegment, site, t, v);
+    const Status status = split(change, s, subsegment, site, t, v);
     if (status != Status::ok) return status;
     const bool finishes_head = t <= site.feasible_head, finishes_tail = t >= site.feasible_tail;
     if (finishes_head) constrain_finished(m, v, subsegment.head);
@@ -129,7 +132,8 @@ SegmentId crossed_section(const MeshState& m, SegmentId s, const Subsegment& sub
   return m.owner(subsegment.tail).segment();
 }
 
-Status conform_segment(MeshState& m, SegmentId s) noexcept {
+Status conform_segment(Change& change, SegmentId s) noexcept {
+  MeshState& m = change.mesh;
   SegmentRecord& r = m.segment(s);
   const VertexId end = r.to;
   VertexId v = r.first.is_none() ? r.from : r.first;
@@ -147,7 +151,7 @@ Status conform_segment(MeshState& m, SegmentId s) noexcept {
       continue;
     }
     bool is_whole = false;
-    const Status status = conform_subsegment(m, s, subsegment, is_whole);
+    const Status status = conform_subsegment(change, s, subsegment, is_whole);
     if (status != Status::ok) return status;
     if (is_whole) v = subsegment.tail;
   }
@@ -175,21 +179,23 @@ void constrain_subsegment(MeshState& m, const Subsegment& subsegment) noexcept {
   }
 }
 
-Status conform(MeshState& m) noexcept {
-  for (SegmentId s = pop_dirty(m); !s.is_none(); s = pop_dirty(m)) {
-    const Status status = conform_segment(m, s);
+Status conform(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  for (SegmentId s = change.dirty.pop(m); !s.is_none(); s = change.dirty.pop(m)) {
+    const Status status = conform_segment(change, s);
     if (status != Status::ok) {
-      touch(m, s);
-      make_dirty(m, s);
+      touch(change, s);
+      make_dirty(change, s);
       return status;
     }
   }
   return Status::ok;
 }
 
-std::uint32_t constrain_rest(MeshState& m) noexcept {
+std::uint32_t constrain_rest(Change& change) noexcept {
+  MeshState& m = change.mesh;
   std::uint32_t missing = 0;
-  for (SegmentId s = pop_dirty(m); !s.is_none(); s = pop_dirty(m)) {
+  for (SegmentId s = change.dirty.pop(m); !s.is_none(); s = change.dirty.pop(m)) {
     const VertexId end = m.segment(s).to;
     for (VertexId v = m.segment(s).from; v != end;) {
       const Subsegment subsegment = march(m, v, end);

@@ -3,42 +3,42 @@
 #include "conforming/conform.h"
 #include "conforming/features.h"
 #include "conforming/prune.h"
+#include "triangulation/change.h"
 #include "triangulation/mesh_state.h"
-#include "triangulation/worklist.h"
 
 namespace etcm::internal {
 
-Status conform_features(MeshState& m, SegmentId list, SegmentId& pending) noexcept {
-  pending = sort_segments(m, list);
+Status conform_features(Change& change, FeatureList& features) noexcept {
+  MeshState& m = change.mesh;
+  features.sort(m);
   // What is an edge already, or can be by flipping ties, comes first: then no split ignores it.
-  for (SegmentId* slot = &pending; !slot->is_none();) {
-    const SegmentId root = *slot;
+  for (FeatureList::Cursor at(m, features); !at.root().is_none();) {
+    const SegmentId root = at.root();
     const SurveyResult surveyed = survey(m, root);
     if (surveyed.status != Status::ok) return surveyed.status;
     if (!surveyed.is_present) {
-      slot = &m.segment(root).next_dirty;
+      at.advance();
       continue;
     }
-    *slot = m.segment(root).next_dirty;
-    m.segment(root).next_dirty = not_listed;
-    link_feature(m, root, surveyed.nodes_between);
-    const Status status = conform(m);
+    at.take();
+    link_feature(change, root, surveyed.nodes_between);
+    const Status status = conform(change);
     if (status != Status::ok) return status;
   }
-  if (m.is_batch) clear_touched(m);
-  while (!pending.is_none()) {
-    const SegmentId root = pending;
+  const bool is_whole = change.extent == Change::Extent::whole;
+  if (is_whole) clear_touched(change);
+  for (FeatureList::Cursor at(m, features); !at.root().is_none();) {
+    const SegmentId root = at.root();
     const SurveyResult surveyed = survey(m, root);
     if (surveyed.status != Status::ok) return surveyed.status;
-    pending = m.segment(root).next_dirty;
-    m.segment(root).next_dirty = not_listed;
-    link_feature(m, root, surveyed.nodes_between);
-    const Status status = conform(m);
+    at.take();
+    link_feature(change, root, surveyed.nodes_between);
+    const Status status = conform(change);
     if (status != Status::ok) return status;
     // Before the next feature: what is needless is in its way too, and takes room.
-    if (m.is_batch) {
-      prune(m);
-      clear_touched(m);
+    if (is_whole) {
+      prune(change);
+      clear_touched(change);
     }
   }
   return Status::ok;

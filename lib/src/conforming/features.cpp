@@ -2,12 +2,12 @@
 #include "conforming/features.h"
 
 #include "conforming/conform.h"
-#include "conforming/running_change.h"
+#include "conforming/detach.h"
 #include "geometry/predicates_inline.h"
+#include "triangulation/change.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
-#include "triangulation/worklist.h"
 
 namespace etcm::internal {
 namespace {
@@ -47,13 +47,14 @@ SegmentId next_segment_for(MeshState& m, SegmentId& left_over) noexcept {
   return s;
 }
 
-// The segments that take_up() kept for this root: those it last used, then what m.recycled_segments
-// has.
-SegmentId collect_left_over(MeshState& m, SegmentId root) noexcept {
+// The segments that unlink_feature() kept for this root: those it last used, then those that were
+// recycled.
+SegmentId collect_left_over(Change& change, SegmentId root) noexcept {
+  MeshState& m = change.mesh;
   SegmentId first = m.segment(root).next;
   SegmentId* end = &first;
   while (!end->is_none()) end = &m.segment(*end).next;
-  for (SegmentId* slot = &m.recycled_segments; !slot->is_none();) {
+  for (SegmentId* slot = &change.recycled_segments; !slot->is_none();) {
     const SegmentId s = *slot;
     if (feature_of(m, s) == feature_of(m, root)) {
       *slot = m.segment(s).next;
@@ -112,8 +113,9 @@ SurveyResult survey(MeshState& m, SegmentId root) noexcept {
   return surveyed;
 }
 
-void link_feature(MeshState& m, SegmentId root, std::uint32_t nodes_between) noexcept {
-  SegmentId left_over = collect_left_over(m, root);
+void link_feature(Change& change, SegmentId root, std::uint32_t nodes_between) noexcept {
+  MeshState& m = change.mesh;
+  SegmentId left_over = collect_left_over(change, root);
   m.segment(root).next = SegmentId::none();
   const VertexId end = m.segment(root).to;
   link_segment(m, root);
@@ -123,25 +125,26 @@ void link_feature(MeshState& m, SegmentId root, std::uint32_t nodes_between) noe
     v = march(m, v, end).tail;
     if (v == end) break;
     const SegmentId rest = next_segment_for(m, left_over);
-    touch(m, rest);
+    touch(change, rest);
     cut_segment(m, s, v, rest);
-    touch(m, s);
-    make_dirty(m, s);
+    touch(change, s);
+    make_dirty(change, s);
     s = rest;
   }
-  touch(m, s);
-  make_dirty(m, s);
+  touch(change, s);
+  make_dirty(change, s);
   // In the order in which they were used: the next lay on the old line gives each its old place.
   SegmentId* end_of_spare = &left_over;
   while (!end_of_spare->is_none()) end_of_spare = &m.segment(*end_of_spare).next;
-  *end_of_spare = m.recycled_segments;
-  m.recycled_segments = left_over;
+  *end_of_spare = change.recycled_segments;
+  change.recycled_segments = left_over;
 }
 
-void unlink_feature(MeshState& m, SegmentId root) noexcept {
+void unlink_feature(Change& change, SegmentId root) noexcept {
+  MeshState& m = change.mesh;
   const VertexId to = ends_of(m, root).to;
   for (SegmentId s = root; !s.is_none(); s = m.segment(s).next) {
-    strip_segment(m, s);
+    strip_segment(change, s);
     unlink_segment(m, s);
     if (s != root) m.segment(s).from = VertexId::none();
   }

@@ -1,7 +1,7 @@
 // A feature as a chain of segments.
 #pragma once
 
-#include "triangulation/mesh_state.h"
+#include "triangulation/change.h"
 
 namespace etcm::internal {
 
@@ -15,14 +15,14 @@ struct SurveyResult {
 };
 SurveyResult survey(MeshState& m, SegmentId root) noexcept;
 // Links it: one segment from node to node, all of them dirty. After a survey that answered ok.
-void link_feature(MeshState& m, SegmentId root, std::uint32_t nodes_between) noexcept;
+void link_feature(Change& change, SegmentId root, std::uint32_t nodes_between) noexcept;
 // Unlinks it, Steiner vertices and marks included; the recycled segments stay with the root, so
 // that linking it again on the same line gives each its old place.
-void unlink_feature(MeshState& m, SegmentId root) noexcept;
+void unlink_feature(Change& change, SegmentId root) noexcept;
 // Gives a new root its ends, in canonical direction.
 void set_ends(MeshState& m, SegmentId root, VertexId from, VertexId to) noexcept;
 FeatureEnds ends_of(const MeshState& m, SegmentId root) noexcept;  // in canonical direction
-// For lay(), where no survey has counted.
+// For link_feature(), where no survey has counted.
 inline constexpr std::uint32_t any_nodes_between = ~std::uint32_t{0};
 
 }  // namespace etcm::internal

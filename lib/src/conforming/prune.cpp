@@ -4,11 +4,11 @@
 
 #include "conforming/conform.h"
 #include "geometry/predicates_inline.h"
+#include "triangulation/change.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/remove.h"
 #include "triangulation/segment_store.h"
-#include "triangulation/worklist.h"
 
 namespace etcm::internal {
 namespace {
@@ -54,19 +54,21 @@ Neighbours neighbours(const MeshState& m, VertexId v) noexcept {
 
 // Other segments' Steiner vertices beside v, which goes. Its own segment's neighbours are looked at
 // again anyway.
-void make_dirty_around(MeshState& m, VertexId v) noexcept {
+void queue_around(Change& change, PruneQueue& queue, VertexId v) noexcept {
+  MeshState& m = change.mesh;
   const SegmentId own = m.owner(v).segment();
   Spokes spokes(m.topology, v);
   do {
     const VertexId w = spokes.target();
     if (w != infinite_vertex && m.owner(w).role() != Role::node && m.owner(w).segment() != own) {
-      touch(m, m.owner(w).segment(), w, w);
-      make_dirty(m, m.owner(w).segment());
+      touch(change, m.owner(w).segment(), w, w);
+      queue.add(m, m.owner(w).segment());
     }
   } while (spokes.turn());
 }
 
-void prune_segment(MeshState& m, SegmentId s) noexcept {
+void prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
+  MeshState& m = change.mesh;
   SegmentRecord& r = m.segment(s);
   if (r.first == infinite_vertex) return;
   const VertexId from = r.from, to = r.to;
@@ -80,11 +82,11 @@ void prune_segment(MeshState& m, SegmentId s) noexcept {
     const VertexId before = m.topology.target(beside.back),
                    after = m.topology.target(beside.onward);
     if (!is_needless(m, beside.back, beside.onward)) {
-      if (!m.is_batch) m.owner(v) = Owner(Role::steiner, s);
+      if (change.extent == Change::Extent::local) m.owner(v) = Owner(Role::steiner, s);
       v = after;
       continue;
     }
-    make_dirty_around(m, v);
+    queue_around(change, queue, v);
     remove_steiner(m, v);
     free_vertex(m, v);
     --m.steiner_count;
@@ -97,15 +99,15 @@ void prune_segment(MeshState& m, SegmentId s) noexcept {
 
 }  // namespace
 
-void prune(MeshState& m) noexcept {
-  SegmentId list{};
-  for (SegmentId s = m.touched; !s.is_none(); s = m.segment(s).next_touched) {
-    if (!is_linked(m, s)) continue;
-    m.segment(s).next_dirty = list;
-    list = s;
+void prune(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  ETCM_VERIFY_THAT(change.dirty.is_empty());
+  PruneQueue queue;
+  for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched) {
+    if (is_linked(m, s)) queue.push(m, s);
   }
-  m.dirty = sort_segments(m, list);
-  for (SegmentId s = pop_dirty(m); !s.is_none(); s = pop_dirty(m)) prune_segment(m, s);
+  queue.sort(m);
+  for (SegmentId s = queue.pop(m); !s.is_none(); s = queue.pop(m)) prune_segment(change, queue, s);
 }
 
 }  // namespace etcm::internal

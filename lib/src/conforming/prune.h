@@ -1,13 +1,13 @@
 // Steiner vertices whose cause has gone.
 #pragma once
 
-#include "triangulation/mesh_state.h"
+#include "triangulation/change.h"
 
 namespace etcm::internal {
 
 // Takes out the Steiner vertices of the touched segments without which their feature still is a
 // union of Delaunay edges, and those of other segments that become needless by that. Never breaks a
 // thing.
-void prune(MeshState& m) noexcept;
+void prune(Change& change) noexcept;
 
 }  // namespace etcm::internal

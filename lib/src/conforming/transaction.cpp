@@ -4,47 +4,50 @@
 #include "conforming/transaction.h"
 
 #include "conforming/conform.h"
+#include "conforming/detach.h"
 #include "conforming/prune.h"
-#include "conforming/running_change.h"
+#include "triangulation/change.h"
 #include "triangulation/insert.h"
 #include "triangulation/locate.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
-#include "triangulation/worklist.h"
 
 namespace etcm::internal {
 
 // A batch does not keep the touched segments together, so it looks at all.
-void end_change(MeshState& m) noexcept {
-  if (m.is_batch) {
+void end_change(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  ETCM_VERIFY_THAT(change.dirty.is_empty() && change.detached.is_none());
+  if (change.extent == Change::Extent::whole) {
     for (IdValue i = 0; i < m.segment_end; ++i) {
-      if (m.segment(SegmentId{i}).from.is_none()) touch(m, SegmentId{i});
+      if (m.segment(SegmentId{i}).from.is_none()) touch(change, SegmentId{i});
     }
     for (IdValue i = 1; i < m.vertex_end; ++i) {
       Owner& owner = m.owners[i];
       if (owner.role() == Role::fresh) owner = Owner(Role::steiner, owner.segment());
     }
   }
-  while (!m.touched.is_none()) {
-    const SegmentId s = m.touched;
-    m.touched = m.segment(s).next_touched;
+  while (!change.touched.is_none()) {
+    const SegmentId s = change.touched;
+    change.touched = m.segment(s).next_touched;
     m.segment(s).next_touched = not_listed;
     if (m.segment(s).from.is_none() && !is_free(m, s)) free_segment(m, s);
   }
-  m.recycled_segments = SegmentId::none();
+  change.recycled_segments = SegmentId::none();
 }
 
-void restore_detached(MeshState& m) noexcept {
-  while (!m.detached.is_none()) {
-    const VertexId v = m.detached;
-    m.detached = VertexId{m.vertex_edges[v.value].value};
+void restore_detached(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  while (!change.detached.is_none()) {
+    const VertexId v = change.detached;
+    change.detached = VertexId{m.vertex_edges[v.value].value};
     m.owner(v) = Owner(Role::steiner, m.owner(v).segment());
     ++m.steiner_count;
-    insert_vertex(m, v, find(m, m.at(v), m.walk_start));
+    insert_vertex(change, v, find(m, m.at(v), m.walk_start));
   }
-  clear_dirty(m);
-  for (SegmentId s = m.touched; !s.is_none(); s = m.segment(s).next_touched) {
+  change.dirty.clear(m);
+  for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched) {
     if (!is_linked(m, s)) continue;
     const VertexId end = m.segment(s).to;
     VertexId v = m.segment(s).from;
@@ -55,17 +58,18 @@ void restore_detached(MeshState& m) noexcept {
       v = subsegment.tail;
     }
   }
-  end_change(m);
+  end_change(change);
 }
 
-void commit(MeshState& m) noexcept {
-  while (!m.detached.is_none()) {
-    const VertexId v = m.detached;
-    m.detached = VertexId{m.vertex_edges[v.value].value};
+void commit(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  while (!change.detached.is_none()) {
+    const VertexId v = change.detached;
+    change.detached = VertexId{m.vertex_edges[v.value].value};
     free_vertex(m, v);
   }
-  prune(m);
-  end_change(m);
+  prune(change);
+  end_change(change);
 }
 
 }  // namespace etcm::internal

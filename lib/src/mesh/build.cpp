@@ -2,9 +2,10 @@
 // vertices of an earlier mesh; and the same features afresh.
 #include "conforming/conform.h"
 #include "conforming/conform_features.h"
+#include "conforming/detach.h"
 #include "conforming/features.h"
-#include "conforming/running_change.h"
 #include "conforming/transaction.h"
+#include "triangulation/change.h"
 #include "triangulation/hilbert_order.h"
 #include "triangulation/hints.h"
 #include "triangulation/insert.h"
@@ -12,7 +13,6 @@
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
-#include "triangulation/worklist.h"
 
 namespace etcm::inline ETCM_IDS {
 
@@ -21,11 +21,11 @@ using namespace internal;
 namespace {
 
 // A build that fails on its input leaves nothing, but says what it stumbled over.
-Status reject(Mesh& mesh, Status status) noexcept {
-  ErrorDetail error_detail = state_of(mesh).error_detail;
+Status reject(Mesh& mesh, Change& change, Status status) noexcept {
+  ErrorDetail error_detail = change.mesh.error_detail;
   error_detail.status = status;
   mesh.clear();
-  state_of(mesh).error_detail = error_detail;
+  change.mesh.error_detail = error_detail;
   return status;
 }
 
@@ -60,7 +60,8 @@ void number_as_given(MeshState& m, std::span<const Position> nodes) noexcept {
   }
 }
 
-Status insert_nodes(MeshState& m, std::span<const Position> nodes) noexcept {
+Status insert_nodes(Change& change, std::span<const Position> nodes) noexcept {
+  MeshState& m = change.mesh;
   if (nodes.empty()) return Status::ok;
   number_along_curve(m, nodes);
   for (IdValue i = 1; i < m.vertex_end; ++i) {
@@ -72,7 +73,7 @@ Status insert_nodes(MeshState& m, std::span<const Position> nodes) noexcept {
       m.error_detail.rejected = one < other ? other : one;
       return Status::duplicate_vertex;
     }
-    insert_vertex(m, v, found);
+    insert_vertex(change, v, found);
     ++m.node_count;
   }
   number_as_given(m, nodes);
@@ -82,7 +83,7 @@ Status insert_nodes(MeshState& m, std::span<const Position> nodes) noexcept {
 
 // The roots of the features, segments 0 .. count - 1, as a list.
 Status enter_features(MeshState& m, std::span<const FeatureEnds> features,
-                      SegmentId& list) noexcept {
+                      FeatureList& list) noexcept {
   for (const FeatureEnds& ends : features) {
     const SegmentId root = allocate_segment(m);
     if (root.is_none()) return Status::out_of_features;
@@ -95,18 +96,16 @@ Status enter_features(MeshState& m, std::span<const FeatureEnds> features,
     }
     if (ends.from == ends.to) return Status::zero_length_feature;
     set_ends(m, root, ends.from, ends.to);
-    m.segment(root).next_dirty = list;
-    list = root;
+    list.push(m, root);
   }
   m.error_detail.feature = FeatureId::none();
   return Status::ok;
 }
 
 // The nodes of an empty mesh, and its features, not yet linked, as a list.
-Status enter(Mesh& mesh, std::span<const Position> nodes, std::span<const FeatureEnds> features,
-             SegmentId& list) noexcept {
-  MeshState& m = state_of(mesh);
-  begin(m);
+Status enter(Mesh& mesh, Change& change, std::span<const Position> nodes,
+             std::span<const FeatureEnds> features, FeatureList& list) noexcept {
+  MeshState& m = change.mesh;
   if (m.vertex_end != 1 || m.segment_end != 0)
     return m.error_detail.status = Status::mesh_not_empty;
   if (nodes.size() > m.config.vertices_max) return m.error_detail.status = Status::out_of_vertices;
@@ -117,25 +116,23 @@ Status enter(Mesh& mesh, std::span<const Position> nodes, std::span<const Featur
     m.error_detail.vertex = VertexId{static_cast<IdValue>(i + 1)};
     return m.error_detail.status = Status::bad_coordinate;
   }
-  Status status = insert_nodes(m, nodes);
+  Status status = insert_nodes(change, nodes);
   if (status == Status::ok) status = enter_features(m, features, list);
-  if (status != Status::ok) return reject(mesh, status);
+  if (status != Status::ok) return reject(mesh, change, status);
   m.feature_count = static_cast<std::uint32_t>(features.size());
   return status;
 }
 
 // Links every feature of the list and marks nothing yet.
-Status link_all(MeshState& m, SegmentId list) noexcept {
-  while (!list.is_none()) {
-    const SegmentId root = list;
-    list = m.segment(root).next_dirty;
-    m.segment(root).next_dirty = not_listed;
+Status link_all(Change& change, FeatureList& list) noexcept {
+  MeshState& m = change.mesh;
+  for (SegmentId root = list.pop(m); !root.is_none(); root = list.pop(m)) {
     const SurveyResult surveyed = survey(m, root);
     if (surveyed.status != Status::ok) return surveyed.status;
-    link_feature(m, root, surveyed.nodes_between);
-    clear_dirty(m);
+    link_feature(change, root, surveyed.nodes_between);
+    change.dirty.clear(m);
   }
-  clear_touched(m);
+  clear_touched(change);
   return Status::ok;
 }
 
@@ -156,7 +153,8 @@ SegmentId segment_with(const MeshState& m, SegmentId root, const Point& p) noexc
   return SegmentId::none();
 }
 
-Status insert_steiner(MeshState& m, const SteinerPlace& place) noexcept {
+Status insert_steiner(Change& change, const SteinerPlace& place) noexcept {
+  MeshState& m = change.mesh;
   const SegmentId s = segment_with(m, SegmentId{static_cast<IdValue>(place.feature)}, place.point);
   if (s.is_none()) return Status::bad_coordinate;
   const Found found = find(m, place.point, edge_near(m, place.point));
@@ -168,7 +166,7 @@ Status insert_steiner(MeshState& m, const SteinerPlace& place) noexcept {
   if (v.is_none()) return Status::out_of_vertices;
   m.points[v.value] = place.point;
   m.owner(v) = Owner(Role::steiner, s);
-  insert_vertex(m, v, found);
+  insert_vertex(change, v, found);
   ++m.steiner_count;
   return Status::ok;
 }
@@ -194,95 +192,90 @@ Status constrain_segment(MeshState& m, SegmentId s) noexcept {
 Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds> features,
                    void (*nodes_stand)(void* context) noexcept, void* context) noexcept {
   MeshState& m = opened(*this, Call::build);
-  SegmentId list{};
-  Status status = enter(*this, nodes, features, list);
+  Change change(m, Change::Extent::whole);
+  FeatureList pending;
+  Status status = enter(*this, change, nodes, features, pending);
   if (status != Status::ok) return status;
   if (nodes_stand != nullptr) nodes_stand(context);
-  SegmentId pending{};
-  m.is_batch = true;
-  status = conform_features(m, list, pending);
-  if (is_bad_input(status)) return reject(*this, status);
+  status = conform_features(change, pending);
+  if (is_bad_input(status)) return reject(*this, change, status);
   if (status != Status::ok) {
     // What stands stands. Features not begun are linked, so that their missing subsegments count
     // too.
     ErrorDetail error_detail = m.error_detail;
-    while (!pending.is_none()) {
-      const SegmentId root = pending;
-      pending = m.segment(root).next_dirty;
-      m.segment(root).next_dirty = not_listed;
+    for (SegmentId root = pending.pop(m); !root.is_none(); root = pending.pop(m)) {
       const SurveyResult surveyed = survey(m, root);
-      if (surveyed.status != Status::ok) return reject(*this, surveyed.status);
-      link_feature(m, root, surveyed.nodes_between);
+      if (surveyed.status != Status::ok) return reject(*this, change, surveyed.status);
+      link_feature(change, root, surveyed.nodes_between);
     }
-    m.unresolved = constrain_rest(m);
+    m.unresolved = constrain_rest(change);
     ETCM_VERIFY_THAT(m.unresolved != 0);
-    end_change(m);
+    end_change(change);
     m.error_detail = error_detail;
     return status;
   }
-  commit(m);
+  commit(change);
   return Status::ok;
 }
 
 Status Mesh::restore(std::span<const Position> nodes, std::span<const FeatureEnds> features,
                      std::span<const SteinerPlace> steiner) noexcept {
   MeshState& m = opened(*this, Call::restore);
-  SegmentId list{};
-  Status status = enter(*this, nodes, features, list);
+  Change change(m);
+  FeatureList list;
+  Status status = enter(*this, change, nodes, features, list);
   if (status != Status::ok) return status;
-  status = link_all(m, list);
+  status = link_all(change, list);
   const std::uint32_t budget = m.config.steiner_max;
   if (budget != 0 && steiner.size() > budget) status = Status::steiner_budget;
   for (const SteinerPlace& place : steiner) {
     if (status != Status::ok) break;
     m.error_detail.feature = FeatureId{static_cast<IdValue>(place.feature)};
-    status = place.feature < features.size() ? insert_steiner(m, place) : Status::unknown_feature;
+    status =
+        place.feature < features.size() ? insert_steiner(change, place) : Status::unknown_feature;
   }
   for (IdValue i = 0; i < m.segment_end && status == Status::ok; ++i) {
     m.error_detail.feature = internal::feature_of(m, SegmentId{i});
     status = constrain_segment(m, SegmentId{i});
   }
-  if (status != Status::ok) return reject(*this, status);
+  if (status != Status::ok) return reject(*this, change, status);
   m.error_detail = ErrorDetail{};
   return status;
 }
 
 Status Mesh::rebuild() noexcept {
   MeshState& m = opened(*this, Call::rebuild);
-  begin(m);
+  Change change(m, Change::Extent::whole);
   if (m.unresolved != 0) return m.error_detail.status = Status::mesh_unresolved;
-  SegmentId list{};
+  FeatureList pending;
   for (IdValue i = 0; i < m.segment_end; ++i) {
     const SegmentId s{i};
     if (!is_linked(m, s) || internal::feature_of(m, s).value != i) continue;
-    unlink_feature(m, s);
-    m.segment(s).next_dirty = list;
-    list = s;
+    unlink_feature(change, s);
+    pending.push(m, s);
   }
-  SegmentId pending{};
-  m.is_batch = true;
-  const Status status = conform_features(m, list, pending);
+  const Status status = conform_features(change, pending);
   if (status == Status::ok) {
-    commit(m);
+    commit(change);
     return status;
   }
   for (IdValue i = 0; i < m.segment_end; ++i) {
-    if (is_linked(m, SegmentId{i})) touch(m, SegmentId{i});
+    if (is_linked(m, SegmentId{i})) touch(change, SegmentId{i});
   }
-  drop_fresh(m);
+  drop_fresh(change);
   for (IdValue i = 0; i < m.segment_end; ++i) {
     const SegmentId s{i};
     if (m.segment(s).from.is_none() || internal::feature_of(m, s).value != i) continue;
-    if (is_linked(m, s)) unlink_feature(m, s);
+    if (is_linked(m, s)) unlink_feature(change, s);
   }
-  clear_dirty(m);
+  change.dirty.clear(m);
+  pending.clear(m);
   for (IdValue i = 0; i < m.segment_end; ++i) {
     const SegmentId s{i};
     if (m.segment(s).from.is_none() || internal::feature_of(m, s).value != i) continue;
-    m.segment(s).next_dirty = not_listed;
-    link_feature(m, s, any_nodes_between);
+    link_feature(change, s, any_nodes_between);
   }
-  restore_detached(m);
+  restore_detached(change);
   return status;
 }
 

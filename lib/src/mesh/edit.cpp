@@ -2,16 +2,16 @@
 // it must in steps that can be undone, conforms, and then commits or goes back.
 #include "conforming/conform.h"
 #include "conforming/conform_features.h"
+#include "conforming/detach.h"
 #include "conforming/features.h"
-#include "conforming/running_change.h"
 #include "conforming/transaction.h"
+#include "triangulation/change.h"
 #include "triangulation/hints.h"
 #include "triangulation/insert.h"
 #include "triangulation/locate.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/remove.h"
 #include "triangulation/segment_store.h"
-#include "triangulation/worklist.h"
 
 namespace etcm::inline ETCM_IDS {
 
@@ -38,7 +38,8 @@ Status report(MeshState& m, Status status, VertexId vertex) noexcept {
 
 // Puts node v, whose point is set, into the mesh, on its segment if it stands on one. `cut` is that
 // segment and `rest` its new other part, for take_out().
-Status insert_node(MeshState& m, VertexId v, SegmentId& cut, SegmentId& rest) noexcept {
+Status insert_node(Change& change, VertexId v, SegmentId& cut, SegmentId& rest) noexcept {
+  MeshState& m = change.mesh;
   Found found = find(m, m.at(v), edge_near(m, m.at(v)));
   if (found.place == Place::on_vertex && m.owner(found.vertex).role() == Role::node) {
     return report(m, Status::duplicate_vertex, found.vertex);
@@ -50,29 +51,30 @@ Status insert_node(MeshState& m, VertexId v, SegmentId& cut, SegmentId& rest) no
       m.error_detail.feature = feature_of(m, cut);
       return report(m, Status::out_of_features, VertexId::none());
     }
-    touch(m, rest);
-    strip_segment(m, cut);
+    touch(change, rest);
+    strip_segment(change, cut);
     found = find(m, m.at(v), m.walk_start);
   }
   m.owner(v) = Owner(Role::node, SegmentId::none());
-  insert_vertex(m, v, found);
+  insert_vertex(change, v, found);
   if (!cut.is_none()) {
     cut_segment(m, cut, v, rest);
-    touch(m, cut);
-    make_dirty(m, cut);
-    make_dirty(m, rest);
+    touch(change, cut);
+    make_dirty(change, cut);
+    make_dirty(change, rest);
   }
   return Status::ok;
 }
 
-void remove_node(MeshState& m, VertexId v, SegmentId cut, SegmentId rest) noexcept {
+void remove_node(Change& change, VertexId v, SegmentId cut, SegmentId rest) noexcept {
+  MeshState& m = change.mesh;
   if (!cut.is_none()) {
-    strip_segment(m, cut);
-    strip_segment(m, rest);
+    strip_segment(change, cut);
+    strip_segment(change, rest);
     rejoin_segments(m, cut, rest);
     m.segment(rest).from = VertexId::none();
   }
-  touch_around(m, v);
+  touch_around(change, v);
   remove_vertex(m, v);
 }
 
@@ -92,7 +94,8 @@ bool is_endpoint(const MeshState& m, VertexId v) noexcept {
 
 // Makes the features that run through v pass it by: both parts of each become one. The second parts
 // are returned as a list, linked by `next`, for run_through_again().
-SegmentId merge_segments_at(MeshState& m, VertexId v) noexcept {
+SegmentId merge_segments_at(Change& change, VertexId v) noexcept {
+  MeshState& m = change.mesh;
   SegmentId parts{};
   for (SegmentId s = m.owner(v).segment(); !s.is_none();) {
     const SegmentId rest = continuation(m, s, v);
@@ -100,11 +103,11 @@ SegmentId merge_segments_at(MeshState& m, VertexId v) noexcept {
       s = next_at(m, s, v);
       continue;
     }
-    strip_segment(m, s);
-    strip_segment(m, rest);
+    strip_segment(change, s);
+    strip_segment(change, rest);
     rejoin_segments(m, s, rest);
-    touch(m, s);
-    make_dirty(m, s);
+    touch(change, s);
+    make_dirty(change, s);
     m.segment(rest).from = VertexId::none();
     m.segment(rest).next = parts;
     parts = rest;
@@ -124,11 +127,12 @@ SegmentId joined_section(const MeshState& m, SegmentId part) noexcept {
 }
 
 // Puts v back where it stood, and the features through it.
-void split_segments_at(MeshState& m, VertexId v, SegmentId parts) noexcept {
+void split_segments_at(Change& change, VertexId v, SegmentId parts) noexcept {
+  MeshState& m = change.mesh;
   for (SegmentId part = parts; !part.is_none(); part = m.segment(part).next) {
-    strip_segment(m, joined_section(m, part));
+    strip_segment(change, joined_section(m, part));
   }
-  insert_vertex(m, v, find(m, m.at(v), m.walk_start));
+  insert_vertex(change, v, find(m, m.at(v), m.walk_start));
   while (!parts.is_none()) {
     const SegmentId part = parts;
     parts = m.segment(part).next;
@@ -136,9 +140,10 @@ void split_segments_at(MeshState& m, VertexId v, SegmentId parts) noexcept {
   }
 }
 
-// Takes up all features that start or end at v, as a list linked by next_dirty.
-SegmentId take_up_features_of(MeshState& m, VertexId v) noexcept {
-  SegmentId list{};
+// Unlinks all features that start or end at v.
+FeatureList unlink_features_of(Change& change, VertexId v) noexcept {
+  MeshState& m = change.mesh;
+  FeatureList list;
   for (SegmentId s = m.owner(v).segment(); !s.is_none();) {
     const SegmentId root{feature_of(m, s).value};
     const FeatureEnds ends = ends_of(m, root);
@@ -146,20 +151,19 @@ SegmentId take_up_features_of(MeshState& m, VertexId v) noexcept {
       s = next_at(m, s, v);
       continue;
     }
-    unlink_feature(m, root);
-    m.segment(root).next_dirty = list;
-    list = root;
+    unlink_feature(change, root);
+    list.push(m, root);
     s = m.owner(v).segment();
   }
   return list;
 }
 
 // A feature's ends after one of them has moved: the canonical direction may have turned.
-void turn_features(MeshState& m, SegmentId list) noexcept {
-  for (SegmentId s = list; !s.is_none(); s = m.segment(s).next_dirty) {
-    const SegmentRecord& r = m.segment(s);
+void turn_features(MeshState& m, FeatureList& list) noexcept {
+  for (FeatureList::Cursor at(m, list); !at.root().is_none(); at.advance()) {
+    const SegmentRecord& r = m.segment(at.root());
     const bool reversed = (r.root & reversed_bit) != 0;
-    set_ends(m, s, reversed ? r.to : r.from, reversed ? r.from : r.to);
+    set_ends(m, at.root(), reversed ? r.to : r.from, reversed ? r.from : r.to);
   }
 }
 
@@ -167,65 +171,65 @@ void turn_features(MeshState& m, SegmentId list) noexcept {
 
 Status Mesh::join(Position position, VertexId& id) noexcept {
   MeshState& m = opened(*this, Call::join);
-  begin(m);
+  Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!in_range(position)) return report(m, Status::bad_coordinate, VertexId::none());
   const VertexId v = allocate_vertex(m);
   if (v.is_none()) return report(m, Status::out_of_vertices, VertexId::none());
   m.points[v.value] = to_point(position);
   SegmentId cut{}, rest{};
-  Status status = insert_node(m, v, cut, rest);
+  Status status = insert_node(change, v, cut, rest);
   if (status != Status::ok) {
     free_vertex(m, v);
     return status;
   }
   ++m.node_count;
-  status = conform(m);
+  status = conform(change);
   if (status == Status::ok) {
-    commit(m);
+    commit(change);
     add_hint(m, v);
     id = v;
     return status;
   }
-  clear_dirty(m);
-  drop_fresh(m);
-  remove_node(m, v, cut, rest);
+  change.dirty.clear(m);
+  drop_fresh(change);
+  remove_node(change, v, cut, rest);
   free_vertex(m, v);
   --m.node_count;
-  restore_detached(m);
+  restore_detached(change);
   return status;
 }
 
 Status Mesh::leave(VertexId node) noexcept {
   MeshState& m = opened(*this, Call::leave);
-  begin(m);
+  Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!m.is_node(node) || node == infinite_vertex) {
     return report(m, Status::unknown_vertex, node);
   }
   if (is_endpoint(m, node)) return report(m, Status::endpoint_in_use, node);
-  const SegmentId parts = merge_segments_at(m, node);
-  touch_around(m, node);
+  const SegmentId parts = merge_segments_at(change, node);
+  touch_around(change, node);
   remove_hint(m, node);
   remove_vertex(m, node);
-  const Status status = conform(m);
+  const Status status = conform(change);
   if (status == Status::ok) {
     free_vertex(m, node);
     --m.node_count;
-    commit(m);
+    commit(change);
     return status;
   }
-  clear_dirty(m);
-  drop_fresh(m);
-  split_segments_at(m, node, parts);
-  restore_detached(m);
+  change.dirty.clear(m);
+  drop_fresh(change);
+  split_segments_at(change, node, parts);
+  restore_detached(change);
   add_hint(m, node);
   return status;
 }
 
 Status Mesh::move(VertexId node, Position position) noexcept {
   MeshState& m = opened(*this, Call::move);
-  begin(m);
+  Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!m.is_node(node) || node == infinite_vertex) {
     return report(m, Status::unknown_vertex, node);
@@ -235,59 +239,52 @@ Status Mesh::move(VertexId node, Position position) noexcept {
   const Point after = to_point(position);
   if (before == after) return Status::ok;
 
-  const SegmentId parts = merge_segments_at(m, node);
-  SegmentId features = take_up_features_of(m, node);
-  touch_around(m, node);
+  const SegmentId parts = merge_segments_at(change, node);
+  FeatureList features = unlink_features_of(change, node);
+  touch_around(change, node);
   remove_hint(m, node);
   remove_vertex(m, node);
   m.points[node.value] = after;
   SegmentId cut{}, rest{};
-  Status status = conform(m);  // of what ran through the node
+  Status status = conform(change);  // of what ran through the node
   bool is_in = false;
   if (status == Status::ok) {
-    status = insert_node(m, node, cut, rest);
+    status = insert_node(change, node, cut, rest);
     is_in = status == Status::ok;
   }
-  if (is_in) status = conform(m);
-  SegmentId pending = features;
+  if (is_in) status = conform(change);
   if (status == Status::ok) {
     turn_features(m, features);
-    status = conform_features(m, features, pending);
+    status = conform_features(change, features);
   }
   if (status == Status::ok) {
-    commit(m);
+    commit(change);
     add_hint(m, node);
     return status;
   }
 
-  clear_dirty(m);
-  drop_fresh(m);
-  features = pending;
+  change.dirty.clear(m);
+  drop_fresh(change);
   if (is_in) {
-    const SegmentId laid = take_up_features_of(m, node);
-    SegmentId* end = &features;
-    while (!end->is_none()) end = &m.segment(*end).next_dirty;
-    *end = laid;
-    remove_node(m, node, cut, rest);
+    FeatureList linked = unlink_features_of(change, node);
+    features.append(m, linked);
+    remove_node(change, node, cut, rest);
     m.owner(node) = Owner(Role::node, SegmentId::none());
   }
   m.points[node.value] = before;
   turn_features(m, features);
-  split_segments_at(m, node, parts);
-  while (!features.is_none()) {
-    const SegmentId root = features;
-    features = m.segment(root).next_dirty;
-    m.segment(root).next_dirty = not_listed;
-    link_feature(m, root, any_nodes_between);
+  split_segments_at(change, node, parts);
+  for (SegmentId root = features.pop(m); !root.is_none(); root = features.pop(m)) {
+    link_feature(change, root, any_nodes_between);
   }
-  restore_detached(m);
+  restore_detached(change);
   add_hint(m, node);
   return status;
 }
 
 Status Mesh::add_feature(FeatureEnds ends, FeatureId& id) noexcept {
   MeshState& m = opened(*this, Call::add_feature);
-  begin(m);
+  Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   for (const VertexId v : {ends.from, ends.to}) {
     if (!m.is_node(v) || v == infinite_vertex) return report(m, Status::unknown_vertex, v);
@@ -296,37 +293,38 @@ Status Mesh::add_feature(FeatureEnds ends, FeatureId& id) noexcept {
   const SegmentId root = allocate_segment(m);
   if (root.is_none()) return report(m, Status::out_of_features, VertexId::none());
   set_ends(m, root, ends.from, ends.to);
-  m.segment(root).next_dirty = SegmentId::none();
-  SegmentId pending{};
-  const Status status = conform_features(m, root, pending);
+  FeatureList features;
+  features.push(m, root);
+  const Status status = conform_features(change, features);
   if (status == Status::ok) {
     ++m.feature_count;
-    commit(m);
+    commit(change);
     id = FeatureId{root.value};
     return status;
   }
-  clear_dirty(m);
-  drop_fresh(m);
-  if (is_linked(m, root)) unlink_feature(m, root);
-  touch(m, root);
+  change.dirty.clear(m);
+  drop_fresh(change);
+  features.clear(m);
+  if (is_linked(m, root)) unlink_feature(change, root);
+  touch(change, root);
   m.segment(root).from = VertexId::none();
   m.error_detail.feature = FeatureId::none();
-  restore_detached(m);
+  restore_detached(change);
   return status;
 }
 
 Status Mesh::remove_feature(FeatureId feature) noexcept {
   MeshState& m = opened(*this, Call::remove_feature);
-  begin(m);
+  Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!is_feature(feature)) {
     m.error_detail.feature = feature;
     return report(m, Status::unknown_feature, VertexId::none());
   }
-  unlink_feature(m, SegmentId{feature.value});
+  unlink_feature(change, SegmentId{feature.value});
   m.segment(SegmentId{feature.value}).from = VertexId::none();
   --m.feature_count;
-  commit(m);
+  commit(change);
   return Status::ok;
 }
 

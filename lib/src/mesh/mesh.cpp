@@ -54,7 +54,6 @@ Status Mesh::open(std::span<std::byte> storage, const MeshConfig& config) noexce
          Call::open, Fault::bad_storage);
   state_ = ::new (storage.data()) MeshState;
   state_->config = config;
-  state_->mesh = this;
   clear();
   return Status::ok;
 }

@@ -16,11 +16,12 @@ struct SegmentRecord {
   VertexId to;
   SegmentId next_at_from;  // the incidence list of each end
   SegmentId next_at_to;
-  SegmentId next;          // the next segment of the feature, from -> to; free places: the next one
-  IdValue root;            // the feature's first segment, with reversed_bit
-  SegmentId next_dirty;    // the list of segments with missing subsegments, or not_listed
-  SegmentId next_touched;  // the list of segments the running change has touched, or not_listed
-  // The vertices between which the running change has touched it; none: everywhere.
+  SegmentId next;  // the next segment of the feature, from -> to; free places: the next one
+  IdValue root;    // the feature's first segment, with reversed_bit
+  // For the change that is going on: the list the segment is in (segment_list.h) and that of those
+  // it has touched, or not_listed; and the vertices between which it has, or none for everywhere.
+  SegmentId next_listed;
+  SegmentId next_touched;
   VertexId first;
   VertexId last;
 };

@@ -4,25 +4,27 @@
 #include "triangulation/insert.h"
 
 #include "geometry/predicates_inline.h"
+#include "triangulation/change.h"
 #include "triangulation/locate.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/relative.h"
 #include "triangulation/segment_store.h"
-#include "triangulation/worklist.h"
 
 namespace etcm::internal {
 namespace {
 
-void break_subsegment(MeshState& m, Edge e) noexcept {
+void break_subsegment(Change& change, Edge e) noexcept {
+  MeshState& m = change.mesh;
   const VertexId u = m.topology.origin(e), v = m.topology.target(e);
   const SegmentId s = segment_of_edge(m, u, v);
-  touch(m, s, u, v);
-  make_dirty(m, s);
+  touch(change, s, u, v);
+  make_dirty(change, s);
 }
 
 // Goes round the link of the new vertex, of which e is an edge, and flips what must be. Says what
 // must_flip() says; but each vertex of the link is looked at once, and each pair of neighbours.
-void legalize_link(MeshState& m, Edge e, const Point& p) noexcept {
+void legalize_link(Change& change, Edge e, const Point& p) noexcept {
+  MeshState& m = change.mesh;
   Topology& topo = m.topology;
   const VertexId first = topo.origin(e);
   Relative u = relative_to(m, first, p);
@@ -37,7 +39,7 @@ void legalize_link(MeshState& m, Edge e, const Point& p) noexcept {
       side = incircle_coarse(u.height, wv, w.height, -uv, v.height, uw);
     }
     if (side > 0 || (side == 0 && must_flip(m, e, p))) {
-      if (topo.is_constrained(e)) break_subsegment(m, e);
+      if (topo.is_constrained(e)) break_subsegment(change, e);
       topo.flip(e);
       v = w;
       uv = uw;
@@ -74,7 +76,8 @@ bool must_flip(const MeshState& m, Edge e, const Point& p) noexcept {
   return !topo.is_constrained(e) && incircle_perturbed(m.at(a), m.at(b), m.at(c), p) > 0;
 }
 
-void insert_vertex(MeshState& m, VertexId v, const Found& found) noexcept {
+void insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
+  MeshState& m = change.mesh;
   Topology& topo = m.topology;
   if (topo.triangle_count() == 0) {
     if (m.only_vertex.is_none()) {
@@ -99,7 +102,7 @@ void insert_vertex(MeshState& m, VertexId v, const Found& found) noexcept {
   for (unsigned side = Topology::side_of(found.edge); side != 0; --side) {
     e = topo.next_link_edge(e);
   }
-  legalize_link(m, e, p);
+  legalize_link(change, e, p);
 }
 
 }  // namespace etcm::internal

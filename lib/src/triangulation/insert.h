@@ -1,14 +1,14 @@
 // A vertex into the canonical triangulation.
 #pragma once
 
+#include "triangulation/change.h"
 #include "triangulation/locate.h"
-#include "triangulation/mesh_state.h"
 
 namespace etcm::internal {
 
 // Puts the vertex (its point is set) where `found` says. Subsegments that are no longer Delaunay
 // are broken, and their segments become dirty. Cannot fail.
-void insert_vertex(MeshState& m, VertexId v, const Found& found) noexcept;
+void insert_vertex(Change& change, VertexId v, const Found& found) noexcept;
 // True where p is in conflict with the ghost behind the hull edge u -> v (to its left): strictly
 // outside, or on the edge itself.
 bool conflicts_with_ghost(const MeshState& m, VertexId u, VertexId v, const Point& p) noexcept;

@@ -46,15 +46,9 @@ struct MeshState {
 
   Hints hints;
 
-  SegmentId dirty{};              // segments with missing subsegments, in canonical order
-  SegmentId touched{};            // segments the running change has touched
-  VertexId detached{};            // vertices it has taken out
-  SegmentId recycled_segments{};  // segments that features have left over while it runs
-  std::uint32_t steps = 0;        // it has spent
-  bool is_batch = false;          // it links all features, and prunes after each
-  Edge walk_start{};              // where it is at work: the next walk starts here
-  ErrorDetail error_detail;
-  const Mesh* mesh = nullptr;  // for policies
+  Edge walk_start{};  // where the last walk ended or the last vertex came; a hint for the next
+  ErrorDetail error_detail;    // of the last change
+  const Mesh* mesh = nullptr;  // whose this is; for policies
 
   const Point& at(VertexId v) const noexcept { return points[v.value]; }
   Owner& owner(VertexId v) noexcept { return owners[v.value]; }

@@ -1,4 +1,4 @@
-// The records of features and vertices: allocation, incidence, the lists of work.
+// The records of features and vertices: allocation, incidence, grids.
 #include "triangulation/segment_store.h"
 
 #include <utility>
@@ -61,7 +61,7 @@ SegmentId allocate_segment(MeshState& m) noexcept {
     m.segment_end = static_cast<IdValue>(m.segment_end + 1u);
   }
   m.segment(s) = SegmentRecord{};
-  m.segment(s).next_dirty = not_listed;
+  m.segment(s).next_listed = not_listed;
   m.segment(s).next_touched = not_listed;
   m.segment(s).next_at_from = not_listed;
   return s;

@@ -37,18 +37,19 @@ bool is_encroached(const MeshState& m, SegmentId s, Edge e) noexcept {
 }
 
 // One walk along the section; `changed` is set where something was split.
-Status split_encroached_of(MeshState& m, const RivalRule& rule, SegmentId s, bool& changed) {
+Status split_encroached_of(Change& change, const RivalRule& rule, SegmentId s, bool& changed) {
+  const MeshState& m = change.mesh;
   const VertexId end = m.segment(s).to;
   for (VertexId v = m.segment(s).from; v != end;) {
     const Subsegment piece = march(m, v, end);
     const Parameter head = parameter_of(m, s, piece.head), tail = parameter_of(m, s, piece.tail);
     if (piece.is_edge && tail - head > 1 && is_encroached(m, s, piece.edge)) {
-      touch(m, s, piece.head, piece.tail);
-      make_dirty(m, s);
-      if (insert_on_section(m, s, middle_of(head, tail), piece.edge).is_none()) {
+      touch(change, s, piece.head, piece.tail);
+      make_dirty(change, s);
+      if (insert_on_section(change, s, middle_of(head, tail), piece.edge).is_none()) {
         return Status::out_of_vertices;
       }
-      const Status status = conform_by(m, rule);
+      const Status status = conform_by(change, rule);
       if (status != Status::ok) return status;
       changed = true;
       continue;
@@ -58,13 +59,14 @@ Status split_encroached_of(MeshState& m, const RivalRule& rule, SegmentId s, boo
   return Status::ok;
 }
 
-Status split_encroached(MeshState& m, const RivalRule& rule) {
+Status split_encroached(Change& change, const RivalRule& rule) {
+  const MeshState& m = change.mesh;
   for (bool changed = true; changed;) {
     changed = false;
     for (IdValue i = 0; i < m.segment_end; ++i) {
       const SegmentId s{i};
       if (!is_linked(m, s)) continue;
-      const Status status = split_encroached_of(m, rule, s, changed);
+      const Status status = split_encroached_of(change, rule, s, changed);
       if (status != Status::ok) return status;
     }
   }

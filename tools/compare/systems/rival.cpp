@@ -38,7 +38,8 @@ Subsegment stretch_between(const MeshState& m, VertexId head, VertexId tail) noe
 
 class Conformer {
  public:
-  Conformer(MeshState& mesh, const RivalRule& rule) : mesh_(mesh), rule_(rule) {}
+  Conformer(Change& change, const RivalRule& rule)
+      : change_(change), mesh_(change.mesh), rule_(rule) {}
 
   std::uint64_t looked_at() const noexcept { return looked_at_; }
 
@@ -52,9 +53,9 @@ class Conformer {
 
  private:
   SegmentId next_broken() {
-    if (rule_.broken_first == BrokenFirst::canonical) return pop_dirty(mesh_);
+    if (rule_.broken_first == BrokenFirst::canonical) return change_.dirty.pop(mesh_);
     // Of those that one feature has broken the mesh keeps no order of time: the canonical one.
-    for (SegmentId s = pop_dirty(mesh_); !s.is_none(); s = pop_dirty(mesh_)) {
+    for (SegmentId s = change_.dirty.pop(mesh_); !s.is_none(); s = change_.dirty.pop(mesh_)) {
       if (std::find(waiting_.begin(), waiting_.end(), s) == waiting_.end()) waiting_.push_back(s);
     }
     if (waiting_.empty()) return SegmentId::none();
@@ -124,7 +125,7 @@ class Conformer {
       const Edge near = added_.empty() ? (t - piece.head <= piece.tail - t ? subsegment.head_edge
                                                                            : subsegment.tail_edge)
                                        : mesh_.topology.edge_at(added_.back());
-      added_.push_back(insert_on_section(mesh_, s, forth ? t : from_other_end(t), near));
+      added_.push_back(insert_on_section(change_, s, forth ? t : from_other_end(t), near));
       if (added_.back().is_none()) return Status::out_of_vertices;
     }
     // The part at the head is looked at first.
@@ -142,6 +143,7 @@ class Conformer {
     VertexId tail;
   };
 
+  Change& change_;
   MeshState& mesh_;
   const RivalRule& rule_;
   std::vector<SegmentId> waiting_;
@@ -151,9 +153,9 @@ class Conformer {
   std::uint64_t looked_at_ = 0;
 };
 
-Status insert_features(MeshState& m, std::span<const FeatureEnds> features, const RivalRule& rule,
+Status insert_features(Change& change, std::span<const FeatureEnds> features, const RivalRule& rule,
                        std::uint64_t& looked_at) {
-  begin(m);
+  MeshState& m = change.mesh;
   // All roots first, so that feature i has the id i.
   for (const FeatureEnds& ends : features) {
     const SegmentId root = allocate_segment(m);
@@ -161,17 +163,17 @@ Status insert_features(MeshState& m, std::span<const FeatureEnds> features, cons
     set_ends(m, root, ends.from, ends.to);
     ++m.feature_count;
   }
-  Conformer conformer(m, rule);
+  Conformer conformer(change, rule);
   for (std::size_t i = 0; i < features.size(); ++i) {
     const SegmentId root{static_cast<IdValue>(i)};
     const SurveyResult surveyed = survey(m, root);
     if (surveyed.status != Status::ok) return surveyed.status;
-    link_feature(m, root, surveyed.nodes_between);
+    link_feature(change, root, surveyed.nodes_between);
     const Status status = conformer.run();
     looked_at = conformer.looked_at();
     if (status != Status::ok) return status;
   }
-  return rule.finish == nullptr ? Status::ok : rule.finish(m, rule);
+  return rule.finish == nullptr ? Status::ok : rule.finish(change, rule);
 }
 
 }  // namespace
@@ -210,8 +212,9 @@ Attempt run_rival(const inputs::Graph& graph, const RivalRule& rule, Depth depth
   Status status = mesh->build(graph.nodes, {});
   attempt.delaunay_us = watch.lap_us();
   MeshState& m = state_of(*mesh);
+  Change change(m);
   if (status == Status::ok) {
-    status = insert_features(m, graph.features, rule, attempt.looked_at);
+    status = insert_features(change, graph.features, rule, attempt.looked_at);
   }
   attempt.total_us = attempt.delaunay_us + watch.lap_us();
   attempt.added = mesh->steiner_count();
@@ -225,23 +228,24 @@ Attempt run_rival(const inputs::Graph& graph, const RivalRule& rule, Depth depth
   attempt.image = files::image_of(*mesh, Exterior::hull, {});
   // Pruning looks where the mesh was touched: everywhere.
   for (IdValue i = 0; i < m.segment_end; ++i) {
-    if (is_linked(m, SegmentId{i})) touch(m, SegmentId{i});
+    if (is_linked(m, SegmentId{i})) touch(change, SegmentId{i});
   }
-  commit(m);
+  commit(change);
   attempt.added_after_pruning = mesh->steiner_count();
   return attempt;
 }
 
-Status conform_by(MeshState& m, const RivalRule& rule) { return Conformer(m, rule).run(); }
+Status conform_by(Change& change, const RivalRule& rule) { return Conformer(change, rule).run(); }
 
-VertexId insert_on_section(MeshState& m, SegmentId segment, Parameter parameter,
+VertexId insert_on_section(Change& change, SegmentId segment, Parameter parameter,
                            Edge near) noexcept {
+  MeshState& m = change.mesh;
   const VertexId v = allocate_vertex(m);
   if (v.is_none()) return v;
   m.points[v.value] = point_at(m, segment, parameter);
   m.owner(v) = Owner(Role::fresh, segment);
   ++m.steiner_count;
-  insert_vertex(m, v, find(m, m.at(v), near));
+  insert_vertex(change, v, find(m, m.at(v), near));
   return v;
 }
 

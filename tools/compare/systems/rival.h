@@ -10,9 +10,9 @@
 #include "compare/systems/attempt.h"
 #include "conforming/conform.h"
 #include "conforming/features.h"
-#include "conforming/running_change.h"
 #include "conforming/transaction.h"
 #include "etcm/split_site.h"
+#include "triangulation/change.h"
 #include "triangulation/hints.h"
 #include "triangulation/insert.h"
 #include "triangulation/locate.h"
@@ -20,7 +20,6 @@
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 #include "triangulation/ties.h"
-#include "triangulation/worklist.h"
 
 namespace etcm::compare {
 
@@ -54,17 +53,17 @@ struct RivalRule {
   SplitRule split;
   BrokenFirst broken_first = BrokenFirst::canonical;
   // What comes when all features are in; may be null.
-  Status (*finish)(internal::MeshState& mesh, const RivalRule& rule) = nullptr;
+  Status (*finish)(internal::Change& change, const RivalRule& rule) = nullptr;
 };
 
 Attempt run_rival(const inputs::Graph& graph, const RivalRule& rule, Depth depth);
 
 // Makes all sections that miss a piece unions of edges.
-Status conform_by(internal::MeshState& mesh, const RivalRule& rule);
+Status conform_by(internal::Change& change, const RivalRule& rule);
 
 // Puts a Steiner vertex at a parameter of a section; the search for its place starts at `near`.
 // None: there is no room.
-VertexId insert_on_section(internal::MeshState& mesh, internal::SegmentId segment,
+VertexId insert_on_section(internal::Change& change, internal::SegmentId segment,
                            Parameter parameter, internal::Edge near) noexcept;
 
 // The middle of two parameters; of two equally near ones the even one, which is the same place

@@ -1,0 +1,40 @@
+// A change of a mesh while it is going on: what it has spent, and what it must put right or take
+// back. Nothing of it outlives the call that makes it.
+#pragma once
+
+#include "triangulation/mesh_state.h"
+#include "triangulation/segment_list.h"
+
+namespace etcm::internal {
+
+struct Change {
+  enum class Extent : std::uint8_t {
+    local,  // looks at the segments it has touched
+    whole,  // links all features, and prunes after each
+  };
+
+  explicit Change(MeshState& state, Extent how_much = Extent::local) noexcept
+      : mesh(state), extent(how_much) {
+    state.error_detail = ErrorDetail{};
+  }
+  Change(const Change&) = delete;
+  Change& operator=(const Change&) = delete;
+
+  MeshState& mesh;
+  DirtySegments dirty;
+  SegmentId touched{};            // segments it has touched, linked by next_touched
+  VertexId detached{};            // vertices it has taken out, linked in place of their edges
+  SegmentId recycled_segments{};  // segments that features have left over, linked by next
+  std::uint32_t steps = 0;        // it has spent
+  const Extent extent;
+};
+
+// The change may have to put the segment back: all of it, or from u to v.
+void touch(Change& change, SegmentId s) noexcept;
+void touch(Change& change, SegmentId s, VertexId u, VertexId v) noexcept;
+// Its subsegments in the part that is touched may be missing.
+void make_dirty(Change& change, SegmentId s) noexcept;
+// Takes all segments off the list of touched ones.
+void clear_touched(Change& change) noexcept;
+
+}  // namespace etcm::internal

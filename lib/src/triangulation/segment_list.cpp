@@ -1,0 +1,100 @@
+#include "triangulation/segment_list.h"
+
+#include "triangulation/mesh_state.h"
+#include "triangulation/segment_store.h"
+
+namespace etcm::internal {
+
+SegmentId SegmentList::pop(MeshState& m) noexcept {
+  const SegmentId s = first_;
+  if (s.is_none()) return s;
+  first_ = m.segment(s).next_listed;
+  m.segment(s).next_listed = not_listed;
+  return s;
+}
+
+void SegmentList::clear(MeshState& m) noexcept {
+  while (!pop(m).is_none()) {
+  }
+}
+
+void SegmentList::push(MeshState& m, SegmentId s) noexcept {
+  ETCM_VERIFY_THAT(m.segment(s).next_listed == not_listed);
+  m.segment(s).next_listed = first_;
+  first_ = s;
+}
+
+void SegmentList::add(MeshState& m, SegmentId s) noexcept {
+  if (m.segment(s).next_listed != not_listed) return;
+  SegmentId* slot = &first_;
+  while (!slot->is_none() && precedes(m, *slot, s)) slot = &m.segment(*slot).next_listed;
+  m.segment(s).next_listed = *slot;
+  *slot = s;
+}
+
+void SegmentList::sort(MeshState& m) noexcept {
+  // Bottom-up: runs of 1, 2, 4, ... are merged pairwise until one is left. No recursion, no memory.
+  const auto next = [&m](SegmentId s) -> SegmentId& { return m.segment(s).next_listed; };
+  for (std::uint32_t run = 1;; run *= 2) {
+    SegmentId rest = first_;
+    SegmentId* end = &first_;
+    std::uint32_t merges = 0;
+    while (!rest.is_none()) {
+      ++merges;
+      SegmentId a = rest;
+      SegmentId b = a;
+      std::uint32_t a_left = 0;
+      while (a_left < run && !b.is_none()) {
+        ++a_left;
+        b = next(b);
+      }
+      std::uint32_t b_left = run;
+      while (a_left > 0 || (b_left > 0 && !b.is_none())) {
+        const bool take_b = a_left == 0 || (b_left > 0 && !b.is_none() && precedes(m, b, a));
+        SegmentId& taken = take_b ? b : a;
+        (take_b ? b_left : a_left) -= 1;
+        *end = taken;
+        SegmentId& link = next(taken);
+        taken = link;
+        end = &link;
+      }
+      rest = b;
+    }
+    *end = SegmentId::none();
+    if (merges <= 1) return;
+  }
+}
+void DirtySegments::add(MeshState& m, SegmentId s) noexcept {
+  ETCM_VERIFY_THAT(is_linked(m, s));
+  SegmentList::add(m, s);
+}
+
+void PruneQueue::push(MeshState& m, SegmentId s) noexcept {
+  ETCM_VERIFY_THAT(is_linked(m, s));
+  SegmentList::push(m, s);
+}
+
+void PruneQueue::add(MeshState& m, SegmentId s) noexcept {
+  ETCM_VERIFY_THAT(is_linked(m, s));
+  SegmentList::add(m, s);
+}
+
+void FeatureList::push(MeshState& m, SegmentId root) noexcept {
+  ETCM_VERIFY_THAT(!is_linked(m, root) && feature_of(m, root).value == root.value);
+  SegmentList::push(m, root);
+}
+
+void FeatureList::append(MeshState& m, FeatureList& other) noexcept {
+  SegmentId* end = &first_;
+  while (!end->is_none()) end = &m.segment(*end).next_listed;
+  *end = other.first_;
+  other.first_ = SegmentId::none();
+}
+
+void FeatureList::Cursor::take() noexcept {
+  SegmentId& next = mesh_.segment(*slot_).next_listed;
+  *slot_ = next;
+  next = not_listed;
+}
+
+}  // namespace etcm::internal
