@@ -30,17 +30,26 @@ FORBIDDEN_ARROWS = [
     ("tools", r"^(firmware/(?!protocol/)|tests)/"),
 ]
 
-# Rooms, from the bottom up: each may include those it names, and itself. A header is named with its
-# room, so that the arrow shows in the line that makes it.
-LIBRARY_ROOMS = {
-    "base": (),
-    "geometry": ("base",),
-    "topology": ("base",),
-    "triangulation": ("base", "geometry", "topology"),
-    "conforming": ("base", "geometry", "topology", "triangulation"),
-    "mesh": ("base", "geometry", "topology", "triangulation", "conforming"),
-    "analysis": ("base", "geometry", "topology", "triangulation"),
-}
+# Rooms: each may include those it names, and itself. A header is named with its room, so that the
+# arrow shows in the line that makes it. Those of the library are drawn in its README.
+
+
+def drawn_arrows(text):
+    """Room -> the rooms to which lib/README.md draws an arrow from it."""
+    drawing = text.split("## Who uses whom", 1)[1].split("```")[1]
+    return {room: tuple(re.findall(r"\w+", targets or ""))
+            for room, targets in re.findall(r"^(\w+)(?: *-> ((?:\w+, )*\w+))?", drawing, re.M)}
+
+
+def reachable(drawn):
+    """Room -> all rooms that arrows lead to, directly or by way of others."""
+    def below(room):
+        return set(drawn[room]).union(*(below(target) for target in drawn[room]))
+    return {room: tuple(sorted(below(room))) for room in drawn}
+
+
+LIBRARY_ARROWS = drawn_arrows((ROOT / "lib/README.md").read_text())
+LIBRARY_ROOMS = reachable(LIBRARY_ARROWS)
 FIRMWARE_ROOMS = {
     "logging": (),
     "protocol": (),
@@ -239,6 +248,44 @@ def rooms_are_watched():
             yield f"rooms(): {'misses' if should else 'complains of'} {name_}"
 
 
+def library_arrows(drawn=None):
+    """The arrows drawn in lib/README.md are those of the includes in lib/src, and of the signs."""
+    drawn = LIBRARY_ARROWS if drawn is None else drawn
+    start = ROOT / "lib/src"
+    for room in sorted({path.name for path in start.iterdir() if path.is_dir()} ^ set(drawn)):
+        yield f"{room}: is a folder of lib/src or in the drawing of lib/README.md, not both"
+        return
+    allowed, walked = reachable(drawn), set()
+    for path in files(".h", ".cpp", under=("lib/src",)):
+        room = path.relative_to(start).parts[0]
+        for number, is_system, header in includes(path):
+            other = header.split("/")[0]
+            if is_system or other not in drawn or other == room:
+                continue
+            walked.add((room, other))
+            if other not in allowed[room]:
+                yield f"{name(path)}:{number}: lib/README.md draws no arrows from {room} to {other}"
+    for room, targets in drawn.items():
+        for target in targets:
+            if (room, target) not in walked:
+                yield f"lib/README.md: draws {room} -> {target}, and nothing there includes it"
+        sign = (start / room / "README.md").read_text().split("May include", 1)[1]
+        named = set(re.findall(r"`(\w+)`", sign))
+        if not set(targets) <= named <= set(allowed[room]):
+            yield f"lib/src/{room}/README.md: does not say what lib/README.md draws"
+
+
+def library_arrows_are_watched():
+    """The rule above would see an arrow too many and one too few."""
+    more = {**LIBRARY_ARROWS, "topology": ("base", "geometry")}
+    fewer = {**LIBRARY_ARROWS, "triangulation": ("topology",)}
+    for title, drawn, expected in (
+            ("an arrow too many", more, "draws topology -> geometry, and nothing there includes it"),
+            ("an arrow too few", fewer, "draws no arrows from triangulation to geometry")):
+        if not any(expected in complaint for complaint in library_arrows(drawn)):
+            yield f"library_arrows(): misses {title}"
+
+
 def room_signs():
     """Each room has a sign at its door."""
     for folder, _, allowed in HOUSES:
@@ -294,9 +341,8 @@ def format():
 
 
 RULES = [file_length, no_leftovers, readmes, pragma_once, library_includes, nodiscard,
-         nodiscard_is_watched, width_in_names, arrows, rooms,
-         rooms_are_watched, room_signs, crowded_folders, readme_example,
-         links, format]
+         nodiscard_is_watched, width_in_names, arrows, rooms, rooms_are_watched, library_arrows,
+         library_arrows_are_watched, room_signs, crowded_folders, readme_example, links, format]
 
 
 def main():
