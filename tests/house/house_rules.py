@@ -75,6 +75,31 @@ HOUSES = [
     ("firmware", "firmware/", FIRMWARE_ROOMS),
 ]
 
+# The same for port and tools, by folder; of two the inner one counts.
+FOLDERS = {
+    "port/include": ("lib/include",),
+    "port/src": ("port/include",),
+    "port/files": ("lib/include",),
+    "port/posix": ("lib/include", "port/include", "port/files"),
+    "port/gpio": ("port/include", "port/posix"),
+    "port/http": ("port/include", "port/posix"),
+    "port/modbus": ("port/include", "port/posix"),
+    "tools/inputs": ("lib/include",),
+    "tools/etcm": ("lib/include", "port/files", "tools/inputs"),
+    "tools/nodes": ("lib/include", "port/include", "port/posix", "port/modbus",
+                    "firmware/protocol"),
+    "tools/bus": ("port/include", "port/posix", "port/modbus", "firmware/protocol"),
+    "tools/bench": ("lib/include", "port/files", "tools/inputs"),
+    "tools/compare/systems": ("lib", "port/files", "tools/inputs"),
+    # Of what uses it, a report knows what was found.
+    "tools/compare/report": ("port/files", "tools/inputs", "tools/compare/systems",
+                             "tools/compare/results"),
+    "tools/compare": ("lib/include", "port/files", "tools/inputs", "tools/bench",
+                      "tools/compare/systems", "tools/compare/report"),
+}
+# Where an included path begins, beside the folder of its file.
+INCLUDE_ROOTS = ("lib/include", "lib/src", "port/include", "port/files/include", "port", "tools", ".")
+
 
 def files(*suffixes, under=ROOMS):
     """Files of the project with one of these suffixes, generated and foreign ones left out."""
@@ -226,8 +251,41 @@ def rooms(root=ROOT):
                         ", ".join(allowed[room]) or "no other room")
 
 
+def begins_with(path, folder):
+    return path == folder or path.startswith((folder + "/", folder + "."))
+
+
+def included_path(root, path, header):
+    """Where the header of a quoted include is; None where it is not the project's."""
+    for folder in (path.parent, *(root / folder for folder in INCLUDE_ROOTS)):
+        if (folder / header).is_file():
+            return (folder / header).resolve().relative_to(root.resolve()).as_posix()
+    return None
+
+
+def folders(root=ROOT):
+    """Every source of port and tools is in a folder with arrows, and keeps to them."""
+    for path in sorted([*(root / "port").rglob("*"), *(root / "tools").rglob("*")]):
+        if path.suffix not in (".h", ".cpp"):
+            continue
+        here = path.relative_to(root).as_posix()
+        own = max((key for key in FOLDERS if begins_with(here, key)), key=len, default=None)
+        if own is None:
+            yield f"{here}: its folder has no arrows; say in FOLDERS what it may include"
+            continue
+        for number, _, header in includes(path):
+            target = included_path(root, path, header)
+            if target is None:
+                continue
+            other = max((key for key in FOLDERS if begins_with(target, key)), key=len, default="")
+            if other != own and not any(begins_with(target, key) and len(key) >= len(other)
+                                        for key in FOLDERS[own]):
+                yield f"{here}:{number}: {own} must not include {target}; it may include " + (
+                    ", ".join(FOLDERS[own]))
+
+
 def rooms_are_watched():
-    """The rule above would see an include that goes up, one without a room, and a stray file."""
+    """The rules above would see an include that goes up, one without a room, and a stray file."""
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
         planted = {
@@ -237,15 +295,24 @@ def rooms_are_watched():
             "firmware/polling/planted.cpp": '#include "beside.h"\n',
             "firmware/stray.cpp": "",
             "firmware/mesh/good.cpp": '#include "firmware/records/node_table.h"\n',
+            "port/modbus/up.h": "",
+            "port/posix/planted.cpp": '#include "modbus/up.h"\n',
+            "port/serial/planted.cpp": "",
+            "port/modbus/good.cpp": '#include "modbus/up.h"\n',
+            "tools/compare/results.h": "",
+            "tools/compare/experiment.h": "",
+            "tools/compare/report/planted.cpp": '#include "compare/experiment.h"\n',
+            "tools/compare/report/good.cpp": '#include "compare/results.h"\n',
+            "tools/inputs/planted.cpp": '#include "../compare/results.h"\n',
         }
         for name_, text in planted.items():
             (root / name_).parent.mkdir(parents=True, exist_ok=True)
             (root / name_).write_text(text)
-        seen = {complaint.split(":")[0] for complaint in rooms(root)}
+        seen = {complaint.split(":")[0] for complaint in [*rooms(root), *folders(root)]}
     for name_ in planted:
         should = "planted" in name_ or "stray" in name_
         if should != (name_ in seen):
-            yield f"rooms(): {'misses' if should else 'complains of'} {name_}"
+            yield f"the arrows: {'misses' if should else 'complains of'} {name_}"
 
 
 def library_arrows(drawn=None):
@@ -313,13 +380,27 @@ def readme_example():
         yield "README.md: its C++ example differs from tests/install/outside/example.cpp; copy it over"
 
 
+def without_code(path):
+    return re.sub(r"```.*?```", "", path.read_text(), flags=re.S)
+
+
+def headings(path):
+    """What a link to a heading of the document has behind its #."""
+    return {re.sub(r"[^a-z0-9 _-]", "", line.lower()).strip().replace(" ", "-")
+            for line in re.findall(r"^#+ (.*)$", without_code(path), re.M)}
+
+
 def links():
-    """Relative links in the documents lead to files."""
-    for path in [ROOT / "README.md", *files(".md")]:
-        text = re.sub(r"```.*?```", "", path.read_text(), flags=re.S)
-        for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text):
-            if "://" not in target and not (path.parent / target).exists():
+    """Relative links in the documents lead to files, and to headings that are in them."""
+    for path in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *files(".md")]:
+        for target, heading in re.findall(r"\]\(([^)#\s]*)(?:#([^)]*))?\)", without_code(path)):
+            if "://" in target:
+                continue
+            other = path.parent / target if target else path
+            if not other.exists():
                 yield f"{name(path)}: links to {target}, which does not exist"
+            elif heading and heading not in headings(other):
+                yield f"{name(path)}: links to {target}#{heading}, a heading that does not exist"
 
 
 def format():
@@ -341,7 +422,7 @@ def format():
 
 
 RULES = [file_length, no_leftovers, readmes, pragma_once, library_includes, nodiscard,
-         nodiscard_is_watched, width_in_names, arrows, rooms, rooms_are_watched, library_arrows,
+         nodiscard_is_watched, width_in_names, arrows, rooms, folders, rooms_are_watched, library_arrows,
          library_arrows_are_watched, room_signs, crowded_folders, readme_example, links, format]
 
 
