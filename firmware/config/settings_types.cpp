@@ -151,7 +151,7 @@ std::optional<std::string> read(const TextType&, const GivenKey& key, const toml
 
 std::optional<std::string> read(const PathType&, const GivenKey& key, const toml::node& node) {
   const auto found = read(TextType{}, key, node);
-  if (!found) return found;
+  if (!found) return std::nullopt;
   return (key.folder / *found).string();
 }
 

@@ -85,6 +85,7 @@ template <class Value, class Key>
 bool has_twins(const std::vector<Value>& values, Key key) {
   using KeyValue = decltype(key(values.front()));
   std::vector<KeyValue> keys;
+  keys.reserve(values.size());
   for (const Value& value : values) keys.push_back(key(value));
   std::sort(keys.begin(), keys.end());
   return std::adjacent_find(keys.begin(), keys.end()) != keys.end();

@@ -133,7 +133,7 @@ std::optional<RegisterRange> parse_write_request(std::span<const std::uint8_t> p
   if (pdu.size() < write_request_head) return std::nullopt;
   const RegisterRange range{.first = load(pdu, 1), .count = load(pdu, 3)};
   if (range.count == 0 || range.count > write_registers_max) return std::nullopt;
-  const std::size_t bytes = 2u * range.count;
+  const std::size_t bytes = std::size_t{2} * range.count;
   if (pdu[5] != bytes || pdu.size() != write_request_head + bytes) return std::nullopt;
   return range;
 }

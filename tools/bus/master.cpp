@@ -65,7 +65,7 @@ std::string to_string(const ErrorDetail& error_detail) {
     case ErrorDetail::Kind::exception:
       break;
   }
-  const std::string code = "exception " + std::to_string(error_detail.exception);
+  std::string code = "exception " + std::to_string(error_detail.exception);
   if (error_detail.exception == 0 || error_detail.exception >= MODBUS_EXCEPTION_MAX) return code;
   return code + ": " + modbus_strerror(MODBUS_ENOBASE + error_detail.exception);
 }

@@ -1,6 +1,7 @@
 // etcm replay IN.poly EVENTS -o OUT
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iostream>
 #include <memory>
 
@@ -71,7 +72,7 @@ Replayed replay(const ReplayOptions& options, const files::ConstraintGraph& grap
 double percentile(const std::vector<double>& sorted, double part) {
   if (sorted.empty()) return 0;
   const auto last = static_cast<double>(sorted.size() - 1);
-  return sorted[static_cast<std::size_t>(part * last + 0.5)];
+  return sorted[static_cast<std::size_t>(std::lround(part * last))];
 }
 
 Members describe_events(Replayed& replayed) {

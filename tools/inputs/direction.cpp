@@ -18,7 +18,7 @@ std::int64_t series(std::int64_t x, int first) noexcept {
   std::int64_t term = first == 0 ? one : x;
   std::int64_t sum = term;
   for (int power = first + 2; power <= 14; power += 2) {
-    term = -multiply(multiply(term, x), x) / (power * (power - 1));
+    term = -multiply(multiply(term, x), x) / (std::int64_t{power} * (power - 1));
     sum += term;
   }
   return sum;

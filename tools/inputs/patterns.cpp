@@ -165,7 +165,7 @@ Graph circle(std::size_t nodes, std::int32_t radius, std::size_t chords, std::ui
 }
 
 Graph exact_circle(std::size_t chords, std::uint64_t seed) {
-  constexpr std::int64_t radius = 5 * 13 * 17 * 29;
+  constexpr std::int64_t radius = std::int64_t{5} * 13 * 17 * 29;
   Random random(seed);
   Graph graph{"exact-circle-" + number(chords), {}, {}};
   std::int64_t y = radius;

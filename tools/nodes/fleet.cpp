@@ -34,7 +34,7 @@ Fleet::Fleet(const Script& script) : events_(script.events) {
     node.unit = static_cast<std::uint8_t>(number % units_per_port + 1);
     nodes_.push_back(node);
   }
-  places_.resize(port_count() * (units_per_port + 1));
+  places_.resize(std::size_t{port_count()} * (units_per_port + 1));
   for (std::uint32_t number = 0; number < nodes_.size(); ++number) {
     place(nodes_[number].port, nodes_[number].unit).nodes.push_back(number);
   }
