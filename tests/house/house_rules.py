@@ -213,10 +213,8 @@ def nodiscard_is_watched():
 def width_in_names():
     """What a program sees of the library carries the width of ids in its name (etcm/id_width.h)."""
     for path in files(".h", under=("lib/include",)):
-        for number, line in enumerate(path.read_text().splitlines(), 1):
-            if re.match(r"namespace etcm\b", line) and line not in (
-                    "namespace etcm::inline ETCM_IDS {", "namespace etcm::internal {"):
-                yield f"{name(path)}:{number}: write: namespace etcm::inline ETCM_IDS {{"
+        if re.search(r"^namespace etcm \{\n(?!inline namespace ETCM_IDS \{)", path.read_text(), re.M):
+            yield f"{name(path)}: has no: inline namespace ETCM_IDS {{"
 
 
 def arrows():

@@ -24,7 +24,8 @@
 #include "etcm/locate.h"
 #include "etcm/mesh.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 // No two nodes are farther apart.
 inline constexpr std::uint32_t range_max = 3 * static_cast<std::uint32_t>(position_max);
@@ -166,4 +167,5 @@ struct Interpolated {
 Status interpolate(const Mesh& mesh, const Point& place, std::span<const std::int32_t> readings,
                    Interpolated& out) noexcept;
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

@@ -5,7 +5,8 @@
 
 #include "etcm/mesh.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 enum class Rule : std::uint8_t {
   none,         // all hold
@@ -34,4 +35,5 @@ struct Audit {
 // O(n * degree); no memory.
 [[nodiscard]] Audit audit(const Mesh& mesh) noexcept;
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

@@ -9,7 +9,8 @@
 #include "etcm/status.h"
 #include "etcm/types.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 struct MeshConfig {
   // Nodes and Steiner vertices together. At least 1; at most vertices_limit.
@@ -71,4 +72,5 @@ template <class Size>
   return storage_bytes(config.vertices_max, config.features_max);
 }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

@@ -6,7 +6,8 @@
 
 #include "etcm/mesh.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 enum class Region : std::uint8_t { inside, outside, hole };
 
@@ -24,4 +25,5 @@ enum class Exterior : std::uint8_t {
 Status label_domain(const Mesh& mesh, Exterior exterior, std::span<const Point> hole_seeds,
                     std::span<Region> region, std::span<TriangleId> scratch) noexcept;
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

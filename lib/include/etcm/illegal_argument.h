@@ -22,7 +22,8 @@
 
 #include "etcm/id_width.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 // The public calls that check, by name. New ones are added at the end: the numbers are in logs.
 enum class Call : std::uint8_t {
@@ -82,6 +83,7 @@ enum class Fault : std::uint8_t {
 [[nodiscard]] const char* to_string(Call call) noexcept;
 [[nodiscard]] const char* to_string(Fault fault) noexcept;
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm
 
 extern "C" [[noreturn]] void etcm_illegal_argument(etcm::Call call, etcm::Fault fault);

@@ -5,7 +5,8 @@
 
 #include "etcm/mesh.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 enum class Place : std::uint8_t { outside, inside_triangle, on_edge, on_vertex };
 
@@ -23,4 +24,5 @@ struct Location {
 [[nodiscard]] Location locate(const Mesh& mesh, Point point,
                               TriangleId near = TriangleId::none()) noexcept;
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

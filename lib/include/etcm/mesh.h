@@ -31,7 +31,8 @@ struct MeshState;
 struct MeshAccess;
 }  // namespace etcm::internal
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 enum class VertexKind : std::uint8_t { none, node, steiner };
 
@@ -183,4 +184,5 @@ class Mesh {
   internal::MeshState* state_ = nullptr;
 };
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

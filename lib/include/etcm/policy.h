@@ -6,7 +6,8 @@
 
 #include "etcm/types.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 // The grid of one feature segment between two neighbouring nodes P < Q (lexicographic): the point
 // of parameter t stands at P * 2^28 + t * (Q - P), with P and Q in user units and t in
@@ -31,4 +32,5 @@ using SplitPolicy = Parameter (*)(const SplitSite& site) noexcept;
 // lib/docs/split-policy.md has the table. Ends on every legal input.
 [[nodiscard]] Parameter split_default(const SplitSite& site) noexcept;
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

@@ -7,7 +7,8 @@
 
 #include "etcm/types.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 // +1 where a, b, c turn counter-clockwise (c is left of a -> b), -1 clockwise, 0 collinear.
 // Swapping two arguments flips the sign.
@@ -26,4 +27,5 @@ namespace etcm::inline ETCM_IDS {
 [[nodiscard]] int incircle_perturbed(const Point& a, const Point& b, const Point& c,
                                      const Point& d) noexcept;
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

@@ -5,7 +5,8 @@
 #include "etcm/mesh.h"
 #include "etcm/policy.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 // The subsegment runs from the vertex `head` to the vertex `tail` on one segment between two nodes;
 // head has the smaller parameter. No vertex lies between, and the subsegment is no Delaunay edge.
@@ -40,4 +41,5 @@ struct SplitSite {
   }
 };
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

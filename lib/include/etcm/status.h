@@ -5,7 +5,8 @@
 
 #include "etcm/id_width.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 enum class [[nodiscard]] Status : std::uint8_t{
     ok,
@@ -40,4 +41,5 @@ enum class [[nodiscard]] Status : std::uint8_t{
 // One sentence for a person: what is wrong and what to do. Never null.
 [[nodiscard]] const char* explain(Status status) noexcept;
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

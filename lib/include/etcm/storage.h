@@ -8,7 +8,8 @@
 
 #include "etcm/config.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 // Algorithms see only the bytes, so no code is instantiated for a capacity.
 template <std::uint32_t VerticesMax, std::uint32_t FeaturesMax>
@@ -29,4 +30,5 @@ class MeshStorage {
   alignas(8) std::array<std::byte, storage_bytes(VerticesMax, FeaturesMax)> bytes_;
 };
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

@@ -7,7 +7,8 @@
 
 #include "etcm/id_width.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 // A place in the user's unit (a metre, a millimetre: the library does not care). Nodes stand on
 // these. Legal while |x| and |y| are at most position_max.
@@ -74,4 +75,5 @@ using TriangleId = Id<struct TriangleTag>;
 // A constraint line between two nodes, as the user gave it. Lasts until it is removed.
 using FeatureId = Id<struct FeatureTag>;
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

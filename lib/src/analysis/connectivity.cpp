@@ -5,7 +5,8 @@
 #include "analysis/internal.h"
 #include "triangulation/mesh_state.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 using namespace internal;
 
@@ -90,4 +91,5 @@ Status connectivity(const Mesh& mesh, std::uint32_t radio_range,
   return Status::ok;
 }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

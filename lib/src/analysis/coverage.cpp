@@ -10,7 +10,8 @@
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 using namespace internal;
 
@@ -271,4 +272,5 @@ std::uint32_t coverage_holes(const Mesh& sensors, const Domain& domain, std::uin
   return Coverage(m, d, domain.region, sensing_range, out).run();
 }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

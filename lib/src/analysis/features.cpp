@@ -7,7 +7,8 @@
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 using namespace internal;
 
@@ -167,4 +168,5 @@ std::uint32_t barrier_gaps(const Mesh& mesh, const Mesh& sensors, std::uint32_t 
   return GapSearch(m, opened(sensors, Call::barrier_gaps), sensing_range, out).run();
 }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

@@ -6,7 +6,8 @@
 #include "geometry/wide_int.h"
 #include "triangulation/mesh_state.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 using namespace internal;
 
@@ -95,4 +96,5 @@ std::uint32_t links_at(const Mesh& mesh, VertexId vertex, std::span<Link> out) n
   return count;
 }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

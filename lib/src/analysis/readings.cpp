@@ -6,7 +6,8 @@
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 using namespace internal;
 
@@ -76,4 +77,5 @@ Status interpolate(const Mesh& mesh, const Point& place, std::span<const std::in
   return Status::ok;
 }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

@@ -1,6 +1,7 @@
 #include "etcm/illegal_argument.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 const char* to_string(Call call) noexcept {
   switch (call) {
@@ -108,4 +109,5 @@ const char* to_string(Fault fault) noexcept {
   return "unknown";
 }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

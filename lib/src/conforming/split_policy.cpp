@@ -7,7 +7,8 @@
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 namespace {
 
 using internal::Edge;
@@ -336,4 +337,5 @@ Parameter split_paper(const SplitSite& site) noexcept {
 
 Parameter split_default(const SplitSite& site) noexcept { return Choice(site).best(); }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

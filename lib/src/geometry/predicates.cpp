@@ -17,7 +17,8 @@ int incircle_settle(const Point& a, const Point& b, const Point& c, const Point&
 
 }  // namespace etcm::internal
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 int orient2d(const Point& a, const Point& b, const Point& c) noexcept {
   return internal::orient2d_fast(a, b, c);
@@ -47,4 +48,5 @@ int incircle_perturbed(const Point& a, const Point& b, const Point& c, const Poi
   return internal::orient2d_fast(a, b, d);
 }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

@@ -14,7 +14,8 @@
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 using namespace internal;
 
@@ -279,4 +280,5 @@ Status Mesh::rebuild() noexcept {
   return status;
 }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

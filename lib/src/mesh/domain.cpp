@@ -3,7 +3,8 @@
 #include "etcm/locate.h"
 #include "triangulation/mesh_state.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 using namespace internal;
 
@@ -97,4 +98,5 @@ Status label_domain(const Mesh& mesh, Exterior exterior, std::span<const Point> 
   return Status::ok;
 }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

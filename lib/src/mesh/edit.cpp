@@ -13,7 +13,8 @@
 #include "triangulation/remove.h"
 #include "triangulation/segment_store.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 using namespace internal;
 
@@ -328,4 +329,5 @@ Status Mesh::remove_feature(FeatureId feature) noexcept {
   return Status::ok;
 }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

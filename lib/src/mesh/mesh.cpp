@@ -10,7 +10,8 @@
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 using namespace internal;
 
@@ -235,4 +236,5 @@ std::uint64_t Mesh::hash() const noexcept {
   return mix(sum);
 }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

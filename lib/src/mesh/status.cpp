@@ -1,6 +1,7 @@
 #include "etcm/status.h"
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 namespace {
 
@@ -87,4 +88,5 @@ const char* to_string(Status status) noexcept { return text_of(status).name; }
 
 const char* explain(Status status) noexcept { return text_of(status).sentence; }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

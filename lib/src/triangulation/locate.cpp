@@ -117,7 +117,8 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept {
 
 }  // namespace etcm::internal
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 
 Location locate(const Mesh& mesh, Point point, TriangleId near) noexcept {
   const internal::MeshState& m = internal::opened(mesh, Call::locate);
@@ -133,4 +134,5 @@ Location locate(const Mesh& mesh, Point point, TriangleId near) noexcept {
   return location;
 }
 
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm

@@ -82,7 +82,8 @@ inline MeshState& opened(Mesh& mesh, Call call) noexcept {
 
 }  // namespace etcm::internal
 
-namespace etcm::inline ETCM_IDS {
+namespace etcm {
+inline namespace ETCM_IDS {
 // Of a mesh that is known to be open.
 inline const internal::MeshState& state_of(const Mesh& mesh) noexcept {
   return *internal::MeshAccess::state(mesh);
@@ -90,4 +91,5 @@ inline const internal::MeshState& state_of(const Mesh& mesh) noexcept {
 inline internal::MeshState& state_of(Mesh& mesh) noexcept {
   return *internal::MeshAccess::state(mesh);
 }
-}  // namespace etcm::inline ETCM_IDS
+}  // namespace ETCM_IDS
+}  // namespace etcm
