@@ -12,7 +12,7 @@ namespace etcm::compare {
 struct JudgmentTally {
   // Finding what a feature crosses, once each time that it is treated: whether an edge and the
   // feature intersect.
-  std::uint64_t pieces = 0;
+  std::uint64_t subsegments = 0;
   std::uint64_t crossed = 0;        // triangles: the paper's n, summed
   std::uint64_t around = 0;         // triangles at the endpoint, where the paper says six
   std::uint64_t intersections = 0;  // judgments until the crossed edge is found, each time

@@ -18,9 +18,9 @@ struct Split {
 // The places in the order in which the rule chose them.
 std::vector<Split> splits_of(const inputs::Graph& graph) {
   std::vector<Split> splits;
-  const auto rule = [&](const MissingPiece& piece, std::vector<Parameter>& places) {
-    split_literally(piece, places);
-    splits.push_back({piece.segment, piece.at(places.front())});
+  const auto rule = [&](const MissingSubsegment& missing, std::vector<Parameter>& places) {
+    split_literally(missing, places);
+    splits.push_back({missing.segment, missing.at(places.front())});
   };
   EXPECT_EQ(run_rival(graph, {.split = rule}, Depth::whole).verdict, Verdict::ok);
   return splits;

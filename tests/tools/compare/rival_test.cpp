@@ -20,12 +20,12 @@ TEST(Rival, ARuleSeesTheEndThatWasGivenFirst) {
   for (const bool backwards : {false, true}) {
     const inputs::Graph graph = backwards ? exchanged(one_gate) : one_gate;
     std::vector<Point> starts;
-    const auto rule = [&](const MissingPiece& piece, std::vector<Parameter>& places) {
-      starts.push_back(piece.at(0));
-      EXPECT_EQ(piece.at(0), to_point(piece.site().from));
-      EXPECT_EQ(piece.mesh->at(piece.subsegment.head), piece.at(piece.head));
-      EXPECT_EQ(piece.mesh->at(piece.subsegment.tail), piece.at(piece.tail));
-      split_in_the_middle(piece, places);
+    const auto rule = [&](const MissingSubsegment& missing, std::vector<Parameter>& places) {
+      starts.push_back(missing.at(0));
+      EXPECT_EQ(missing.at(0), to_point(missing.site().from));
+      EXPECT_EQ(missing.mesh->at(missing.subsegment.head), missing.at(missing.head));
+      EXPECT_EQ(missing.mesh->at(missing.subsegment.tail), missing.at(missing.tail));
+      split_in_the_middle(missing, places);
     };
     run_rival(graph, {.split = rule}, Depth::times);
     ASSERT_EQ(starts.size(), 1u);
@@ -35,9 +35,9 @@ TEST(Rival, ARuleSeesTheEndThatWasGivenFirst) {
 
 TEST(Rival, ReachesAreThoseOfTheSameEndsFromEitherSide) {
   std::vector<SplitSite> sites;
-  const auto rule = [&](const MissingPiece& piece, std::vector<Parameter>& places) {
-    sites.push_back(piece.site());
-    split_in_the_middle(piece, places);
+  const auto rule = [&](const MissingSubsegment& missing, std::vector<Parameter>& places) {
+    sites.push_back(missing.site());
+    split_in_the_middle(missing, places);
   };
   run_rival(one_gate, {.split = rule}, Depth::times);
   run_rival(exchanged(one_gate), {.split = rule}, Depth::times);
@@ -50,13 +50,13 @@ TEST(Rival, ReachesAreThoseOfTheSameEndsFromEitherSide) {
 TEST(Rival, ARuleThatKnowsItsDirectionDoesNotSurviveTheExchange) {
   const auto limit = std::chrono::seconds(20);
   const auto graph = inputs::random_graph(60, FeatureLength::any, 1);
-  const System near_the_first{"first", "first", [](const inputs::Graph& g, Depth depth) {
-                                const auto rule = [](const MissingPiece& piece,
-                                                     std::vector<Parameter>& places) {
-                                  places.push_back(piece.head + (piece.tail - piece.head) / 3);
-                                };
-                                return run_rival(g, {.split = rule}, depth);
-                              }};
+  const System near_the_first{
+      "first", "first", [](const inputs::Graph& g, Depth depth) {
+        const auto rule = [](const MissingSubsegment& missing, std::vector<Parameter>& places) {
+          places.push_back(missing.head + (missing.tail - missing.head) / 3);
+        };
+        return run_rival(g, {.split = rule}, depth);
+      }};
   const System middle{"middle", "middle", [](const inputs::Graph& g, Depth depth) {
                         return run_rival(g, {.split = split_in_the_middle}, depth);
                       }};
@@ -78,8 +78,8 @@ TEST(Rival, TheMiddleIsTheSamePlaceFromBothEnds) {
 }
 
 // What the rules need does not depend on how the loop walks: recorded from a loop that began at the
-// first node of a section each time.
-TEST(Rival, NeedsThePointsOfALoopThatWalksEachSectionFromItsStart) {
+// first node of a segment each time.
+TEST(Rival, NeedsThePointsOfALoopThatWalksEachSegmentFromItsStart) {
   const auto graph = inputs::random_graph(1000, FeatureLength::any, 1);
   EXPECT_EQ(run_tsai(graph, Depth::times).added, 2896u);
   EXPECT_EQ(run_sapidis_perucchio(graph, Depth::times).added, 2039u);
@@ -88,8 +88,8 @@ TEST(Rival, NeedsThePointsOfALoopThatWalksEachSectionFromItsStart) {
   EXPECT_EQ(run_etcm(graph, Depth::times).added, 1302u);
 }
 
-// Each point makes two pieces of one, and each subsegment that breaks is looked at once more, with
-// what lies between it and the next that broke of the same feature.
+// Each point makes two subsegments of one, and each subsegment that breaks is looked at once more,
+// with what lies between it and the next that broke of the same feature.
 TEST(Rival, LooksAgainOnlyWhereSomethingBroke) {
   const auto graph = inputs::random_graph(1000, FeatureLength::any, 1);
   for (const auto run : {run_tsai, run_sapidis_perucchio, run_wei, run_etcm, run_lu}) {

@@ -45,7 +45,7 @@ TEST(LoneGraph, HasOneFeature) {
 // known after one judgment.
 TEST(Judgments, OfOneGate) {
   const JudgmentTally tally = count_judgments(one_feature({{400, 240}, {400, -240}}));
-  EXPECT_EQ(tally.pieces, 1u);
+  EXPECT_EQ(tally.subsegments, 1u);
   EXPECT_EQ(tally.crossed, 2u);
   EXPECT_EQ(tally.around, 1u);
   EXPECT_EQ(tally.intersections, 1u);
@@ -59,7 +59,7 @@ TEST(Judgments, OfOneGate) {
 TEST(Judgments, OfTwoGates) {
   const JudgmentTally tally =
       count_judgments(one_feature({{200, 100}, {200, -100}, {800, 100}, {800, -44}}));
-  EXPECT_EQ(tally.pieces, 1u);  // the remainder is not looked for again
+  EXPECT_EQ(tally.subsegments, 1u);  // the remainder is not looked for again
   EXPECT_EQ(tally.crossed, 4u);
   // One at the endpoint, one or two for each of the two in the middle.
   EXPECT_GE(tally.intersections, 1u + 2u);
@@ -72,8 +72,8 @@ TEST(Judgments, OfTwoGates) {
 TEST(Judgments, StayWithinThePapersFormulas) {
   const JudgmentTally tally =
       count_judgments(inputs::random_graph(300, inputs::FeatureLength::any, 1));
-  EXPECT_GT(tally.pieces, 45u);  // features, and broken ones again
-  EXPECT_LE(tally.intersections, tally.around + 2 * (tally.crossed - 2 * tally.pieces));
+  EXPECT_GT(tally.subsegments, 45u);  // features, and broken ones again
+  EXPECT_LE(tally.intersections, tally.around + 2 * (tally.crossed - 2 * tally.subsegments));
   EXPECT_LE(tally.containment, tally.searched - tally.points);
 }
 

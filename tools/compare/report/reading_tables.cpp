@@ -98,10 +98,11 @@ void write_judgments(std::ostream& out, const Results& results) {
     if (!is_shown) continue;
     const JudgmentTally& t = row.tally;
     const double nodes = static_cast<double>(row.nodes * row.graphs);
-    out << "| " << to_string(row.length) << " | " << row.nodes << " | " << t.pieces << " | "
-        << decimal(mean(t.around, t.pieces), 2) << " | " << decimal(mean(t.crossed, t.pieces), 2)
-        << " | " << decimal(mean(t.intersections, t.pieces), 2) << " | "
-        << decimal(6 + 2 * (mean(t.crossed, t.pieces) - 2), 2) << " | " << t.points << " | "
+    out << "| " << to_string(row.length) << " | " << row.nodes << " | " << t.subsegments << " | "
+        << decimal(mean(t.around, t.subsegments), 2) << " | "
+        << decimal(mean(t.crossed, t.subsegments), 2) << " | "
+        << decimal(mean(t.intersections, t.subsegments), 2) << " | "
+        << decimal(6 + 2 * (mean(t.crossed, t.subsegments) - 2), 2) << " | " << t.points << " | "
         << decimal(mean(t.searched, t.points), 2) << " | "
         << decimal(mean(t.containment, t.points), 2) << " | "
         << decimal(mean(t.searched, t.points) - 1, 2) << " | "

@@ -30,7 +30,7 @@ struct Attempt {
   double delaunay_us = 0;  // the nodes alone
   double total_us = 0;     // nodes and features
   std::uint32_t added = 0;
-  // The pieces of features that a rival's loop has looked at.
+  // The subsegments of features that a rival's loop has looked at.
   std::uint64_t looked_at = 0;
   // What is left of `added` after our pruning, which takes out only what no edge needs: how much of
   // a system's count is its rule. Equals `added` where pruning does not apply.

@@ -21,30 +21,30 @@ double dot(Vector a, Vector b) noexcept { return a.x * b.x + a.y * b.y; }
 
 }  // namespace
 
-unsigned crossed_triangle_count(const MissingPiece& piece) {
+unsigned crossed_triangle_count(const MissingSubsegment& missing) {
   unsigned count = 1;
-  for_each_crossed(piece, [&](Edge) { ++count; });
+  for_each_crossed(missing, [&](Edge) { ++count; });
   return count;
 }
 
-double crossing_of(const MissingPiece& piece, Edge edge) noexcept {
-  const internal::MeshState& m = *piece.mesh;
-  const Point from = piece.at(0);
+double crossing_of(const MissingSubsegment& missing, Edge edge) noexcept {
+  const internal::MeshState& m = *missing.mesh;
+  const Point from = missing.at(0);
   const Point& a = m.at(m.topology.origin(edge));
   const Vector along = from_to(a, m.at(m.topology.target(edge)));
-  return cross(from_to(from, a), along) / cross(from_to(from, piece.at(parameter_end)), along) *
+  return cross(from_to(from, a), along) / cross(from_to(from, missing.at(parameter_end)), along) *
          parameter_end;
 }
 
-double foot_of(const MissingPiece& piece, const Point& point) noexcept {
-  const Point from = piece.at(0);
-  const Vector feature = from_to(from, piece.at(parameter_end));
+double foot_of(const MissingSubsegment& missing, const Point& point) noexcept {
+  const Point from = missing.at(0);
+  const Vector feature = from_to(from, missing.at(parameter_end));
   return dot(from_to(from, point), feature) / dot(feature, feature) * parameter_end;
 }
 
-void add_if_inside(const MissingPiece& piece, double t, std::vector<Parameter>& places) {
+void add_if_inside(const MissingSubsegment& missing, double t, std::vector<Parameter>& places) {
   const double rounded = std::nearbyint(t);
-  if (piece.head < rounded && rounded < piece.tail) {
+  if (missing.head < rounded && rounded < missing.tail) {
     places.push_back(static_cast<Parameter>(rounded));
   }
 }

@@ -36,17 +36,18 @@ bool is_encroached(const MeshState& m, SegmentId s, Edge e) noexcept {
          encroaches(m, s, e, m.topology.apex(m.topology.twin(e)));
 }
 
-// One walk along the section; `changed` is set where something was split.
+// One walk along the segment; `changed` is set where something was split.
 Status split_encroached_of(Change& change, const RivalRule& rule, SegmentId s, bool& changed) {
   const MeshState& m = change.mesh;
   const VertexId end = m.segment(s).to;
   for (VertexId v = m.segment(s).from; v != end;) {
-    const Subsegment piece = march(m, v, end);
-    const Parameter head = parameter_of(m, s, piece.head), tail = parameter_of(m, s, piece.tail);
-    if (piece.is_edge && tail - head > 1 && is_encroached(m, s, piece.edge)) {
-      touch(change, s, piece.head, piece.tail);
+    const Subsegment subsegment = march(m, v, end);
+    const Parameter head = parameter_of(m, s, subsegment.head),
+                    tail = parameter_of(m, s, subsegment.tail);
+    if (subsegment.is_edge && tail - head > 1 && is_encroached(m, s, subsegment.edge)) {
+      touch(change, s, subsegment.head, subsegment.tail);
       make_dirty(change, s);
-      if (insert_on_section(change, s, middle_of(head, tail), piece.edge).is_none()) {
+      if (insert_on_segment(change, s, middle_of(head, tail), subsegment.edge).is_none()) {
         return Status::out_of_vertices;
       }
       const Status status = conform_by(change, rule);
@@ -54,7 +55,7 @@ Status split_encroached_of(Change& change, const RivalRule& rule, SegmentId s, b
       changed = true;
       continue;
     }
-    v = piece.tail;
+    v = subsegment.tail;
   }
   return Status::ok;
 }

@@ -6,8 +6,8 @@
 
 namespace etcm::compare {
 
-void split_literally(const MissingPiece& piece, std::vector<Parameter>& places) {
-  const SplitSite site = piece.site();
+void split_literally(const MissingSubsegment& missing, std::vector<Parameter>& places) {
+  const SplitSite site = missing.site();
   const Parameter q1 = site.feasible_head, q2 = site.feasible_tail;
   if (q1 >= q2) {
     places.push_back(middle_of(q2, q1));  // step 6

@@ -5,7 +5,7 @@
 
 namespace etcm::compare {
 
-// Steps 5 and 6 of Algorithm 2 for one missing piece.
-void split_literally(const MissingPiece& piece, std::vector<Parameter>& places);
+// Steps 5 and 6 of Algorithm 2 for one missing subsegment.
+void split_literally(const MissingSubsegment& missing, std::vector<Parameter>& places);
 
 }  // namespace etcm::compare

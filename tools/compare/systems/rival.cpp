@@ -12,7 +12,7 @@ namespace {
 
 using namespace internal;
 
-// A parameter counted from a section's other end; its own inverse.
+// A parameter counted from a segment's other end; its own inverse.
 constexpr Parameter from_other_end(Parameter t) noexcept {
   return static_cast<Parameter>(parameter_end - t);
 }
@@ -26,8 +26,8 @@ Position units_of(const Point& point) noexcept {
           static_cast<std::int32_t>(point.y / subunits_per_unit)};
 }
 
-// The stretch between two vertices of a section with none between them.
-Subsegment stretch_between(const MeshState& m, VertexId head, VertexId tail) noexcept {
+// The subsegment between two vertices of a segment with none between them.
+Subsegment subsegment_between(const MeshState& m, VertexId head, VertexId tail) noexcept {
   Subsegment subsegment;
   if (!m.topology.find_edge(head, tail, subsegment.edge)) return between(m, head, tail);
   subsegment.head = head;
@@ -64,7 +64,7 @@ class Conformer {
     return s;
   }
 
-  // Walks the part of a section that has been touched since it last was whole.
+  // Walks the part of a segment that has been touched since it last was whole.
   Status conform_segment(SegmentId s) {
     SegmentRecord& r = mesh_.segment(s);
     const bool is_whole_touched = r.first.is_none();
@@ -75,30 +75,30 @@ class Conformer {
     const bool forth = is_given_forth(mesh_, s);
     const VertexId end = forth ? r.to : r.from, last = forth ? high : low;
     for (VertexId v = forth ? low : high; v != last;) {
-      const Subsegment piece = march(mesh_, v, end);
-      const Status status = conform_subsegment(s, forth, piece);
+      const Subsegment subsegment = march(mesh_, v, end);
+      const Status status = conform_subsegment(s, forth, subsegment);
       if (status != Status::ok) return status;
-      v = piece.tail;
+      v = subsegment.tail;
     }
     return Status::ok;
   }
 
-  // Splits a piece until it is a run of edges. What is left always lies between two vertices that
-  // are known, so nothing is walked again.
-  Status conform_subsegment(SegmentId s, bool forth, Subsegment piece) {
+  // Splits a subsegment until it is a run of edges. What is left always lies between two vertices
+  // that are known, so nothing is walked again.
+  Status conform_subsegment(SegmentId s, bool forth, Subsegment subsegment) {
     open_.clear();
     for (;;) {
       ++looked_at_;
-      if (can_be_edge(mesh_, piece)) {
-        constrain_subsegment(mesh_, piece);
+      if (can_be_edge(mesh_, subsegment)) {
+        constrain_subsegment(mesh_, subsegment);
       } else {
-        const Status status = split(s, forth, piece);
+        const Status status = split(s, forth, subsegment);
         if (status != Status::ok) return status;
       }
       if (open_.empty()) return Status::ok;
       const Open next = open_.back();
       open_.pop_back();
-      piece = stretch_between(mesh_, next.head, next.tail);
+      subsegment = subsegment_between(mesh_, next.head, next.tail);
     }
   }
 
@@ -107,25 +107,26 @@ class Conformer {
       const Parameter t = parameter_of(mesh_, s, v);
       return forth ? t : from_other_end(t);
     };
-    const MissingPiece piece{.mesh = &mesh_,
-                             .segment = s,
-                             .is_forth = forth,
-                             .subsegment = subsegment,
-                             .head = parameter(subsegment.head),
-                             .tail = parameter(subsegment.tail)};
-    if (piece.tail - piece.head < 2) return Status::grid_exhausted;
+    const MissingSubsegment missing{.mesh = &mesh_,
+                                    .segment = s,
+                                    .is_forth = forth,
+                                    .subsegment = subsegment,
+                                    .head = parameter(subsegment.head),
+                                    .tail = parameter(subsegment.tail)};
+    if (missing.tail - missing.head < 2) return Status::grid_exhausted;
     places_.clear();
-    rule_.split(piece, places_);
+    rule_.split(missing, places_);
     added_.clear();
-    Parameter before = piece.head;
+    Parameter before = missing.head;
     for (Parameter t : places_) {
-      t = std::clamp<Parameter>(t, piece.head + 1, piece.tail - 1);
+      t = std::clamp<Parameter>(t, missing.head + 1, missing.tail - 1);
       if (t <= before) continue;
       before = t;
-      const Edge near = added_.empty() ? (t - piece.head <= piece.tail - t ? subsegment.head_edge
-                                                                           : subsegment.tail_edge)
-                                       : mesh_.topology.edge_at(added_.back());
-      added_.push_back(insert_on_section(change_, s, forth ? t : from_other_end(t), near));
+      const Edge near =
+          added_.empty()
+              ? (t - missing.head <= missing.tail - t ? subsegment.head_edge : subsegment.tail_edge)
+              : mesh_.topology.edge_at(added_.back());
+      added_.push_back(insert_on_segment(change_, s, forth ? t : from_other_end(t), near));
       if (added_.back().is_none()) return Status::out_of_vertices;
     }
     // The part at the head is looked at first.
@@ -178,7 +179,7 @@ Status insert_features(Change& change, std::span<const FeatureEnds> features, co
 
 }  // namespace
 
-SplitSite MissingPiece::site() const noexcept {
+SplitSite MissingSubsegment::site() const noexcept {
   const MeshState& m = *mesh;
   const Topology& topo = m.topology;
   const SegmentRecord& r = m.segment(segment);
@@ -201,7 +202,7 @@ SplitSite MissingPiece::site() const noexcept {
   return site;
 }
 
-Point MissingPiece::at(Parameter t) const noexcept {
+Point MissingSubsegment::at(Parameter t) const noexcept {
   return point_at(*mesh, segment, is_forth ? t : from_other_end(t));
 }
 
@@ -237,7 +238,7 @@ Attempt run_rival(const inputs::Graph& graph, const RivalRule& rule, Depth depth
 
 Status conform_by(Change& change, const RivalRule& rule) { return Conformer(change, rule).run(); }
 
-VertexId insert_on_section(Change& change, SegmentId segment, Parameter parameter,
+VertexId insert_on_segment(Change& change, SegmentId segment, Parameter parameter,
                            Edge near) noexcept {
   MeshState& m = change.mesh;
   const VertexId v = allocate_vertex(m);
@@ -254,8 +255,8 @@ Parameter middle_of(Parameter a, Parameter b) noexcept {
   return sum % 2 != 0 && below % 2 != 0 ? below + 1 : below;
 }
 
-void split_in_the_middle(const MissingPiece& piece, std::vector<Parameter>& places) {
-  places.push_back(middle_of(piece.head, piece.tail));
+void split_in_the_middle(const MissingSubsegment& missing, std::vector<Parameter>& places) {
+  places.push_back(middle_of(missing.head, missing.tail));
 }
 
 }  // namespace etcm::compare

@@ -24,11 +24,11 @@
 namespace etcm::compare {
 
 // A part of a feature that is no edge, seen from the endpoint that the user gave first: parameters
-// count from there, and so `head` is the end of the piece that is nearer to it.
-struct MissingPiece {
+// count from there, and so `head` is the end of the subsegment that is nearer to it.
+struct MissingSubsegment {
   const internal::MeshState* mesh = nullptr;
   internal::SegmentId segment{};
-  bool is_forth = true;             // the section's own grid runs the same way
+  bool is_forth = true;             // the segment's own grid runs the same way
   internal::Subsegment subsegment;  // from head to tail
   Parameter head = 0;
   Parameter tail = parameter_end;
@@ -39,9 +39,10 @@ struct MissingPiece {
   Point at(Parameter t) const noexcept;
 };
 
-// Says where to split a missing piece: at one place or several, ascending. What is not strictly
-// between its ends is moved there.
-using SplitRule = std::function<void(const MissingPiece& piece, std::vector<Parameter>& places)>;
+// Says where to split a missing subsegment: at one place or several, ascending. What is not
+// strictly between its ends is moved there.
+using SplitRule =
+    std::function<void(const MissingSubsegment& missing, std::vector<Parameter>& places)>;
 
 // Which of several broken features is mended first.
 enum class BrokenFirst : std::uint8_t {
@@ -58,19 +59,19 @@ struct RivalRule {
 
 Attempt run_rival(const inputs::Graph& graph, const RivalRule& rule, Depth depth);
 
-// Makes all sections that miss a piece unions of edges.
+// Makes all segments that miss a subsegment unions of edges.
 Status conform_by(internal::Change& change, const RivalRule& rule);
 
-// Puts a Steiner vertex at a parameter of a section; the search for its place starts at `near`.
+// Puts a Steiner vertex at a parameter of a segment; the search for its place starts at `near`.
 // None: there is no room.
-VertexId insert_on_section(internal::Change& change, internal::SegmentId segment,
+VertexId insert_on_segment(internal::Change& change, internal::SegmentId segment,
                            Parameter parameter, internal::Edge near) noexcept;
 
 // The middle of two parameters; of two equally near ones the even one, which is the same place
 // whichever end they count from.
 Parameter middle_of(Parameter a, Parameter b) noexcept;
 
-// A rule: the middle of the piece.
-void split_in_the_middle(const MissingPiece& piece, std::vector<Parameter>& places);
+// A rule: the middle of the subsegment.
+void split_in_the_middle(const MissingSubsegment& missing, std::vector<Parameter>& places);
 
 }  // namespace etcm::compare

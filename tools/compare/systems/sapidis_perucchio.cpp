@@ -1,4 +1,4 @@
-// Sapidis and Perucchio: the middle of a missing piece, and again on what is still missing.
+// Sapidis and Perucchio: the middle of a missing subsegment, and again on what is still missing.
 #include "compare/systems/rival.h"
 #include "compare/systems/system.h"
 

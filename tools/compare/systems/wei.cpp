@@ -7,19 +7,19 @@
 namespace etcm::compare {
 namespace {
 
-void finish_in_overlap(const MissingPiece& piece, std::vector<Parameter>& places) {
-  const SplitSite site = piece.site();
+void finish_in_overlap(const MissingSubsegment& missing, std::vector<Parameter>& places) {
+  const SplitSite site = missing.site();
   places.push_back(site.feasible_head >= site.feasible_tail
                        ? middle_of(site.feasible_tail, site.feasible_head)
                        : site.feasible_head);
 }
 
 // Never looks at the other end, and so leaves whatever the last circle does.
-void always_first_circle(const MissingPiece& piece, std::vector<Parameter>& places) {
-  const Parameter reach = piece.site().feasible_head;
+void always_first_circle(const MissingSubsegment& missing, std::vector<Parameter>& places) {
+  const Parameter reach = missing.site().feasible_head;
   // Where the circle reaches nothing or everything, the grid leaves no first end to finish.
-  places.push_back(reach > piece.head && reach < piece.tail ? reach
-                                                            : middle_of(piece.head, piece.tail));
+  places.push_back(
+      reach > missing.head && reach < missing.tail ? reach : middle_of(missing.head, missing.tail));
 }
 
 }  // namespace
