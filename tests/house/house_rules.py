@@ -217,6 +217,14 @@ def width_in_names():
             yield f"{name(path)}: has no: inline namespace ETCM_IDS {{"
 
 
+def installed_headers():
+    """Every public header is among those that are installed."""
+    listed = (ROOT / "lib/CMakeLists.txt").read_text()
+    for path in files(".h", under=("lib/include",)):
+        if f"\n  include/etcm/{path.name}\n" not in listed:
+            yield f"{name(path)}: is in no FILE_SET of lib/CMakeLists.txt, so it is not installed"
+
+
 def arrows():
     """The arrow graph of the rooms (tests/README.md) as far as includes show it."""
     for folder, pattern in FORBIDDEN_ARROWS:
@@ -420,8 +428,8 @@ def format():
 
 
 RULES = [file_length, no_leftovers, readmes, pragma_once, library_includes, nodiscard,
-         nodiscard_is_watched, width_in_names, arrows, rooms, folders, rooms_are_watched, library_arrows,
-         library_arrows_are_watched, room_signs, crowded_folders, readme_example, links, format]
+         nodiscard_is_watched, width_in_names, installed_headers, arrows, rooms, folders,
+         rooms_are_watched, library_arrows, library_arrows_are_watched, room_signs, crowded_folders, readme_example, links, format]
 
 
 def main():
