@@ -88,21 +88,22 @@ void tell(const std::vector<std::string>& mistakes, const std::string& path, por
 
 }  // namespace
 
-std::vector<std::string> take_over(Settings& current, const Settings& next) {
+std::vector<std::string> take_over(Settings& settings, const Settings& next) {
   std::vector<std::string> fixed;
   Settings taken = next;
   for (const KeyTable& table : key_tables()) {
-    if (table.kind != KeyTable::Kind::list) take_over_table(table, current, taken, fixed);
+    if (table.kind != KeyTable::Kind::list) take_over_table(table, settings, taken, fixed);
   }
-  take_over_buses(current, taken, fixed);
-  current.site.place = next.site.place;
-  current.features = next.features;
-  current.anchors = next.anchors;
-  current.domain = next.domain;
+  take_over_buses(settings, taken, fixed);
+  settings.site.place = next.site.place;
+  settings.features = next.features;
+  settings.anchors = next.anchors;
+  settings.domain = next.domain;
   return fixed;
 }
 
-bool reload(const std::string& path, Settings& current, port::Log& log) {
+std::shared_ptr<const Settings> reload(const std::string& path, const Settings& current,
+                                       port::Log& log) {
   std::vector<std::string> mistakes;
   Settings next;
   try {
@@ -122,15 +123,16 @@ bool reload(const std::string& path, Settings& current, port::Log& log) {
     log.write(port::Level::error,
               "the configuration is not taken over, the old one stays; correct "
               "it and send SIGHUP again");
-    return false;
+    return nullptr;
   }
-  for (const std::string& key : take_over(current, next)) {
+  auto settings = std::make_shared<Settings>(current);
+  for (const std::string& key : take_over(*settings, next)) {
     log.write(port::Level::warning, path + ": needs a restart: " + key);
   }
-  log.write(port::Level::info, path + " is read again: " + std::to_string(current.features.size()) +
-                                   " stretches of features, " +
-                                   std::to_string(current.anchors.size()) + " anchors");
-  return true;
+  log.write(port::Level::info,
+            path + " is read again: " + std::to_string(settings->features.size()) +
+                " stretches of features, " + std::to_string(settings->anchors.size()) + " anchors");
+  return settings;
 }
 
 }  // namespace etcm::firmware

@@ -29,7 +29,7 @@ struct UnitRange {
 
 // A digital line: its name or CHIP:OFFSET.
 struct LineSettings {
-  std::string place;
+  std::string name;
   bool is_active_low = false;
   friend bool operator==(const LineSettings&, const LineSettings&) = default;
 };

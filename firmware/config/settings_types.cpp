@@ -193,7 +193,7 @@ std::optional<std::optional<LineSettings>> read(const BoardLineType&, const Give
   const auto text = read(TextType{}, key, node);
   if (!text) return std::nullopt;
   const bool is_active_low = text->starts_with('!');
-  return LineSettings{.place = text->substr(is_active_low ? 1 : 0), .is_active_low = is_active_low};
+  return LineSettings{.name = text->substr(is_active_low ? 1 : 0), .is_active_low = is_active_low};
 }
 
 std::optional<std::int64_t> read(const ScaleType&, const GivenKey& key, const toml::node& node) {

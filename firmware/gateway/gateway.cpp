@@ -25,29 +25,28 @@ std::int64_t squared_distance(Position a, Position b) {
 
 }  // namespace
 
-Gateway::Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports)
-    : settings_(settings),
+Gateway::Gateway(std::shared_ptr<const Settings> settings, Mesh& mesh, const GatewayPorts& ports)
+    : settings_(std::move(settings)),
       ports_(ports),
-      poller_(settings.poll, ports.buses, *this, ports.log, this),
+      poller_(settings_->poll, ports.buses, *this, ports.log, this),
       nodes_(poller_.unit_count()),
-      kept_(mesh, settings),
+      kept_(mesh, *settings_),
       site_(kept_, nodes_, ports.clock, ports.log),
-      placement_(kept_, site_, nodes_, settings.domain, ports.clock, ports.log),
-      presence_(settings.poll, poller_, nodes_, placement_, ports.log),
-      admission_(settings.poll, kept_.features(), nodes_, poller_, ports.log),
-      assigner_(settings.poll, poller_, nodes_, ports.log),
+      placement_(kept_, site_, nodes_, settings_->domain, ports.clock, ports.log),
+      presence_(settings_->poll, poller_, nodes_, placement_, ports.log),
+      admission_(settings_->poll, kept_.features(), nodes_, poller_, ports.log),
+      assigner_(settings_->poll, poller_, nodes_, ports.log),
       is_assigning_(poller_.bus_count()),
-      snapshots_(settings, static_cast<std::uint32_t>(nodes_.records().size())),
-      distributor_(settings, poller_, nodes_, snapshots_.latest(), ports.log),
-      images_(register_capacity(settings), images_ready, settings.server.clients_max + 2),
-      state_transfer_(kept_, site_, placement_, nodes_, poller_),
-      interval_(settings.poll.interval) {
+      snapshots_(*settings_, static_cast<std::uint32_t>(nodes_.records().size())),
+      distributor_(*settings_, poller_, nodes_, snapshots_.latest(), ports.log),
+      images_(register_capacity(*settings_), images_ready, settings_->server.clients_max + 2),
+      state_transfer_(kept_, site_, placement_, nodes_, poller_) {
   quarantine_.reserve(quarantine_max(nodes_, kept_.features(), kept_.anchors(), admission_));
-  if (ports.store != nullptr && settings.state) {
-    state_saver_.emplace(settings, publish_pause, *ports.store, ports.log);
+  if (ports.store != nullptr && settings_->state) {
+    state_saver_.emplace(*settings_, publish_pause, *ports.store, ports.log);
   }
   if (ports.files != nullptr) {
-    file_publisher_.emplace(*settings.files, settings.mesh, publish_share, *ports.files,
+    file_publisher_.emplace(*settings_->files, settings_->mesh, publish_share, *ports.files,
                             ports.clock, ports.log);
   }
 }
@@ -106,14 +105,19 @@ void Gateway::step(port::Instant now) {
   }
 }
 
-void Gateway::update_settings(port::Instant now) {
-  const port::Instant heard_by = poller_.update_settings(now);
-  presence_.update_settings(settings_.poll.interval < interval_ ? heard_by : now, now);
-  interval_ = settings_.poll.interval;
-  placement_.update_site(settings_, generation_ + 1);
+void Gateway::update_settings(std::shared_ptr<const Settings> settings, port::Instant now) {
+  const bool is_faster = settings->poll.interval < settings_->poll.interval;
+  settings_ = std::move(settings);
+  const PollSettings& poll = settings_->poll;
+  const port::Instant heard_by = poller_.update_settings(poll, settings_->buses, now);
+  presence_.update_settings(poll, is_faster ? heard_by : now, now);
+  admission_.update_settings(poll);
+  assigner_.update_settings(poll);
+  distributor_.update_settings(poll);
+  placement_.update_site(*settings_, generation_ + 1);
   presence_.dismiss_missing();
-  snapshots_.update_site(settings_.domain);
-  if (file_publisher_) file_publisher_->update_settings(*settings_.files);
+  snapshots_.update_site(settings_->domain);
+  if (file_publisher_) file_publisher_->update_settings(*settings_->files);
   quarantine_.reserve(quarantine_max(nodes_, kept_.features(), kept_.anchors(), admission_));
 }
 
@@ -225,7 +229,7 @@ void Gateway::place(NodeRecord& node) {
     placement_.join(node, generation_ + 1);
     return;
   }
-  const std::int64_t band = settings_.poll.dead_band;
+  const std::int64_t band = settings_->poll.dead_band;
   if (squared_distance(node.position, node.placed) > band * band) {
     placement_.move(node, generation_ + 1);
   } else {

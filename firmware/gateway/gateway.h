@@ -52,8 +52,8 @@ struct GatewayPorts {
 
 class Gateway final : private ReadingListener, private RequestSource {
  public:
-  // The mesh is open and empty. All arguments must outlive the gateway.
-  Gateway(const Settings& settings, Mesh& mesh, const GatewayPorts& ports);
+  // The mesh is open and empty. It and the ports must outlive the gateway.
+  Gateway(std::shared_ptr<const Settings> settings, Mesh& mesh, const GatewayPorts& ports);
 
   // Publishes the mesh that the store has of an earlier run, all nodes stale. Before the first
   // step.
@@ -71,10 +71,11 @@ class Gateway final : private ReadingListener, private RequestSource {
   // Asks the units with this address next: somebody says that a node is there.
   void ask_at_once(std::uint8_t address, port::Instant now) { poller_.ask_at_once(address, now); }
 
-  // The settings have changed, in what can change while the gateway runs (reload.h). Where units
-  // are asked more often than before, silence counts once all of them have had time to answer.
-  // Nodes that are missing are dismissed.
-  void update_settings(port::Instant now);
+  // Other settings, in what can change while the gateway runs (reload.h). Where units are asked
+  // more often than before, silence counts once all of them have had time to answer. Nodes that are
+  // missing are dismissed.
+  void update_settings(std::shared_ptr<const Settings> settings, port::Instant now);
+  const Settings& settings() const { return *settings_; }
 
   std::uint32_t generation() const { return generation_; }
   std::uint32_t node_count() const { return kept_.node_count(); }
@@ -110,7 +111,7 @@ class Gateway final : private ReadingListener, private RequestSource {
   void keep_silences(port::Instant now);
   void log_restored(const SavedState& saved, bool is_same);
 
-  const Settings& settings_;
+  std::shared_ptr<const Settings> settings_;
   const GatewayPorts ports_;
   Poller poller_;
   NodeTable nodes_;
@@ -128,7 +129,6 @@ class Gateway final : private ReadingListener, private RequestSource {
   StateTransfer state_transfer_;
   std::optional<StateSaver> state_saver_;
   std::optional<FilePublisher> file_publisher_;
-  port::Duration interval_;       // of the polls, as it was when the settings changed last
   port::Instant publish_due_{};   // not before
   std::uint32_t generation_ = 0;  // published last
   std::uint16_t state_ = 0;

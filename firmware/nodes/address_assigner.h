@@ -22,9 +22,11 @@ namespace etcm::firmware {
 
 class AddressAssigner {
  public:
-  // All arguments must outlive this.
+  // All arguments but `settings` must outlive this.
   AddressAssigner(const PollSettings& settings, const Poller& poller, NodeTable& nodes,
                   port::Log& log);
+
+  void update_settings(const PollSettings& settings) { settings_ = settings; }
 
   // This node answered at the default unit.
   void on_newcomer(std::uint32_t bus, std::uint32_t serial, port::Instant now);
@@ -62,7 +64,7 @@ class AddressAssigner {
   void give_up(Job& job, std::string_view why, port::Instant now);
   void end(Job& job, port::Instant retry_at);
 
-  const PollSettings& settings_;
+  PollSettings settings_;
   const Poller& poller_;
   NodeTable& nodes_;
   port::Log& log_;

@@ -33,9 +33,11 @@ struct UnitConflict {
 
 class Admission {
  public:
-  // All arguments must outlive this.
+  // All arguments but `settings` must outlive this.
   Admission(const PollSettings& settings, const FeatureTable& features, NodeTable& nodes,
             const Poller& poller, port::Log& log);
+
+  void update_settings(const PollSettings& settings) { settings_ = settings; }
 
   // The record of the node that answered; null when it is not believed, at least not yet.
   NodeRecord* admit(std::uint32_t unit, std::uint32_t serial, port::Instant now);
@@ -58,7 +60,7 @@ class Admission {
   NodeRecord* disbelieve(std::uint32_t unit, IdentityConflict conflict, std::uint32_t other);
   void clear(UnitConflict& conflict);
 
-  const PollSettings& settings_;
+  PollSettings settings_;
   const FeatureTable& features_;
   NodeTable& nodes_;
   const Poller& poller_;

@@ -76,7 +76,10 @@ void Presence::sweep(port::Instant now, std::uint32_t generation) {
   for (std::uint32_t bus = 0; bus < buses_.size(); ++bus) check_bus(bus, now);
 }
 
-void Presence::update_settings(port::Instant heard_by, port::Instant now) {
+void Presence::update_settings(const PollSettings& settings, port::Instant heard_by,
+                               port::Instant now) {
+  settings_ = settings;
+  clock_.update_settings(settings);
   sweep_interval_ = sweep_interval(settings_);
   if (heard_by <= now) return;
   clock_.postpone(heard_by - now);

@@ -21,7 +21,7 @@ namespace etcm::firmware {
 
 class Presence {
  public:
-  // All arguments must outlive this.
+  // All arguments but `settings` must outlive this.
   Presence(const PollSettings& settings, const Poller& poller, NodeTable& nodes,
            NodePlacement& placement, port::Log& log);
 
@@ -39,8 +39,8 @@ class Presence {
   bool is_due(port::Instant now) const { return sweep_due_ <= now; }
   port::Instant next_deadline() const { return sweep_due_; }
 
-  // The settings have changed; nobody needs to have answered before `heard_by`.
-  void update_settings(port::Instant heard_by, port::Instant now);
+  // Nobody needs to have answered before `heard_by`.
+  void update_settings(const PollSettings& settings, port::Instant heard_by, port::Instant now);
   // Nobody who is missing now is waited for any longer.
   void dismiss_missing();
   // Those known from an earlier run: the log says how many, and one of them.
@@ -68,7 +68,7 @@ class Presence {
   void check_freshness(NodeRecord& node, port::Instant now);
   void check_bus(std::uint32_t bus, port::Instant now);
 
-  const PollSettings& settings_;
+  PollSettings settings_;
   const Poller& poller_;
   NodeTable& nodes_;
   NodePlacement& placement_;

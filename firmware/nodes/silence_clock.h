@@ -21,8 +21,9 @@ inline constexpr std::uint32_t no_bus = 0xffffffff;
 
 class SilenceClock {
  public:
-  // `settings` must outlive the clock, and may change.
   SilenceClock(const PollSettings& settings, std::uint32_t bus_count);
+
+  void update_settings(const PollSettings& settings) { settings_ = settings; }
 
   // The gateway's loop turns, by itself at the latest `turn_max` after the turn before. What was
   // longer (a program that was stopped, a clock that jumped) is as if it had not been.
@@ -61,7 +62,7 @@ class SilenceClock {
     return bus == no_bus ? of_none_ : buses_[bus];
   }
 
-  const PollSettings& settings_;
+  PollSettings settings_;
   std::vector<BusClock> buses_;
   BusClock of_none_;
   port::Duration listened_{};

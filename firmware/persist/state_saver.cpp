@@ -23,12 +23,14 @@ std::uint32_t generations_per(port::Duration interval, port::Duration pause) {
 
 StateSaver::StateSaver(const Settings& settings, port::Duration pause, port::Store& store,
                        port::Log& log)
-    : settings_(settings),
+    : folder_(settings.state->folder),
       store_(store),
       log_(log),
       disk_(messages, settings.state->interval, log),
       writer_(saved_state_size_max(settings)),
-      generations_between_(generations_per(settings.state->interval, pause)) {}
+      generations_between_(generations_per(settings.state->interval, pause)) {
+  for (const BusSettings& bus : settings.buses) bus_names_.emplace_back(saved_bus_name(bus.name));
+}
 
 std::optional<SavedState> StateSaver::load() {
   for (const port::Copy copy : {port::Copy::last, port::Copy::previous}) {
@@ -41,10 +43,10 @@ std::optional<SavedState> StateSaver::load() {
       if (!is_last) log_.write(port::Level::warning, "state: takes the copy before the last");
       return state;
     }
-    log_.write(port::Level::warning,
-               std::string("state: ") + (is_last ? "the last" : "the previous") +
-                   " copy is not used, " + fault + "; it is kept as " + settings_.state->folder +
-                   "/" + std::string(store_.set_aside(copy)));
+    log_.write(port::Level::warning, std::string("state: ") +
+                                         (is_last ? "the last" : "the previous") +
+                                         " copy is not used, " + fault + "; it is kept as " +
+                                         folder_ + "/" + std::string(store_.set_aside(copy)));
   }
   return std::nullopt;
 }
@@ -52,12 +54,11 @@ std::optional<SavedState> StateSaver::load() {
 // What is wrong with a state here; empty where nothing is.
 std::string StateSaver::judge(std::span<const std::byte> bytes, SavedState& state) const {
   if (std::string fault = decode_state(bytes, state); !fault.empty()) return fault;
-  const auto is_here = [&](const std::string& saved) {
-    return std::any_of(settings_.buses.begin(), settings_.buses.end(),
-                       [&](const BusSettings& bus) { return saved_bus_name(bus.name) == saved; });
-  };
-  if (state.buses.empty() || std::any_of(state.buses.begin(), state.buses.end(), is_here))
-    return "";
+  const bool is_of_this_one =
+      state.buses.empty() ||
+      std::find_first_of(state.buses.begin(), state.buses.end(), bus_names_.begin(),
+                         bus_names_.end()) != state.buses.end();
+  if (is_of_this_one) return "";
   return "it is of another configuration, without any bus of this one (it has " +
          state.buses.front() + ")";
 }

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "etcm/port/log.h"
 #include "etcm/port/store.h"
@@ -19,7 +20,7 @@ namespace etcm::firmware {
 
 class StateSaver {
  public:
-  // All arguments must outlive this. `pause` is the least time between two generations. All the
+  // `store` and `log` must outlive this. `pause` is the least time between two generations. All the
   // memory that saving needs is taken here.
   StateSaver(const Settings& settings, port::Duration pause, port::Store& store, port::Log& log);
 
@@ -49,7 +50,8 @@ class StateSaver {
  private:
   std::string judge(std::span<const std::byte> bytes, SavedState& state) const;
 
-  const Settings& settings_;
+  const std::string folder_;
+  std::vector<std::string> bus_names_;  // as they are saved
   port::Store& store_;
   port::Log& log_;
   DiskWriter disk_;

@@ -68,7 +68,10 @@ void BusSchedule::add_unit(std::uint8_t address, bool is_listed) {
   }
 }
 
-port::Instant BusSchedule::update_settings(port::Instant now) {
+port::Instant BusSchedule::update_settings(const PollSettings& poll, const BusSettings& settings,
+                                           port::Instant now) {
+  poll_ = poll;
+  settings_ = settings;
   for (std::size_t address = 0; address < addresses; ++address) {
     units_[address].timeout = timeout_of(settings_, static_cast<std::uint8_t>(address));
   }

@@ -49,14 +49,16 @@ class BusSchedule {
     port::Instant due{};
   };
 
-  // All arguments must outlive the schedule.
+  // `bus` must outlive the schedule.
   BusSchedule(const PollSettings& poll, const BusSettings& settings, const port::NodeBus& bus);
 
   void add_unit(std::uint8_t address, bool is_listed);
 
-  // The settings have changed: whoever would be asked later than these have it comes forward.
-  // Returns when all units that are there will have answered, on a bus that has the time.
-  port::Instant update_settings(port::Instant now);
+  // Other settings: whoever would be asked later than these have it comes forward. Returns when all
+  // units that are there will have answered, on a bus that has the time.
+  port::Instant update_settings(const PollSettings& poll, const BusSettings& settings,
+                                port::Instant now);
+  const BusSettings& settings() const { return settings_; }
 
   // Whom to ask now. Each question ends with ask(), or with postpone() where the bus would not take
   // it yet.
@@ -147,8 +149,8 @@ class BusSchedule {
   void bring_back_all(port::Instant now);
   void rest(std::uint8_t address);
 
-  const PollSettings& poll_;
-  const BusSettings& settings_;
+  PollSettings poll_;
+  BusSettings settings_;
   const port::NodeBus& bus_;
   port::Duration exchange_floor_;
   port::Duration cost_max_;

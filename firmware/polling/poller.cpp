@@ -18,7 +18,6 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
   for (const PolledBus& polled : buses) {
     const BusSettings& bus = *polled.settings;
     buses_.push_back({.bus = polled.bus,
-                      .settings = &bus,
                       .schedule = BusSchedule(settings, bus, *polled.bus),
                       .unit_at = std::vector<std::uint32_t>(256, no_unit)});
     const std::uint32_t number = bus_count() - 1;
@@ -42,9 +41,12 @@ void Poller::add_units(std::uint32_t number, std::span<const UnitRange> ranges, 
   }
 }
 
-port::Instant Poller::update_settings(port::Instant now) {
+port::Instant Poller::update_settings(const PollSettings& settings,
+                                      std::span<const BusSettings> buses, port::Instant now) {
   port::Instant heard_by = now;
-  for (Bus& bus : buses_) heard_by = std::max(heard_by, bus.schedule.update_settings(now));
+  for (std::size_t i = 0; i < buses_.size(); ++i) {
+    heard_by = std::max(heard_by, buses_[i].schedule.update_settings(settings, buses[i], now));
+  }
   return heard_by;
 }
 
@@ -242,7 +244,7 @@ bool Poller::start_request(std::uint32_t number, port::Instant now) {
   bus.request_under_way = true;
   bus.request_asked_at = bus.progressed_at = now;
   ++bus.under_way;
-  const port::Duration timeout = timeout_of(*bus.settings, request.address);
+  const port::Duration timeout = timeout_of(bus.schedule.settings(), request.address);
   if (request.read_count > 0) {
     bus.bus->start_read({.unit = request.address,
                          .first = request.first,

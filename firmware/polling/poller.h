@@ -38,7 +38,7 @@ class ReadingListener {
 // Whom it asks next and when, bus_schedule.h says.
 class Poller {
  public:
-  // All arguments must outlive the poller.
+  // All arguments but settings must outlive the poller.
   Poller(const PollSettings& settings, std::span<const PolledBus> buses, ReadingListener& listener,
          port::Log& log, RequestSource* requests = nullptr);
 
@@ -46,10 +46,11 @@ class Poller {
   void step(port::Instant now);
   port::Instant next_deadline() const;
 
-  // The settings of the polls, or timeouts of the buses, have changed: whoever would be asked later
+  // Other settings of the polls, or other timeouts of the same buses: whoever would be asked later
   // than these have it comes forward. Returns when all units that are there will have answered, on
   // buses that have the time.
-  port::Instant update_settings(port::Instant now);
+  port::Instant update_settings(const PollSettings& settings, std::span<const BusSettings> buses,
+                                port::Instant now);
 
   // Somebody is said to be at this address: asks its units next, whoever else is due and however
   // often they have failed, as far as their share of the time allows.
@@ -67,7 +68,7 @@ class Poller {
   TextLine name(std::uint32_t unit) const;  // "unit 7 of yard"
 
   std::uint32_t bus_count() const { return static_cast<std::uint32_t>(buses_.size()); }
-  const BusSettings& bus(std::uint32_t bus) const { return *buses_[bus].settings; }
+  const BusSettings& bus(std::uint32_t bus) const { return buses_[bus].schedule.settings(); }
   const BusCounters& bus_counters(std::uint32_t bus) const { return buses_[bus].counters; }
   std::uint32_t bus_of(std::uint32_t unit) const { return units_[unit].bus; }
   // no_unit where there is none.
@@ -96,7 +97,6 @@ class Poller {
   };
   struct Bus {
     port::NodeBus* bus;
-    const BusSettings* settings;
     BusSchedule schedule;
     std::vector<std::uint32_t> unit_at;  // by address; no_unit where there is none
     std::uint32_t under_way = 0;

@@ -31,7 +31,7 @@ std::uint64_t fingerprint_of(std::span<const std::uint32_t> serials) {
 NeighbourDistributor::NeighbourDistributor(const Settings& settings, const Poller& poller,
                                            const NodeTable& nodes, const Snapshot& snapshot,
                                            port::Log& log)
-    : settings_(settings),
+    : settings_(settings.poll),
       poller_(poller),
       nodes_(nodes),
       snapshot_(snapshot),
@@ -122,7 +122,7 @@ bool NeighbourDistributor::needs_write(const NodeRecord& node, DeliveredConfig& 
     told.tries = 0;
   }
   if ((node.stale && !node.lacks_fix) || !poller_.is_sound(node.unit)) {
-    job.retry_at = std::min(job.retry_at, now + settings_.poll.interval);
+    job.retry_at = std::min(job.retry_at, now + settings_.interval);
     return false;
   }
   // What it says of an earlier write must not be taken for what it says of this one.
@@ -181,7 +181,7 @@ void NeighbourDistributor::done(std::uint32_t bus, const port::BusAnswer& answer
   DeliveredConfig& told = delivered_[job.slot];
   if (!is_same(job, bus) || answer.result == port::BusResult::link_lost) {
     job.slot = no_slot;
-    job.retry_at = std::min(job.retry_at, now + settings_.poll.interval);
+    job.retry_at = std::min(job.retry_at, now + settings_.interval);
     return;
   }
   if (answer.result != port::BusResult::ok) {
@@ -211,7 +211,7 @@ void NeighbourDistributor::fail(DeliveredConfig& told, const port::BusAnswer& an
     return;
   }
   ++told.tries;
-  told.retry_at = now + settings_.poll.absent_interval;
+  told.retry_at = now + settings_.absent_interval;
   if (told.tries == tries_max) {
     log_.write(port::Level::warning,
                TextLine() << "node " << told.serial

@@ -23,9 +23,11 @@ namespace etcm::firmware {
 
 class NeighbourDistributor {
  public:
-  // All arguments must outlive this; `snapshot` is what was published last.
+  // All arguments but `settings` must outlive this; `snapshot` is what was published last.
   NeighbourDistributor(const Settings& settings, const Poller& poller, const NodeTable& nodes,
                        const Snapshot& snapshot, port::Log& log);
+
+  void update_settings(const PollSettings& settings) { settings_ = settings; }
 
   // There is another snapshot, and the mesh has not changed since it was taken.
   void take_snapshot();
@@ -69,7 +71,7 @@ class NeighbourDistributor {
   BusRequest next_part(Job& job) const;
   void fail(DeliveredConfig& told, const port::BusAnswer& answer, port::Instant now);
 
-  const Settings& settings_;
+  PollSettings settings_;
   const Poller& poller_;
   const NodeTable& nodes_;
   const Snapshot& snapshot_;

@@ -17,7 +17,7 @@ bool are_buses_heard(const StatusSources& sources, port::Instant now, TextWriter
   const Poller& poller = sources.gateway.poller();
   const SilenceClock& clock = sources.gateway.presence().clock();
   for (std::uint32_t bus = 0; bus < poller.bus_count(); ++bus) {
-    if (clock.silence_of(bus) <= sources.settings.poll.leave_after) continue;
+    if (clock.silence_of(bus) <= sources.gateway.settings().poll.leave_after) continue;
     const port::Duration silence = now - std::max(clock.heard_at(bus), sources.started_at);
     reason << "bus " << bus_label(poller, bus) << ": no unit has answered for "
            << whole_seconds(silence) << " s; check its cable and power";

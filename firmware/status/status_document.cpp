@@ -67,7 +67,7 @@ bool StatusDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWrit
 
 void StatusDocument::write_head(port::Instant asked_at, TextWriter& piece) const {
   const Snapshot& snapshot = sources_.gateway.snapshot();
-  const PollSettings& poll = sources_.settings.poll;
+  const PollSettings& poll = sources_.gateway.settings().poll;
   piece << "{\"version\":";
   piece.json(sources_.version) << ",\"instance\":\"";
   piece.hex(instance_of(sources_))
@@ -98,7 +98,7 @@ void StatusDocument::write_counts(TextWriter& piece) const {
         << ",\"stale_nodes\":" << snapshot.stale_count
         << ",\"missing_nodes\":" << snapshot.missing_count
         << ",\"waiting_nodes\":" << snapshot.waiting_count
-        << ",\"vertices_max\":" << sources_.settings.mesh.vertices_max
+        << ",\"vertices_max\":" << sources_.gateway.settings().mesh.vertices_max
         << ",\"mesh_changes\":" << times.changes << ",\"mesh_last_us\":" << times.last / 1us
         << ",\"mesh_longest_us\":" << times.longest / 1us
         << ",\"radio_range\":" << snapshot.analysis.radio_range

@@ -32,7 +32,7 @@ StatusPage::StatusPage(const StatusSources& sources, std::uint32_t readers_max)
       readers_(readers_max),
       now_(sources.started_at) {
   for (Kept& kept : kept_) {
-    reserve(kept.snapshot, sources.settings,
+    reserve(kept.snapshot, sources.gateway.settings(),
             static_cast<std::uint32_t>(sources.gateway.nodes().records().size()));
   }
 }

@@ -15,7 +15,6 @@ namespace etcm::firmware {
 // All of it must outlive whoever uses it.
 struct StatusSources {
   const Gateway& gateway;
-  const Settings& settings;
   const RecentEvents& events;
   const port::ServiceCounters& masters;  // that read registers
   const port::ServiceCounters& readers;  // of the page

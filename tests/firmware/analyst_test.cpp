@@ -148,7 +148,7 @@ TEST(Analyst, TakesTheHolesOutOfTheDomain) {
   EXPECT_FALSE(lists_the_pond());
   // The pond is taken off the drawing.
   rig.settings.domain = square(0, 100);
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(1s);
   EXPECT_TRUE(lists_the_pond());
 }

@@ -163,7 +163,7 @@ void Rig::start_with(const std::vector<port::NodeBus*>& buses) {
   for (std::size_t i = 0; i < buses.size(); ++i) {
     polled.push_back({.bus = buses[i], .settings = &settings.buses[i]});
   }
-  gateway = std::make_unique<Gateway>(settings, mesh,
+  gateway = std::make_unique<Gateway>(std::make_shared<const Settings>(settings), mesh,
                                       GatewayPorts{.buses = polled,
                                                    .server = server,
                                                    .files = &files,
@@ -179,6 +179,10 @@ void Rig::run(port::Duration duration) {
     gateway->step(clock.now());
     clock.pass(10ms);
   }
+}
+
+void Rig::update_settings() {
+  gateway->update_settings(std::make_shared<const Settings>(settings), clock.now());
 }
 
 void Rig::put(std::uint8_t unit, std::int32_t x, std::int32_t y, std::uint16_t status) {

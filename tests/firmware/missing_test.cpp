@@ -98,7 +98,7 @@ TEST(Missing, IsDismissedByAReload) {
   rig.bus.silence(2);
   rig.run(10s);
   EXPECT_EQ(rig.server.header("missing_count"), 2u);
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("missing_count"), 0u);
   EXPECT_EQ(rig.server.header("state"), 0u);
@@ -176,7 +176,7 @@ TEST(Missing, IsWhomTheMeshCannotDoWithoutToo) {
   EXPECT_EQ(rig.server.header("missing_count"), 1u);
   EXPECT_EQ(rig.server.header("state"),
             snapshot_state::missing | snapshot_state::partial | snapshot_state::stale);
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(1s);
   EXPECT_EQ(rig.server.header("missing_count"), 1u) << "the mesh still has it";
   rig.put(5, 50, 50);
@@ -275,7 +275,7 @@ TEST_F(MissingOverARestart, DoesNotWhereItWasDismissed) {
   before->run(1s);
   before->bus.silence(1);
   before->run(10s);
-  before->gateway->update_settings(before->clock.now());
+  before->update_settings();
   before->run(2s);
   const auto after = make_rig();
   after->start();

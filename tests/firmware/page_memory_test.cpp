@@ -19,7 +19,6 @@ TEST(PageMemory, ReadersOfEverythingTakeNone) {
   port::ServiceCounters masters;
   port::ServiceCounters readers;
   const StatusSources sources{.gateway = *rig.gateway,
-                              .settings = rig.settings,
                               .events = events,
                               .masters = masters,
                               .readers = readers,

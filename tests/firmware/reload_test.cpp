@@ -29,7 +29,10 @@ class Reload : public testing::Test {
   bool reload_with(std::string text) {
     folder_.write("site.toml", text);
     log_.lines.clear();
-    return reload(path_, settings_, log_);
+    const auto next = reload(path_, settings_, log_);
+    if (next == nullptr) return false;
+    settings_ = *next;
+    return true;
   }
   static std::string with(const std::string& from, const std::string& to) {
     std::string text = good;
@@ -91,7 +94,7 @@ TEST_F(Reload, AWrongOneChangesNothingAndIsNamed) {
     EXPECT_EQ(log_.count("is not taken over, the old one stays"), 1u);
   }
   std::filesystem::remove(path_);
-  EXPECT_FALSE(reload(path_, settings_, log_));
+  EXPECT_EQ(reload(path_, settings_, log_), nullptr);
   EXPECT_EQ(settings_.features.size(), 1u);
 }
 
@@ -130,7 +133,7 @@ TEST_F(Reload, ShorterPausesLetNobodyLeave) {
   const std::uint32_t generation = rig.gateway->generation();
   rig.run(45s);  // they were heard long ago, as it will be
   poll(1s, 5s, 30s);
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(10s);
   EXPECT_GE(rig.bus.reads[1], asked + 9) << "the new interval holds at once";
   EXPECT_EQ(rig.log.count("left"), 0u) << testing::PrintToString(rig.log.lines);
@@ -150,7 +153,7 @@ TEST_F(Reload, OneThatIsSilentAlreadyLeavesAfterTheNewPause) {
   rig.run(1s);
   rig.bus.silence(1);
   rig.run(2s);
-  rig.gateway->update_settings(rig.clock.now());  // nothing has changed
+  rig.update_settings();  // nothing has changed
   rig.run(1500ms);
   EXPECT_EQ(rig.log.count("node 1001 left (silent)"), 1u) << "3 s of silence";
 }
@@ -162,7 +165,7 @@ TEST_F(Reload, TheRunningGatewayGoesByIt) {
   const std::uint32_t asked = rig.bus.reads[1];
   rig.settings.poll.interval = 50ms;
   rig.settings.poll.dead_band = 100;
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(1s);
   EXPECT_GE(rig.bus.reads[1] - asked, 17u);
   rig.put(1, 50, 10);

@@ -74,7 +74,7 @@ struct ChangeValue {
   void operator()(const NetworksType& type) const { type.field.set(target, {port::everybody}); }
   void operator()(const UnitsType& type) const { type.field.set(target, {{200, 201}}); }
   void operator()(const BoardLineType& type) const {
-    type.field.set(target, LineSettings{.place = "OTHER", .is_active_low = true});
+    type.field.set(target, LineSettings{.name = "OTHER", .is_active_low = true});
   }
   void operator()(const ScaleType& type) const { add(type.field, std::int64_t{1}); }
   void operator()(const OriginType& type) const {

@@ -191,14 +191,14 @@ units = "1,247"
 rs485_line = "DE"
 )");
   EXPECT_TRUE(mistakes_.empty()) << mistakes_.front();
-  EXPECT_EQ(settings.gpio.alert->place, "ALERT");
+  EXPECT_EQ(settings.gpio.alert->name, "ALERT");
   EXPECT_TRUE(settings.gpio.alert->is_active_low);
-  EXPECT_EQ(settings.gpio.join_button->place, "gpiochip0:3");
+  EXPECT_EQ(settings.gpio.join_button->name, "gpiochip0:3");
   EXPECT_FALSE(settings.gpio.join_button->is_active_low);
-  EXPECT_EQ(settings.gpio.status_led->place, "LED");
-  EXPECT_EQ(settings.gpio.watchdog->place, "WDI");
+  EXPECT_EQ(settings.gpio.status_led->name, "LED");
+  EXPECT_EQ(settings.gpio.watchdog->name, "WDI");
   EXPECT_EQ(settings.gpio.debounce, 5ms);
-  EXPECT_EQ(settings.buses[0].send_enable->place, "DE");
+  EXPECT_EQ(settings.buses[0].send_enable->name, "DE");
 }
 
 struct Mistake {

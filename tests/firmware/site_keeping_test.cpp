@@ -131,7 +131,7 @@ TEST(SiteKeeping, ANodeKeepsItsPlaceWhenTheAnchorIsTakenOffTheDrawing) {
   rig.put(1, 100, 0);
   rig.run(500ms);
   draw(rig.settings, {line(1002, 1001)});
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("node_count"), 2u);
   EXPECT_EQ(rig.server.header("anchor_count"), 0u);
@@ -139,7 +139,7 @@ TEST(SiteKeeping, ANodeKeepsItsPlaceWhenTheAnchorIsTakenOffTheDrawing) {
   EXPECT_EQ(rig.mesh.node_count(), 2u);
   // And drawn again.
   draw_wall(rig);
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("anchor_count"), 2u);
   EXPECT_EQ(rig.server.header("features_active"), 3u);
@@ -159,7 +159,7 @@ TEST(SiteKeeping, AnAnchorKeepsItsNodeOverAReloadOfTheSameSite) {
   rig.put(1, 100, 0);
   rig.run(500ms);
   const std::uint64_t before = rig.mesh.hash();
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(500ms);
   EXPECT_EQ(rig.mesh.hash(), before);
   EXPECT_EQ(rig.server.header("node_count"), 2u);
@@ -173,7 +173,7 @@ TEST(SiteKeeping, ANodeThatIsPutOutOfTheDomainLeavesTheAnchorBehind) {
   rig.put(1, 100, 0);
   rig.run(500ms);
   rig.settings.domain = square(0, 80);
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("node_count"), 1u);
   EXPECT_EQ(rig.server.header("anchor_count"), 3u);
@@ -230,7 +230,7 @@ TEST(SiteKeeping, AnotherSiteIsTakenOverWhileItRuns) {
   // One stays (drawn the other way round), two go, two come; one anchor goes, one comes.
   draw(rig.settings,
        {line(1003, 1004), line(at(100, 0), at(0, 0)), line(at(0, 0), at(-50, 70)), line(1002, 9)});
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(500ms);
   EXPECT_GT(rig.gateway->generation(), before);
   EXPECT_EQ(rig.server.header("features_configured"), 4u);
@@ -252,7 +252,7 @@ TEST(SiteKeeping, TheMeshIsTheOneOfTheNewSiteAlone) {
     one->run(500ms);
   }
   draw(rig.settings, features);
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(500ms);
   EXPECT_EQ(rig.mesh.hash(), fresh.mesh.hash());
 }
@@ -265,14 +265,14 @@ TEST(SiteKeeping, ASmallerDomainPutsNodesOutAndALargerOneBackIn) {
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("features_active"), 1u);
   rig.settings.domain = square(0, 100);
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("node_count"), 1u);
   EXPECT_EQ(rig.server.header("features_active"), 0u);
   EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
   EXPECT_EQ(rig.log.count("node 1002 left (the domain has changed)"), 1u);
   rig.settings.domain = {};
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("node_count"), 2u);
   EXPECT_EQ(rig.server.header("features_active"), 1u);
@@ -284,7 +284,7 @@ TEST(SiteKeeping, AnAnchorThatComesWhereANodeStandsSharesItsPlace) {
   rig.put(1, 10, 10);
   rig.run(500ms);
   draw(rig.settings, {line(at(10, 10), at(50, 50))});
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("features_active"), 1u);
   EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
@@ -307,7 +307,7 @@ TEST(SiteKeeping, AnAnchorTheMeshCannotSpareGoesWhenItCan) {
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("features_active"), 2u);
   rig.settings.anchors.clear();
-  rig.gateway->update_settings(rig.clock.now());
+  rig.update_settings();
   rig.run(500ms);
   EXPECT_EQ(rig.log.count("is no longer wanted, but the mesh needs it"), 1u);
   EXPECT_EQ(rig.mesh.node_count(), 5u);

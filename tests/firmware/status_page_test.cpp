@@ -57,7 +57,6 @@ class StatusPageTest : public testing::Test {
   void open_page() {
     rig_.start();
     sources_.emplace(StatusSources{.gateway = *rig_.gateway,
-                                   .settings = rig_.settings,
                                    .events = events_,
                                    .masters = masters_,
                                    .readers = readers_,

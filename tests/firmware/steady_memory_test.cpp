@@ -143,7 +143,7 @@ class SteadyMemory : public testing::Test {
     EXPECT_EQ(mesh_.open(std::as_writable_bytes(std::span(memory_)), settings_.mesh), Status::ok);
     for (std::uint8_t unit = 1; unit <= unit_count; ++unit) bus_.put(unit, place_of(unit, 0));
     gateway_.emplace(
-        settings_, mesh_,
+        std::make_shared<const Settings>(settings_), mesh_,
         GatewayPorts{
             .buses = buses_, .server = server_, .files = &files_, .clock = clock_, .log = log_});
   }

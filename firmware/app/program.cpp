@@ -1,0 +1,179 @@
+#include "firmware/app/program.h"
+
+#include <algorithm>
+#include <csignal>
+#include <stdexcept>
+#include <utility>
+
+#include "firmware/config/reload.h"
+#include "firmware/persist/saved_state.h"
+#include "posix/process_memory.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+constexpr port::Identity identity{{"ETCM", "etcm-gateway", ETCM_VERSION}};
+constexpr PortMessages server_messages{
+    .section = "server", .served = "serves the mesh on ", .missing = "the mesh is not served"};
+// A disk that does not answer holds up the end no longer than this.
+constexpr port::Duration exit_patience = std::chrono::seconds(5);
+
+}  // namespace
+
+Program::Program(std::string config, std::shared_ptr<const Settings> settings,
+                 const port::Clock& clock, port::Log& log, RecentEvents& events)
+    : config_(std::move(config)),
+      settings_(std::move(settings)),
+      clock_(clock),
+      log_(log),
+      events_(events),
+      stop_(loop_),
+      reread_(loop_, {SIGHUP}),
+      board_(*settings_, loop_, log),
+      server_(loop_, settings_->server.listen, settings_->server.clients_max, identity,
+              empty_image(*settings_)),
+      server_report_(server_.acceptor(), server_messages, settings_->server.allow, log) {
+  open_mesh();
+  for (const BusSettings& bus : settings_->buses) {
+    buses_.push_back(make_bus(bus, settings_->poll.interval));
+  }
+  server_.allow(settings_->server.allow, log);
+  open_disks();
+  make_gateway();
+  server_report_.step();
+  if (settings_->http) {
+    web_.emplace(*settings_->http,
+                 StatusSources{.gateway = *gateway_,
+                               .events = events_,
+                               .masters = server_.counters(),
+                               .readers = readers_,
+                               .version = ETCM_VERSION,
+                               .started_at = clock_.now(),
+                               .resident_bytes = port::resident_bytes},
+                 readers_, loop_, log_);
+  }
+  watch_.emplace(manager_, *gateway_,
+                 WatchedServers{.masters = server_.counters(), .readers = readers_}, log_);
+}
+
+void Program::open_mesh() {
+  // operator new aligns it to 16; the mesh asks for 8.
+  memory_.resize(storage_bytes(settings_->mesh));
+  if (const Status status = mesh_.open(memory_, settings_->mesh); status != Status::ok) {
+    throw std::runtime_error(std::string("the mesh refuses its settings: ") + explain(status));
+  }
+}
+
+Program::Bus Program::make_bus(const BusSettings& bus, port::Duration retry_interval) {
+  if (const auto* const line = std::get_if<port::SerialLine>(&bus.link)) {
+    return std::make_unique<port::RtuBus>(
+        loop_, log_,
+        port::RtuBusOptions{.name = bus.name,
+                            .line = *line,
+                            .quiet = bus.quiet,
+                            .reopen_interval = retry_interval,
+                            .lines = board_.io(),
+                            .send_enable = board_.line_of(bus.send_enable)});
+  }
+  return std::make_unique<port::TcpBus>(
+      loop_, log_,
+      port::TcpBusOptions{.name = bus.name,
+                          .address = std::get<port::SocketAddress>(bus.link),
+                          .outstanding_max = bus.outstanding_max,
+                          .reconnect_interval = retry_interval});
+}
+
+void Program::open_disks() {
+  if (settings_->files) {
+    folder_ = std::make_unique<port::MeshFolder>(settings_->files->folder, settings_->files->name,
+                                                 settings_->mesh.vertices_max);
+    log_.write(port::Level::info, "writes " + folder_->base() + ".node, .ele and .svg");
+  }
+  if (settings_->state) {
+    store_ = std::make_unique<port::BackgroundStore>(settings_->state->folder,
+                                                     saved_state_size_max(*settings_), log_);
+    log_.write(port::Level::info, "keeps its state in " + store_->folder());
+  }
+}
+
+void Program::make_gateway() {
+  std::vector<PolledBus> polled;
+  for (std::size_t i = 0; i < buses_.size(); ++i) {
+    port::NodeBus* const bus =
+        std::visit([](const auto& adapter) -> port::NodeBus* { return adapter.get(); }, buses_[i]);
+    polled.push_back({.bus = bus, .settings = &settings_->buses[i]});
+  }
+  gateway_.emplace(settings_, mesh_,
+                   GatewayPorts{.buses = polled,
+                                .server = server_,
+                                .files = folder_.get(),
+                                .store = store_.get(),
+                                .clock = clock_,
+                                .log = log_});
+  if (board_.io() != nullptr) {
+    board_io_.emplace(*board_.io(), board_.lines_of(settings_->gpio), *gateway_);
+  }
+}
+
+void Program::run() {
+  gateway_->restore(clock_.now());
+  watch_->ready(clock_.now());
+  while (!stop_.received()) {
+    if (board_io_) board_io_->step(clock_.now());
+    gateway_->step(clock_.now());
+    watch_->step(clock_.now());
+    server_.advance(clock_.now());
+    server_report_.step();
+    if (web_) web_->step(clock_.now());
+    // A large site takes its time. What arrives meanwhile is taken in before anybody is given up.
+    if (reread_.received() && reload_due_ <= clock_.now()) reload_settings();
+    const port::Instant deadline = next_deadline();
+    loop_.wait(deadline - clock_.now());
+  }
+  watch_->stopping();
+  finish();
+}
+
+void Program::reload_settings() {
+  static_cast<void>(reread_.take_received());
+  watch_->reloading();
+  if (std::shared_ptr<const Settings> next = reload(config_, *settings_, events_)) {
+    settings_ = std::move(next);
+    server_.allow(settings_->server.allow, log_);
+    server_report_.allow(settings_->server.allow);
+    if (web_) web_->allow(settings_->http->allow);
+    gateway_->update_settings(settings_, clock_.now());
+  }
+  watch_->ready(clock_.now());
+  reload_due_ = clock_.now() + reload_pause;
+}
+
+port::Instant Program::next_deadline() const {
+  return std::min({gateway_->next_deadline(), watch_->next_deadline(), server_.next_deadline(),
+                   reread_.received() ? reload_due_ : port::never,
+                   board_io_ ? board_io_->next_deadline() : port::never,
+                   web_ ? web_->next_deadline() : port::never});
+}
+
+void Program::finish() {
+  const port::Instant end = clock_.now() + exit_patience;
+  const auto is_answered = [&](const auto& disk) {
+    return disk == nullptr || disk->wait(std::max<port::Duration>(end - clock_.now(), {}));
+  };
+  // What is under way first; then there is room for the last ones.
+  static_cast<void>(is_answered(store_));
+  static_cast<void>(is_answered(folder_));
+  gateway_->finish(clock_.now());
+  if (!is_answered(store_)) {
+    log_.write(port::Level::error, "state: the disk of " + store_->folder() +
+                                       " does not answer; a restart finds an earlier state");
+  }
+  if (!is_answered(folder_)) {
+    log_.write(port::Level::error, "files: the disk of " + folder_->base() +
+                                       ".node does not answer; the files show an earlier mesh");
+  }
+  gateway_->finish_saving(clock_.now());
+}
+
+}  // namespace etcm::firmware
