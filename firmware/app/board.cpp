@@ -11,7 +11,7 @@ Board::Board(const Settings& settings, [[maybe_unused]] port::EventLoop& loop,
   std::vector<port::LineRequest> requests;
   const auto want = [&](const std::optional<LineSettings>& line, port::LineUse use) {
     if (!line) return;
-    requests.push_back({.place = line->name, .use = use, .is_active_low = line->is_active_low});
+    requests.push_back({.name = line->name, .use = use, .is_active_low = line->is_active_low});
     names_.push_back(line->name);
   };
   want(settings.gpio.alert, port::LineUse::input);
@@ -36,11 +36,11 @@ port::DigitalIo* Board::io() {
   return nullptr;
 }
 
-std::optional<port::Line> Board::line_of(const std::optional<LineSettings>& settings) const {
+std::optional<port::DigitalLine> Board::line_of(const std::optional<LineSettings>& settings) const {
   if (!settings) return std::nullopt;
   const auto found = std::find(names_.begin(), names_.end(), settings->name);
   if (found == names_.end()) return std::nullopt;
-  return port::Line{static_cast<std::uint8_t>(found - names_.begin())};
+  return port::DigitalLine{static_cast<std::uint8_t>(found - names_.begin())};
 }
 
 BoardLines Board::lines_of(const GpioSettings& settings) const {

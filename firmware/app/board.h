@@ -25,7 +25,7 @@ class Board {
   // Null where the settings name no line.
   port::DigitalIo* io();
   // What is not named has none.
-  std::optional<port::Line> line_of(const std::optional<LineSettings>& settings) const;
+  std::optional<port::DigitalLine> line_of(const std::optional<LineSettings>& settings) const;
   BoardLines lines_of(const GpioSettings& settings) const;
 
  private:

@@ -70,7 +70,7 @@ Program::Bus Program::make_bus(const BusSettings& bus, port::Duration retry_inte
     return std::make_unique<port::RtuBus>(
         loop_, log_,
         port::RtuBusOptions{.name = bus.name,
-                            .line = *line,
+                            .serial_line = *line,
                             .quiet = bus.quiet,
                             .reopen_interval = retry_interval,
                             .lines = board_.io(),

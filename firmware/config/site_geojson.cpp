@@ -216,7 +216,7 @@ class Drawing {
     }
     Line line{.points = {},
               .name = label.name,
-              .place = settings_.site.path + ":" + std::to_string(coordinates.line)};
+              .place = settings_.site.path + ":" + std::to_string(coordinates.line_number)};
     for (std::size_t i = 0; i < coordinates.items.size(); ++i) {
       const std::string at = child(where, i);
       const Position position = position_of(coordinates.items[i], at);
@@ -263,7 +263,8 @@ class Drawing {
                  " where a number must be; give it as [x, y]");
       return *decimal;
     };
-    return grid_.place(value.line, where + ": ", number(value.items[0]), number(value.items[1]));
+    return grid_.place(value.line_number, where + ": ", number(value.items[0]),
+                       number(value.items[1]));
   }
 
   // A node stands here, where a serial is given.
@@ -341,7 +342,8 @@ class Drawing {
 
   [[noreturn]] void fail(const JsonValue& at, const std::string& where,
                          const std::string& what) const {
-    throw InputError(settings_.site.path, at.line, (where.empty() ? "" : where + ": ") + what);
+    throw InputError(settings_.site.path, at.line_number,
+                     (where.empty() ? "" : where + ": ") + what);
   }
 
   Settings& settings_;

@@ -11,10 +11,10 @@
 namespace etcm::firmware {
 
 struct BoardLines {
-  std::optional<port::Line> alert;        // up while a new node waits at the default address
-  std::optional<port::Line> join_button;  // the same, by hand
-  std::optional<port::Line> status_led;
-  std::optional<port::Line> watchdog;
+  std::optional<port::DigitalLine> alert;        // up while a new node waits at the default address
+  std::optional<port::DigitalLine> join_button;  // the same, by hand
+  std::optional<port::DigitalLine> status_led;
+  std::optional<port::DigitalLine> watchdog;
 };
 
 // The default address is asked when the alert goes up, and while it is up: at the most this often,

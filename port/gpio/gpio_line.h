@@ -13,7 +13,7 @@ enum class LineUse : std::uint8_t { input, output };
 struct LineRequest {
   // The line's name as the board's maker gave it, or CHIP:OFFSET. Chips are renumbered from boot to
   // boot, names are not.
-  std::string place;
+  std::string name;
   LineUse use = LineUse::input;
   bool is_active_low = false;
 };

@@ -35,15 +35,15 @@ gpiod_line* find_line(const std::string& place) {
 }  // namespace
 
 GpioLine::GpioLine(const LineRequest& request) : state_(std::make_unique<State>()) {
-  state_->line = find_line(request.place);
-  if (state_->line == nullptr) fail_not_found(request.place);
+  state_->line = find_line(request.name);
+  if (state_->line == nullptr) fail_not_found(request.name);
   const int flags = request.is_active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0;
   state_->is_output = request.use == LineUse::output;
   const int result =
       state_->is_output
           ? gpiod_line_request_output_flags(state_->line, line_consumer, flags, 0)
           : gpiod_line_request_both_edges_events_flags(state_->line, line_consumer, flags);
-  if (result != 0) fail_request(request.place);
+  if (result != 0) fail_request(request.name);
 }
 
 GpioLine::~GpioLine() = default;

@@ -80,12 +80,12 @@ struct GpioLine::State {
 };
 
 GpioLine::GpioLine(const LineRequest& request) : state_(std::make_unique<State>()) {
-  const Found found = find_line(request.place);
+  const Found found = find_line(request.name);
   const Settings settings(gpiod_line_settings_new());
   const LineConfig lines(gpiod_line_config_new());
   const RequestConfig config(gpiod_request_config_new());
   state_->events.reset(gpiod_edge_event_buffer_new(events_at_a_time));
-  if (!settings || !lines || !config || !state_->events) fail_request(request.place);
+  if (!settings || !lines || !config || !state_->events) fail_request(request.name);
   state_->offset = found.offset;
   state_->is_output = request.use == LineUse::output;
   gpiod_line_settings_set_active_low(settings.get(), request.is_active_low);
@@ -100,7 +100,7 @@ GpioLine::GpioLine(const LineRequest& request) : state_(std::make_unique<State>(
   if (gpiod_line_config_add_line_settings(lines.get(), &found.offset, 1, settings.get()) == 0) {
     state_->request.reset(gpiod_chip_request_lines(found.chip.get(), config.get(), lines.get()));
   }
-  if (!state_->request) fail_request(request.place);
+  if (!state_->request) fail_request(request.name);
 }
 
 GpioLine::~GpioLine() = default;

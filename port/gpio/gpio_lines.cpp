@@ -11,11 +11,11 @@ namespace etcm::port {
 
 class GpioLines::Input final : private EventHandler {
  public:
-  Input(EventLoop& loop, Log& log, GpioLine& line, std::string place, Duration period)
+  Input(EventLoop& loop, Log& log, GpioLine& line, std::string name, Duration period)
       : loop_(loop),
         log_(log),
         line_(line),
-        place_(std::move(place)),
+        name_(std::move(name)),
         debounce_(line.is_active(), period) {
     loop_.add(line_.descriptor(), *this, true, false);
   }
@@ -39,76 +39,78 @@ class GpioLines::Input final : private EventHandler {
     // Nobody could wait for it: it is ready all the time.
     is_gone_ = true;
     loop_.remove(line_.descriptor());
-    log_.write(Level::warning, "gpio line " + place_ + " is gone (" + std::strerror(error) +
+    log_.write(Level::warning, "gpio line " + name_ + " is gone (" + std::strerror(error) +
                                    "); goes on without it; plug its chip in again, and restart");
   }
 
   EventLoop& loop_;
   Log& log_;
   GpioLine& line_;
-  const std::string place_;
+  const std::string name_;
   bool is_gone_ = false;
   Debounce debounce_;
   bool has_moved_ = false;
 };
 
-GpioLines::Place::Place(LineRequest wanted) : request(std::move(wanted)) {}
-GpioLines::Place::Place(Place&&) noexcept = default;
-GpioLines::Place::~Place() = default;
+GpioLines::RequestedLine::RequestedLine(LineRequest wanted) : request(std::move(wanted)) {}
+GpioLines::RequestedLine::RequestedLine(RequestedLine&&) noexcept = default;
+GpioLines::RequestedLine::~RequestedLine() = default;
 
 GpioLines::GpioLines(EventLoop& loop, Log& log, std::span<const LineRequest> requests,
                      Duration debounce)
     : loop_(loop), log_(log), debounce_(debounce) {
-  for (const LineRequest& request : requests) try_to_open(places_.emplace_back(request));
+  for (const LineRequest& request : requests) try_to_open(requested_.emplace_back(request));
 }
 
 GpioLines::~GpioLines() = default;
 
-void GpioLines::try_to_open(Place& place) {
+void GpioLines::try_to_open(RequestedLine& requested) {
   try {
-    place.line = std::make_unique<GpioLine>(place.request);
+    requested.gpio_line = std::make_unique<GpioLine>(requested.request);
   } catch (const std::runtime_error& error) {
-    if (std::exchange(place.is_told, true)) return;
+    if (std::exchange(requested.is_told, true)) return;
     log_.write(Level::error, std::string(error.what()) + "; goes on without it, and tries again");
     return;
   }
-  if (place.request.use == LineUse::input) {
-    place.input = std::make_unique<Input>(loop_, log_, *place.line, place.request.place, debounce_);
+  if (requested.request.use == LineUse::input) {
+    requested.input = std::make_unique<Input>(loop_, log_, *requested.gpio_line,
+                                              requested.request.name, debounce_);
   }
-  if (place.is_told) log_.write(Level::info, "gpio line " + place.request.place + " is there");
+  if (requested.is_told)
+    log_.write(Level::info, "gpio line " + requested.request.name + " is there");
 }
 
 bool GpioLines::is_any_missing() const {
-  return std::any_of(places_.begin(), places_.end(),
-                     [](const Place& place) { return place.line == nullptr; });
+  return std::any_of(requested_.begin(), requested_.end(),
+                     [](const RequestedLine& requested) { return requested.gpio_line == nullptr; });
 }
 
 bool GpioLines::has_input() const {
-  return std::any_of(places_.begin(), places_.end(),
-                     [](const Place& place) { return place.input != nullptr; });
+  return std::any_of(requested_.begin(), requested_.end(),
+                     [](const RequestedLine& requested) { return requested.input != nullptr; });
 }
 
-bool GpioLines::is_active(Line input) const {
-  const Place& place = places_[input.index];
-  return place.input != nullptr && place.input->debounce().level();
+bool GpioLines::is_active(DigitalLine input) const {
+  const RequestedLine& requested = requested_[input.index];
+  return requested.input != nullptr && requested.input->debounce().level();
 }
 
-void GpioLines::set_active(Line output, bool active) {
-  const Place& place = places_[output.index];
-  if (place.line != nullptr) place.line->set_active(active);
+void GpioLines::set_active(DigitalLine output, bool active) {
+  const RequestedLine& requested = requested_[output.index];
+  if (requested.gpio_line != nullptr) requested.gpio_line->set_active(active);
 }
 
 void GpioLines::advance(Instant now) {
   if (retry_at_ <= now) {
     retry_at_ = now + retry_interval;
-    for (Place& place : places_) {
-      if (place.line == nullptr) try_to_open(place);
+    for (RequestedLine& requested : requested_) {
+      if (requested.gpio_line == nullptr) try_to_open(requested);
     }
   }
   const bool reads_all = reread_at_ <= now;
   if (reads_all) reread_at_ = now + reread_interval;
-  for (const Place& place : places_) {
-    Input* const input = place.input.get();
+  for (const RequestedLine& requested : requested_) {
+    Input* const input = requested.input.get();
     if (input == nullptr) continue;
     if (reads_all || input->has_moved() || input->debounce().settles_at() <= now) input->read(now);
   }
@@ -117,8 +119,9 @@ void GpioLines::advance(Instant now) {
 Instant GpioLines::next_deadline() const {
   Instant deadline = has_input() ? reread_at_ : never;
   if (is_any_missing()) deadline = std::min(deadline, retry_at_);
-  for (const Place& place : places_) {
-    if (place.input != nullptr) deadline = std::min(deadline, place.input->debounce().settles_at());
+  for (const RequestedLine& requested : requested_) {
+    if (requested.input != nullptr)
+      deadline = std::min(deadline, requested.input->debounce().settles_at());
   }
   return deadline;
 }

@@ -25,38 +25,38 @@ class GpioLines final : public DigitalIo {
   // Looking for a line opens each chip.
   static constexpr Duration retry_interval = std::chrono::seconds(10);
 
-  // Line{i} is requests[i]. `loop` and `log` must outlive this.
+  // DigitalLine{i} is requests[i]. `loop` and `log` must outlive this.
   GpioLines(EventLoop& loop, Log& log, std::span<const LineRequest> requests, Duration debounce);
   ~GpioLines();
   GpioLines(const GpioLines&) = delete;
   GpioLines& operator=(const GpioLines&) = delete;
 
-  bool is_active(Line input) const override;
-  void set_active(Line output, bool active) override;
+  bool is_active(DigitalLine input) const override;
+  void set_active(DigitalLine output, bool active) override;
   void advance(Instant now) override;
   Instant next_deadline() const override;
 
  private:
   class Input;
-  struct Place {
-    explicit Place(LineRequest wanted);
-    Place(Place&&) noexcept;
-    ~Place();
+  struct RequestedLine {
+    explicit RequestedLine(LineRequest wanted);
+    RequestedLine(RequestedLine&&) noexcept;
+    ~RequestedLine();
 
     LineRequest request;
-    std::unique_ptr<GpioLine> line;  // null while it cannot be had
-    std::unique_ptr<Input> input;    // null for an output, and without a line
-    bool is_told = false;            // that it cannot be had
+    std::unique_ptr<GpioLine> gpio_line;  // null while it cannot be had
+    std::unique_ptr<Input> input;         // null for an output, and without a line
+    bool is_told = false;                 // that it cannot be had
   };
 
-  void try_to_open(Place& place);
+  void try_to_open(RequestedLine& requested);
   bool is_any_missing() const;
   bool has_input() const;
 
   EventLoop& loop_;
   Log& log_;
   const Duration debounce_;
-  std::vector<Place> places_;  // by line
+  std::vector<RequestedLine> requested_;  // by line
   Instant reread_at_{};
   Instant retry_at_{};
 };

@@ -8,16 +8,16 @@ namespace etcm::port {
 RtuBus::RtuBus(EventLoop& loop, Log& log, const RtuBusOptions& options)
     : log_(log),
       options_(options),
-      character_(character_time(options.line)),
-      silence_(frame_silence(options.line)),
-      serial_line_(std::in_place, loop, options.line),
+      character_(character_time(options.serial_line)),
+      silence_(frame_silence(options.serial_line)),
+      serial_line_(std::in_place, loop, options.serial_line),
       line_(*serial_line_) {}
 
 RtuBus::RtuBus(RtuLine& line, Log& log, const RtuBusOptions& options)
     : log_(log),
       options_(options),
-      character_(character_time(options.line)),
-      silence_(frame_silence(options.line)),
+      character_(character_time(options.serial_line)),
+      silence_(frame_silence(options.serial_line)),
       line_(line) {}
 
 RtuBus::~RtuBus() { set_send_enable(false); }
@@ -72,7 +72,7 @@ Instant RtuBus::read_free_at(const RegisterRead& read, Instant now) const {
 }
 
 void RtuBus::start_read(const RegisterRead& read, Instant now) {
-  Request request{.unit = read.unit, .question = {}, .ticket = read.ticket};
+  Request request{.address = read.unit, .question = {}, .ticket = read.ticket};
   const std::optional<RtuQuestion> way = best_way(read, now);
   if (!way) return refuse(request);
   request.question = *way;
@@ -85,7 +85,7 @@ void RtuBus::start_read(const RegisterRead& read, Instant now) {
 
 void RtuBus::start_write(const RegisterWrite& write, Instant now) {
   const auto count = static_cast<std::uint16_t>(write.values.size());
-  const Request request{.unit = write.unit,
+  const Request request{.address = write.unit,
                         .question = {.function = write_holding_registers,
                                      .range = {.first = write.first, .count = count}},
                         .ticket = write.ticket};
@@ -108,14 +108,14 @@ void RtuBus::send(const Request& request, std::span<std::uint8_t> frame, std::si
   line_.discard();
   heard_wrong_ = false;
   request_ = request;
-  units_[request.unit].owed.forget(request.question);
+  units_[request.address].owed.forget(request.question);
   const std::size_t size = rtu_unit_bytes + pdu_bytes + rtu_checksum_bytes;
   phase_ = Phase::waiting;
   sent_at_ = now + static_cast<std::int64_t>(size) * character_;
   deadline_ = sent_at_ + timeout + silence_ + static_cast<std::int64_t>(answer_bytes) * character_;
   set_send_enable(true);
   std::string why;
-  if (!line_.send(frame, request.unit, pdu_bytes, why)) close(why, now);
+  if (!line_.send(frame, request.address, pdu_bytes, why)) close(why, now);
 }
 
 void RtuBus::advance(Instant now) {
@@ -158,13 +158,13 @@ Instant RtuBus::next_deadline() const {
 // Looks through what has arrived since the last time.
 void RtuBus::listen(Instant now) {
   while (const auto found = line_.next_answer()) {
-    if (phase_ == Phase::waiting && found->unit == request_.unit &&
+    if (phase_ == Phase::waiting && found->unit == request_.address &&
         (found->pdu[0] & 0x7f) == request_.question.function) {
       settle(*found, now);
       if (phase_ != Phase::waiting) return be_silent(now + silence_, now + silence_);
     }
     const bool is_late = note_late(*found, now);
-    if (is_late && phase_ == Phase::silent && found->unit == request_.unit) {
+    if (is_late && phase_ == Phase::silent && found->unit == request_.address) {
       // What the silence was for has passed.
       silent_until_ = silent_at_latest_ = now + silence_;
     }
@@ -202,7 +202,7 @@ void RtuBus::settle(const RtuAnswer& found, Instant now) {
 
 // It may be for an earlier question with this function: then the answer to this one is to come.
 void RtuBus::settle_exception(std::uint8_t exception, Instant now) {
-  Unit& unit = units_[request_.unit];
+  UnitState& unit = units_[request_.address];
   if (unit.owed.owed_until(request_.question.function) > now) {
     owe(now);
   } else if (request_.question.function == read_holding_registers) {
@@ -214,7 +214,7 @@ void RtuBus::settle_exception(std::uint8_t exception, Instant now) {
 
 // Whether this is what a unit still owed. It tells how slow that unit can be.
 bool RtuBus::note_late(const RtuAnswer& found, Instant now) {
-  Unit& unit = units_[found.unit];
+  UnitState& unit = units_[found.unit];
   const std::optional<Instant> asked_at = unit.owed.take(found.pdu, now);
   if (!asked_at) return false;
   const Duration lateness = now - *asked_at;
@@ -227,7 +227,7 @@ bool RtuBus::note_late(const RtuAnswer& found, Instant now) {
 // Again where it is slower than the timeout that was named.
 void RtuBus::report_late(std::uint8_t number, Duration lateness) {
   constexpr Duration step = std::chrono::milliseconds(100);
-  Unit& unit = units_[number];
+  UnitState& unit = units_[number];
   if (lateness <= unit.advised) return;
   // A quarter more, as it will not always be the same.
   unit.advised = (lateness + lateness / 4 + step - Duration(1)) / step * step;
@@ -244,14 +244,14 @@ void RtuBus::report_late(std::uint8_t number, Duration lateness) {
 
 // The answer to the request may come after the wait for it.
 void RtuBus::owe(Instant now) {
-  Unit& unit = units_[request_.unit];
+  UnitState& unit = units_[request_.address];
   unit.owed.add(request_.question, sent_at_, now + latest_of(unit));
 }
 
 void RtuBus::give_up(Instant now) {
   owe(now);
   complete(heard_wrong_ || line_.has_heard() ? BusResult::bad_answer : BusResult::timeout);
-  Unit& unit = units_[request_.unit];
+  UnitState& unit = units_[request_.address];
   const Instant until =
       std::max(now + options_.quiet, std::min(now + late_silence_max, sent_at_ + unit.lateness));
   // Half of it the next time, unless a late answer comes again.
@@ -262,7 +262,8 @@ void RtuBus::give_up(Instant now) {
 
 void RtuBus::complete(BusResult result) {
   has_answer_ = true;
-  answer_ = {.unit = request_.unit, .ticket = request_.ticket, .result = result, .registers = {}};
+  answer_ = {
+      .unit = request_.address, .ticket = request_.ticket, .result = result, .registers = {}};
   phase_ = Phase::idle;
 }
 
@@ -292,7 +293,7 @@ void RtuBus::open(Instant now) {
   std::string why;
   if (!line_.open(why)) return close(why, now);
   reported_closed_ = false;
-  log_.write(Level::info, "bus " + options_.name + ": opened " + options_.line.path);
+  log_.write(Level::info, "bus " + options_.name + ": opened " + options_.serial_line.path);
   be_silent(now + silence_, now + silence_);
 }
 
@@ -305,8 +306,8 @@ void RtuBus::close(const std::string& why, Instant now) {
   }
   phase_ = Phase::closed;
   if (std::exchange(reported_closed_, true)) return;
-  log_.write(Level::warning,
-             "bus " + options_.name + ": " + options_.line.path + ": " + why + "; trying again");
+  log_.write(Level::warning, "bus " + options_.name + ": " + options_.serial_line.path + ": " +
+                                 why + "; trying again");
 }
 
 }  // namespace etcm::port

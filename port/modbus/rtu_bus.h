@@ -41,11 +41,11 @@ inline constexpr Duration late_silence_max = std::chrono::seconds(1);
 
 struct RtuBusOptions {
   std::string name;  // for the log
-  SerialLine line;
+  SerialLine serial_line;
   Duration quiet{};            // silence after a wait in vain
   Duration reopen_interval{};  // from one attempt to open the port to the next
   DigitalIo* lines = nullptr;  // with `send_enable`: the line that switches the transceiver
-  std::optional<Line> send_enable;
+  std::optional<DigitalLine> send_enable;
 };
 
 class RtuBus final : public NodeBus {
@@ -78,14 +78,14 @@ class RtuBus final : public NodeBus {
   };
 
   struct Request {
-    std::uint8_t unit = 0;
+    std::uint8_t address = 0;
     RtuQuestion question;
     std::uint16_t left_out = 0;
     std::uint32_t ticket = 0;
   };
 
   // What is remembered of a unit, by its address.
-  struct Unit {
+  struct UnitState {
     OwedAnswers owed;
     bool has_no_holding = false;  // it refuses FC 3
     Duration advised{};           // the timeout that the log has named
@@ -100,7 +100,7 @@ class RtuBus final : public NodeBus {
     std::size_t count = 0;
   };
   // So long after a wait in vain the answer may still come.
-  static Duration latest_of(const Unit& unit) {
+  static Duration latest_of(const UnitState& unit) {
     return std::clamp(unit.latest + unit.latest / 2, late_answer_max, late_answer_longest);
   }
   Ways ways_of(const RegisterRead& read) const;
@@ -146,7 +146,7 @@ class RtuBus final : public NodeBus {
 
   bool heard_wrong_ = false;  // since the last request
 
-  std::array<Unit, 256> units_{};
+  std::array<UnitState, 256> units_{};
 
   bool has_answer_ = false;
   BusAnswer answer_;

@@ -24,7 +24,7 @@ TEST(Graph, CarriesEverything) {
   ASSERT_EQ(graph.nodes.size(), 3u);
   EXPECT_EQ(graph.nodes[1].x, Decimal::of(10));
   EXPECT_EQ(graph.nodes[1].marker, -3);
-  EXPECT_EQ(graph.nodes[2].line, 7u);
+  EXPECT_EQ(graph.nodes[2].line_number, 7u);
   EXPECT_EQ(graph.attributes, (std::vector<std::string>{"1.50", "-2", "0", "0", "+7", ".5"}));
   ASSERT_EQ(graph.features.size(), 2u);
   EXPECT_EQ(graph.features[1].from, 2u);

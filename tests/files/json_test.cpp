@@ -34,13 +34,13 @@ TEST_F(Json, NumbersKeepTheirDigits) {
 
 TEST_F(Json, EveryValueKnowsItsLine) {
   const JsonValue value = read("{\"a\":\n[1,\n2\n,\"x\"],\n\n\"b\": null}\n");
-  EXPECT_EQ(value.line, 1u);
+  EXPECT_EQ(value.line_number, 1u);
   const JsonValue& a = *value.find("a");
-  EXPECT_EQ(a.line, 2u);
-  EXPECT_EQ(a.items[0].line, 2u);
-  EXPECT_EQ(a.items[1].line, 3u);
-  EXPECT_EQ(a.items[2].line, 4u);
-  EXPECT_EQ(value.find("b")->line, 6u);
+  EXPECT_EQ(a.line_number, 2u);
+  EXPECT_EQ(a.items[0].line_number, 2u);
+  EXPECT_EQ(a.items[1].line_number, 3u);
+  EXPECT_EQ(a.items[2].line_number, 4u);
+  EXPECT_EQ(value.find("b")->line_number, 6u);
   EXPECT_EQ(value.find("c"), nullptr);
 }
 

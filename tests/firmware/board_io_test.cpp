@@ -15,17 +15,17 @@ using namespace std::chrono_literals;
 
 class LinesInHand final : public port::DigitalIo {
  public:
-  bool is_active(port::Line input) const override { return levels.at(input.index); }
-  void set_active(port::Line output, bool active) override { levels[output.index] = active; }
+  bool is_active(port::DigitalLine input) const override { return levels.at(input.index); }
+  void set_active(port::DigitalLine output, bool active) override { levels[output.index] = active; }
   void advance(port::Instant) override {}
   port::Instant next_deadline() const override { return port::never; }
   std::map<int, bool> levels{{0, false}, {1, false}, {2, false}, {3, false}};
 };
 
-constexpr BoardLines all_lines{.alert = port::Line{0},
-                               .join_button = port::Line{1},
-                               .status_led = port::Line{2},
-                               .watchdog = port::Line{3}};
+constexpr BoardLines all_lines{.alert = port::DigitalLine{0},
+                               .join_button = port::DigitalLine{1},
+                               .status_led = port::DigitalLine{2},
+                               .watchdog = port::DigitalLine{3}};
 
 struct GatewayWithBoard {
   GatewayWithBoard() {

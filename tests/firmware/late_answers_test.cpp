@@ -221,10 +221,13 @@ class LateSite final : public ReadingListener {
   port::Instant now_{1h};
   PollSettings poll_;
   BusSettings settings_;
-  port::RtuBus bus_{
-      line,
-      log,
-      {.name = "yard", .line = serial_, .quiet = 50ms, .reopen_interval = 1s, .send_enable = {}}};
+  port::RtuBus bus_{line,
+                    log,
+                    {.name = "yard",
+                     .serial_line = serial_,
+                     .quiet = 50ms,
+                     .reopen_interval = 1s,
+                     .send_enable = {}}};
   std::vector<PolledBus> polled_{{.bus = &bus_, .settings = &settings_}};
   Poller poller_{poll_, polled_, *this, log, &requests};
 };

@@ -134,7 +134,7 @@ Outcome measure(const Setup& setup, port::Log& log) {
   port::EventLoop loop;
   port::RtuBus bus(loop, log,
                    {.name = "bench",
-                    .line = line,
+                    .serial_line = line,
                     .quiet = setup.quiet,
                     .reopen_interval = 1s,
                     .send_enable = {}});

@@ -185,10 +185,13 @@ class SimulatedLine final : public ReadingListener {
   port::Duration character_ = character_time(line_);
   port::EventLoop loop_;
   RecordingLog log_;
-  port::RtuBus bus_{
-      loop_,
-      log_,
-      {.name = "yard", .line = line_, .quiet = 20ms, .reopen_interval = 1s, .send_enable = {}}};
+  port::RtuBus bus_{loop_,
+                    log_,
+                    {.name = "yard",
+                     .serial_line = line_,
+                     .quiet = 20ms,
+                     .reopen_interval = 1s,
+                     .send_enable = {}}};
   ObservedBus observed_{bus_};
   PollSettings poll_{.interval = case_.interval, .absent_interval = 10s};
   BusSettings settings_{.name = "yard",

@@ -63,15 +63,15 @@ TEST(Debounce, WithoutAPeriodEachLevelCounts) {
 TEST(GpioLines, ThatAreNotThereCostNothingAndAreTriedAgain) {
   EventLoop loop;
   KeptLog log;
-  const std::vector<LineRequest> requests{{.place = "ETCM-NO-SUCH-ALERT", .use = LineUse::input},
-                                          {.place = "ETCM-NO-SUCH-LED", .use = LineUse::output}};
+  const std::vector<LineRequest> requests{{.name = "ETCM-NO-SUCH-ALERT", .use = LineUse::input},
+                                          {.name = "ETCM-NO-SUCH-LED", .use = LineUse::output}};
   GpioLines lines(loop, log, requests, 20ms);
   ASSERT_EQ(log.lines.size(), 2u);
   EXPECT_EQ(log.lines[1],
             "gpio line ETCM-NO-SUCH-LED was not found; gpioinfo lists the lines there are and "
             "their names; goes on without it, and tries again");
-  EXPECT_FALSE(lines.is_active(Line{0}));
-  lines.set_active(Line{1}, true);
+  EXPECT_FALSE(lines.is_active(DigitalLine{0}));
+  lines.set_active(DigitalLine{1}, true);
   Instant now = start;
   for (int i = 0; i < 5; ++i) {
     lines.advance(now);

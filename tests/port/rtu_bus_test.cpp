@@ -33,8 +33,8 @@ Bytes two_registers(std::uint8_t unit, std::uint8_t value,
 
 class RecordingLines final : public DigitalIo {
  public:
-  bool is_active(Line) const override { return active; }
-  void set_active(Line, bool value) override {
+  bool is_active(DigitalLine) const override { return active; }
+  void set_active(DigitalLine, bool value) override {
     active = value;
     ++changes;
   }
@@ -59,7 +59,7 @@ class SerialBus : public testing::Test {
     if (!bus_) {
       bus_ = std::make_unique<RtuBus>(loop_, log_,
                                       RtuBusOptions{.name = "yard",
-                                                    .line = {.path = path_, .baud = 9600},
+                                                    .serial_line = {.path = path_, .baud = 9600},
                                                     .quiet = quiet,
                                                     .reopen_interval = 100ms,
                                                     .lines = &lines_,
@@ -152,7 +152,7 @@ class SerialBus : public testing::Test {
   EventLoop loop_;
   KeptLog log_;
   RecordingLines lines_;
-  std::optional<Line> send_enable_;
+  std::optional<DigitalLine> send_enable_;
   std::string path_;
   std::optional<nodes::PseudoTerminal> cable_;
   std::unique_ptr<RtuBus> bus_;
@@ -531,7 +531,7 @@ TEST_F(SerialBus, APortThatIsNotThereIsTriedAgainAndSaidOnce) {
 TEST_F(SerialBus, ADriverThatCannotSwitchIsSaidWithTheCure) {
   RtuBus bus(loop_, log_,
              {.name = "yard",
-              .line = {.path = path_, .direction = Direction::kernel},
+              .serial_line = {.path = path_, .direction = Direction::kernel},
               .reopen_interval = 1s,
               .send_enable = {}});
   bus.advance(now_);
@@ -541,7 +541,7 @@ TEST_F(SerialBus, ADriverThatCannotSwitchIsSaidWithTheCure) {
 }
 
 TEST_F(SerialBus, ALineSwitchesTheTransceiverWhileBytesGoOut) {
-  send_enable_ = Line{0};
+  send_enable_ = DigitalLine{0};
   request(7);
   EXPECT_TRUE(lines_.active);
   const Duration sending = 8 * character_time({.path = {}, .baud = 9600});
@@ -665,7 +665,7 @@ INSTANTIATE_TEST_SUITE_P(Rows, SerialBusSurvivesToAWrite,
                          [](const auto& row) { return std::string(row.param.name); });
 
 TEST_F(SerialBus, ALineSwitchesTheTransceiverForAllBytesOfAWrite) {
-  send_enable_ = Line{0};
+  send_enable_ = DigitalLine{0};
   write(7);
   EXPECT_TRUE(lines_.active);
   const Duration sending = rtu_write_request_bytes(2) * character_time({.path = {}, .baud = 9600});

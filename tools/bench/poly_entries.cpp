@@ -26,7 +26,7 @@ inputs::Graph read_poly(const std::string& path) {
   graph.name = std::filesystem::path(path).filename().string();
   for (const files::GraphNode& node : file.nodes) {
     graph.nodes.push_back(
-        {whole_units(node.x, file, node.line), whole_units(node.y, file, node.line)});
+        {whole_units(node.x, file, node.line_number), whole_units(node.y, file, node.line_number)});
   }
   for (const files::GraphFeature& feature : file.features) {
     graph.features.push_back(inputs::between_nodes(feature.from, feature.to));

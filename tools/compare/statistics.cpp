@@ -27,7 +27,7 @@ Spread spread_of(std::vector<double> values) {
   return {quantile(values, 0.25), quantile(values, 0.5), quantile(values, 0.75)};
 }
 
-Line fit_line(std::span<const double> x, std::span<const double> y) {
+FittedLine fit_line(std::span<const double> x, std::span<const double> y) {
   const double x_mean = mean_of(x), y_mean = mean_of(y);
   double xx = 0, xy = 0, yy = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -35,7 +35,7 @@ Line fit_line(std::span<const double> x, std::span<const double> y) {
     xy += (x[i] - x_mean) * (y[i] - y_mean);
     yy += (y[i] - y_mean) * (y[i] - y_mean);
   }
-  Line line;
+  FittedLine line;
   line.slope = xy / xx;
   line.offset = y_mean - line.slope * x_mean;
   const double residual = std::max(0.0, yy - line.slope * xy);

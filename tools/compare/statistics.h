@@ -15,7 +15,7 @@ struct Spread {
 Spread spread_of(std::vector<double> values);
 
 // y = slope * x + offset by least squares.
-struct Line {
+struct FittedLine {
   double slope = 0;
   double offset = 0;
   double r_squared = 0;
@@ -23,6 +23,6 @@ struct Line {
   double relative_residual = 0;
 };
 // Needs as many y as x, at least three, not all x alike.
-Line fit_line(std::span<const double> x, std::span<const double> y);
+FittedLine fit_line(std::span<const double> x, std::span<const double> y);
 
 }  // namespace etcm::compare

@@ -207,15 +207,15 @@ class Triangles {
   // the input may be covered.
   Violation check_holes() const {
     for (std::size_t i = 0; i < claim_.grid.holes.size(); ++i) {
-      const Place place = locate_in(outline_, claim_.grid.holes[i]);
-      if (place == Place::inside) {
+      const Side place = locate_in(outline_, claim_.grid.holes[i]);
+      if (place == Side::inside) {
         return "hole " + std::to_string(i + 1) + " of the input is covered by triangles";
       }
     }
     for (const auto& loop : gaps()) {
       const bool has_seed =
           std::any_of(claim_.grid.holes.begin(), claim_.grid.holes.end(),
-                      [&](const Point& seed) { return locate_in(loop, seed) == Place::inside; });
+                      [&](const Point& seed) { return locate_in(loop, seed) == Side::inside; });
       if (!has_seed) {
         return "the gap beside " + claim_.edge(loop.front().first, loop.front().second) +
                " is enclosed by triangles, but the input has no hole there";
@@ -224,20 +224,20 @@ class Triangles {
     return std::nullopt;
   }
 
-  enum class Place { inside, outside, on_line };
+  enum class Side { inside, outside, on_line };
 
   // Counts the edges that pass to the right of the point.
-  Place locate_in(const std::vector<DirectedEdge>& edges, const Point& point) const {
+  Side locate_in(const std::vector<DirectedEdge>& edges, const Point& point) const {
     bool is_inside = false;
     for (const auto& [from, to] : edges) {
       const Point& a = points_[from];
       const Point& b = points_[to];
       const int side = orient2d(a, b, point);
-      if (side == 0 && std::min(a, b) <= point && point <= std::max(a, b)) return Place::on_line;
+      if (side == 0 && std::min(a, b) <= point && point <= std::max(a, b)) return Side::on_line;
       if ((a.y <= point.y) == (b.y <= point.y)) continue;
       if ((side > 0) == (a.y <= point.y)) is_inside = !is_inside;
     }
-    return is_inside ? Place::inside : Place::outside;
+    return is_inside ? Side::inside : Side::outside;
   }
 
   // The bounded faces of what is not covered, as loops that have it on the left.

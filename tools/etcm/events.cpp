@@ -39,7 +39,7 @@ std::vector<Event> read_events(const std::string& path, const files::Placement& 
     Event event;
     event.kind = form.kind;
     event.id = reader.integer(1, "the id");
-    event.line = reader.line();
+    event.line_number = reader.line();
     if (form.kind == EventKind::join || form.kind == EventKind::move) {
       event.position = files::place_on_grid(path, reader.line(), reader.number(2, "x"),
                                             reader.number(3, "y"), placement);

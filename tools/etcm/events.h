@@ -19,7 +19,7 @@ struct Event {
   Position position;      // join, move
   std::int64_t from = 0;  // feature: ids of nodes
   std::int64_t to = 0;
-  std::size_t line = 0;
+  std::size_t line_number = 0;
 };
 
 // Throws InputError. Coordinates are placed as those of the graph are.

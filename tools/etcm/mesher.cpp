@@ -85,7 +85,7 @@ std::string describe_shortfall(const files::ConstraintGraph& graph, const ErrorD
   if (!error_detail.feature.is_none() && error_detail.feature.value < graph.features.size()) {
     const std::size_t feature = error_detail.feature.value;
     text += ", first of " + files::feature_name(graph, feature) + " on line " +
-            std::to_string(graph.features[feature].line) + ", from " +
+            std::to_string(graph.features[feature].line_number) + ", from " +
             files::coordinate_text(error_detail.from.x) + " " +
             files::coordinate_text(error_detail.from.y) + " to " +
             files::coordinate_text(error_detail.to.x) + " " +

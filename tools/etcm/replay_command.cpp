@@ -60,7 +60,7 @@ Replayed replay(const ReplayOptions& options, const files::ConstraintGraph& grap
     }
     if (!options.keep_going) {
       throw files::InputError(
-          options.events, event.line,
+          options.events, event.line_number,
           history.explain_refusal(event, status) + " (--keep-going skips such events)");
     }
     ++result.refused;

@@ -34,9 +34,9 @@ Fleet::Fleet(const Script& script) : events_(script.events) {
     node.unit = static_cast<std::uint8_t>(number % units_per_port + 1);
     nodes_.push_back(node);
   }
-  places_.resize(std::size_t{port_count()} * (units_per_port + 1));
+  addresses_.resize(std::size_t{port_count()} * (units_per_port + 1));
   for (std::uint32_t number = 0; number < nodes_.size(); ++number) {
-    place(nodes_[number].port, nodes_[number].unit).nodes.push_back(number);
+    at(nodes_[number].port, nodes_[number].unit).nodes.push_back(number);
   }
 }
 
@@ -102,9 +102,9 @@ void Fleet::happen(Node& node, const Event& event) {
 
 void Fleet::move_to(std::uint32_t number, std::uint8_t unit) {
   Node& node = nodes_[number];
-  std::erase(place(node.port, node.unit).nodes, number);
+  std::erase(at(node.port, node.unit).nodes, number);
   node.unit = unit;
-  place(node.port, unit).nodes.push_back(number);
+  at(node.port, unit).nodes.push_back(number);
 }
 
 // Where it says it is, at this moment.
@@ -137,14 +137,14 @@ std::uint32_t Fleet::unit_count(std::uint32_t port) const {
 }
 
 Fault Fleet::fault(std::uint32_t port, std::uint8_t unit) const {
-  const Place& there = places_[port * (units_per_port + 1) + unit];
+  const Address& there = addresses_[port * (units_per_port + 1) + unit];
   return there.nodes.empty() ? Fault{} : nodes_[there.last].fault;
 }
 
 std::size_t Fleet::answer(std::uint32_t port, std::uint8_t unit,
                           std::span<const std::uint8_t> request, std::span<std::uint8_t> answer) {
   if (unit < 1 || unit > units_per_port) return 0;
-  Place& there = place(port, unit);
+  Address& there = at(port, unit);
   ++there.questions;
   const std::vector<std::uint32_t> nodes = there.nodes;  // one may go elsewhere by what it is told
   const auto present = std::count_if(nodes.begin(), nodes.end(),

@@ -61,7 +61,7 @@ class Fleet {
     std::array<std::uint16_t, firmware::configuration_register_count> configuration{};
   };
   // Who is at a unit.
-  struct Place {
+  struct Address {
     std::vector<std::uint32_t> nodes;
     std::uint32_t last = 0;  // of them, who answered
     std::uint32_t questions = 0;
@@ -69,8 +69,8 @@ class Fleet {
 
   void happen(Node& node, const Event& event);
   void move_to(std::uint32_t node, std::uint8_t unit);
-  Place& place(std::uint32_t port, std::uint8_t unit) {
-    return places_[port * (units_per_port + 1) + unit];
+  Address& at(std::uint32_t port, std::uint8_t unit) {
+    return addresses_[port * (units_per_port + 1) + unit];
   }
   Position position_of(const Node& node) const;
   std::size_t answer_of(std::uint32_t node, std::span<const std::uint8_t> request,
@@ -84,7 +84,7 @@ class Fleet {
   std::size_t next_event_ = 0;
   std::uint32_t time_ms_ = 0;
   std::vector<Node> nodes_;
-  std::vector<Place> places_;  // by port and unit
+  std::vector<Address> addresses_;  // by port and unit
   port::Replies replies_;
 };
 

@@ -69,11 +69,11 @@ std::string describe_duplicate(const ConstraintGraph& graph, const GridGraph& gr
   }
   if (second == order.size()) return graph.node_file + ": two nodes stand at one place";
   const GraphNode& node = graph.nodes[second];
-  return graph.node_file + ":" + std::to_string(node.line) + ": node " +
+  return graph.node_file + ":" + std::to_string(node.line_number) + ": node " +
          std::to_string(graph.node_number(second)) + " stands at " +
          std::to_string(grid.nodes[second].x) + " " + std::to_string(grid.nodes[second].y) +
          ", where node " + std::to_string(graph.node_number(first)) + " (line " +
-         std::to_string(graph.nodes[first].line) + ") is; remove one of them";
+         std::to_string(graph.nodes[first].line_number) + ") is; remove one of them";
 }
 
 }  // namespace
@@ -88,7 +88,8 @@ GridGraph place_on_grid(const ConstraintGraph& graph, const Placement& placement
   GridGraph grid;
   grid.nodes.reserve(graph.nodes.size());
   for (const GraphNode& node : graph.nodes) {
-    grid.nodes.push_back(place_on_grid(graph.node_file, node.line, node.x, node.y, placement));
+    grid.nodes.push_back(
+        place_on_grid(graph.node_file, node.line_number, node.x, node.y, placement));
   }
   grid.features.reserve(graph.features.size());
   for (const GraphFeature& feature : graph.features) {
@@ -116,11 +117,13 @@ std::string describe_refusal(const ConstraintGraph& graph, const GridGraph& grid
                                   ? std::max(error_detail.feature.value, error_detail.other.value)
                                   : error_detail.feature.value;
   const std::size_t earlier = std::min(error_detail.feature.value, error_detail.other.value);
-  const std::string text = graph.poly_file + ":" + std::to_string(graph.features[feature].line) +
-                           ": " + feature_name(graph, feature) + " ";
-  const std::string other = has_other ? feature_name(graph, earlier) + " (line " +
-                                            std::to_string(graph.features[earlier].line) + ")"
-                                      : "another feature";
+  const std::string text = graph.poly_file + ":" +
+                           std::to_string(graph.features[feature].line_number) + ": " +
+                           feature_name(graph, feature) + " ";
+  const std::string other = has_other
+                                ? feature_name(graph, earlier) + " (line " +
+                                      std::to_string(graph.features[earlier].line_number) + ")"
+                                : "another feature";
   switch (error_detail.status) {
     case Status::crossing_features:
       return text + "crosses " + other + "; put a node where they meet";

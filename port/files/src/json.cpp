@@ -111,7 +111,7 @@ class Builder {
     }
     JsonValue value;
     value.kind = kind;
-    value.line = line_;
+    value.line_number = line_;
     value.text = std::move(text);
     JsonValue* made = &root_;
     if (open_.empty()) {

@@ -193,7 +193,7 @@ void carry_through(const ConstraintGraph& graph, const Placement& placement, Mes
   const std::optional<Decimal>& scale = placement.scale;
   const auto scaled = [&](const Decimal& value) { return scale ? value * *scale : value; };
   for (const GraphHole& hole : graph.holes) {
-    image.holes.push_back({scaled(hole.x), scaled(hole.y), hole.line});
+    image.holes.push_back({scaled(hole.x), scaled(hole.y), hole.line_number});
   }
   for (const GraphRegion& region : graph.regions) {
     image.regions.push_back({scaled(region.x), scaled(region.y), region.values});

@@ -55,8 +55,8 @@ void take_vertices(const ConstraintGraph& graph, MeshImage& image) {
   int steiner_marker = -1;
   for (const GraphNode& node : graph.nodes) steiner_marker = std::min(steiner_marker, node.marker);
   for (const GraphNode& node : graph.nodes) {
-    image.vertices.push_back({{to_subunits(node.x, graph.node_file, node.line),
-                               to_subunits(node.y, graph.node_file, node.line)},
+    image.vertices.push_back({{to_subunits(node.x, graph.node_file, node.line_number),
+                               to_subunits(node.y, graph.node_file, node.line_number)},
                               node.marker == steiner_marker,
                               node.marker});
   }

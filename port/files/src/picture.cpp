@@ -531,7 +531,7 @@ class Picture {
     } else {
       out_ << length;
     }
-    out_ << ' ' << Escaped{words_.unit} << "</text>\n";
+    out_ << ' ' << Escaped{words_.unit_name} << "</text>\n";
   }
 
   TextSink& out_;

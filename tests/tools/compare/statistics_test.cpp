@@ -23,7 +23,7 @@ TEST(Statistics, OneValueIsItsOwnSpread) {
 TEST(Statistics, PointsOnALineLeaveNoResidual) {
   const std::array<double, 4> x{1, 2, 3, 4};
   const std::array<double, 4> y{5, 7, 9, 11};
-  const Line line = fit_line(x, y);
+  const FittedLine line = fit_line(x, y);
   EXPECT_DOUBLE_EQ(line.slope, 2);
   EXPECT_DOUBLE_EQ(line.offset, 3);
   EXPECT_DOUBLE_EQ(line.r_squared, 1);
@@ -33,7 +33,7 @@ TEST(Statistics, PointsOnALineLeaveNoResidual) {
 TEST(Statistics, ACurveIsNoLine) {
   const std::array<double, 5> x{1, 2, 3, 4, 5};
   const std::array<double, 5> y{1, 4, 9, 16, 25};
-  const Line line = fit_line(x, y);
+  const FittedLine line = fit_line(x, y);
   EXPECT_DOUBLE_EQ(line.slope, 6);
   EXPECT_LT(line.r_squared, 0.97);
   EXPECT_GT(line.relative_residual, 0.1);

@@ -47,8 +47,9 @@ Standing standing_of(const Results& results, inputs::FeatureLength length, std::
 double undulation(const Results& results, inputs::FeatureLength length, std::size_t system);
 
 struct Fits {
-  Line time;    // of inserting the features, in microseconds, against nodes, medians of each size
-  Line points;  // against features
+  FittedLine
+      time;  // of inserting the features, in microseconds, against nodes, medians of each size
+  FittedLine points;  // against features
   // The power of the nodes with which the time grows: the slope of the logarithms.
   double time_exponent = 0;
   // The paper's figure 3 has one graph of each size: the relative residual of the time about a line

@@ -8,16 +8,16 @@
 namespace etcm::port {
 
 // A line of the board, by the number the adapter gave it when it was requested at start.
-struct Line {
+struct DigitalLine {
   std::uint8_t index = 0;
 };
 
 class DigitalIo {
  public:
   // The level, free of bounce. An alert is a level, not a count of edges: edges get lost.
-  virtual bool is_active(Line input) const = 0;
+  virtual bool is_active(DigitalLine input) const = 0;
 
-  virtual void set_active(Line output, bool active) = 0;
+  virtual void set_active(DigitalLine output, bool active) = 0;
 
   // Lets time pass, for inputs that bounce; next_deadline() tells when at the latest.
   virtual void advance(Instant now) = 0;

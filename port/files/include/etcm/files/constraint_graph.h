@@ -17,20 +17,20 @@ struct GraphNode {
   Decimal x;
   Decimal y;
   int marker = 0;
-  std::size_t line = 0;
+  std::size_t line_number = 0;
 };
 
 struct GraphFeature {
   std::uint32_t from = 0;  // index of a node, from 0 whatever the file's base
   std::uint32_t to = 0;
   int marker = 0;
-  std::size_t line = 0;
+  std::size_t line_number = 0;
 };
 
 struct GraphHole {
   Decimal x;
   Decimal y;
-  std::size_t line = 0;
+  std::size_t line_number = 0;
 };
 
 struct GraphRegion {

@@ -21,7 +21,7 @@ struct JsonValue {
 
   Kind kind = Kind::null;
   bool is_true = false;
-  std::size_t line = 0;
+  std::size_t line_number = 0;
   std::string text;               // of a text; of a number as it stands in the file
   std::vector<JsonValue> items;   // elements of an array; values of an object
   std::vector<std::string> keys;  // of an object, as many as items

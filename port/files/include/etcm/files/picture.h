@@ -14,7 +14,7 @@ namespace etcm::files {
 
 struct PictureText {
   std::string title;
-  std::string unit = "units";  // what the scale bar counts
+  std::string unit_name = "units";  // what the scale bar counts
   bool are_features_dashed = false;
 };
 
