@@ -25,8 +25,8 @@ void check_repeated(const Settings& settings, std::vector<std::string>& mistakes
     const auto [entry, is_new] =
         seen.emplace(std::minmax(feature.from.key(), feature.to.key()), &feature);
     if (!is_new) {
-      mistakes.push_back(feature.place + ": " + text_of(feature) + " repeats " +
-                         entry->second->place + "; take one of them out");
+      mistakes.push_back(feature.source + ": " + text_of(feature) + " repeats " +
+                         entry->second->source + "; take one of them out");
     }
   }
 }
@@ -88,15 +88,15 @@ class AnchoredPart {
     };
     const FeatureSettings* feature = feature_of(error_detail.feature);
     const FeatureSettings* other = feature_of(error_detail.other);
-    // Of two in each other's way the later one is told off.
+    // Of two that conflict the later one is reported.
     if (feature != nullptr && other != nullptr && error_detail.other > error_detail.feature) {
       std::swap(feature, other);
     }
-    const std::string what = feature != nullptr ? feature->place + ": " + text_of(*feature) : path;
+    const std::string what = feature != nullptr ? feature->source + ": " + text_of(*feature) : path;
     if (other != nullptr) {
       mistakes.push_back(
           what + (status == Status::crossing_features ? " crosses " : " runs along ") +
-          text_of(*other) + " (" + other->place + "); draw a vertex on both where they meet");
+          text_of(*other) + " (" + other->source + "); draw a vertex on both where they meet");
     } else {
       mistakes.push_back(what + ": " + explain(status));
     }

@@ -95,7 +95,7 @@ std::vector<std::string> take_over(Settings& settings, const Settings& next) {
     if (table.kind != KeyTable::Kind::list) take_over_table(table, settings, taken, fixed);
   }
   take_over_buses(settings, taken, fixed);
-  settings.site.place = next.site.place;
+  settings.site.source = next.site.source;
   settings.features = next.features;
   settings.anchors = next.anchors;
   settings.domain = next.domain;

@@ -207,7 +207,7 @@ void read_bus(TomlTable& toml_table, Settings& settings) {
 }
 
 void read_feature(TomlTable& toml_table, Settings& settings) {
-  FeatureSettings feature{.from = {}, .to = {}, .name = {}, .place = toml_table.place()};
+  FeatureSettings feature{.from = {}, .to = {}, .name = {}, .source = toml_table.place()};
   read_keys(key_table("feature"), toml_table, {}, &feature);
   if (toml_table.find("from") && toml_table.find("to") && feature.from == feature.to) {
     toml_table.mistake(toml_table.table(), "a feature from node " + to_string(feature.from) +
@@ -219,7 +219,7 @@ void read_feature(TomlTable& toml_table, Settings& settings) {
 // ---- The whole file.
 
 void note_site(TomlTable& toml_table, Settings& settings) {
-  settings.site.place = toml_table.place();
+  settings.site.source = toml_table.place();
 }
 
 // What is done with a table: each of a list is read into something new, any other is read into the

@@ -87,12 +87,12 @@ struct FeatureSettings {
   FeatureEnd from;
   FeatureEnd to;
   std::string name{};  // what the site file calls it, or empty
-  std::string place;   // where it was configured: "file:line"
+  std::string source;  // where it was configured: "file:line"
 };
 
 struct AnchorSettings {
   Position position;
-  std::string place;  // as above
+  std::string source;  // as above
 };
 
 // What the node numbers of a .poly are.
@@ -106,12 +106,12 @@ struct SiteOrigin {
   friend constexpr bool operator==(const SiteOrigin&, const SiteOrigin&) = default;
 };
 struct SiteSettings {
-  std::string path;  // empty: there is none
-  std::string place;
+  std::string path;    // empty: there is none
+  std::string source;  // as above
   PolyNodes poly_nodes = PolyNodes::serials;
-  std::int64_t unit = site_nano;  // of a unit of the mesh
-  SiteOrigin origin;              // the mesh's (0, 0)
-  bool round = false;             // to the nearest unit
+  std::int64_t unit_length = site_nano;  // of a unit of the mesh
+  SiteOrigin origin;                     // the mesh's (0, 0)
+  bool round = false;                    // to the nearest unit
 };
 
 struct ServerSettings {

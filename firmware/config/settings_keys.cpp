@@ -44,7 +44,7 @@ constexpr Meaning<PolyNodes> poly_nodes[] = {{"serials", PolyNodes::serials},
 constexpr Key site_keys[] = {
     {"file", path_from_file<&Settings::site, &SiteSettings::path>(), required(R"("site.geojson")"),
      at_once, "a `.geojson`, or a Triangle `.poly`"},
-    {"unit", scale<&Settings::site, &SiteSettings::unit>(), standard(R"("1")"), at_once,
+    {"unit", scale<&Settings::site, &SiteSettings::unit_length>(), standard(R"("1")"), at_once,
      "length of a unit of the mesh, in what the site file counts in"},
     {"origin", origin<&Settings::site, &SiteSettings::origin>(), standard(R"(["0", "0"])"), at_once,
      "place in the site file that is (0, 0) to the nodes"},
@@ -187,11 +187,11 @@ constexpr Key server_keys[] = {
     {"listen", address<&Settings::server, &ServerSettings::listen>(),
      standard(R"("127.0.0.1:1502")"), restart, "port 0: the system chooses, the log says"},
     {"allow", networks<&Settings::server, &ServerSettings::allow>(), standard(R"(["127.0.0.0/8"])"),
-     at_once, "who may read; a client from elsewhere is turned away, and the log says so"},
+     at_once, "who may read; a client from elsewhere is rejected, and the log says so"},
     {"clients_max", count<&Settings::server, &ServerSettings::clients_max>(1, 1000), standard("16"),
      restart,
      "one more takes the place of the client that has asked nothing for longest, if that is over a "
-     "minute; else it is turned away"},
+     "minute; else it is rejected"},
 };
 
 constexpr Key analysis_keys[] = {
@@ -207,7 +207,7 @@ constexpr Key http_keys[] = {
     {"listen", address<&Settings::http, &HttpSettings::listen>(), standard(R"("127.0.0.1:8080")"),
      restart, "whoever can reach it sees everything and can change nothing"},
     {"allow", networks<&Settings::http, &HttpSettings::allow>(), standard(R"(["127.0.0.0/8"])"),
-     at_once, "who may look; others are turned away, and the log says so"},
+     at_once, "who may look; others are rejected, and the log says so"},
     {"clients_max", count<&Settings::http, &HttpSettings::clients_max>(1, 1000), standard("32"),
      restart, "connections; a browser takes up to 6; further ones wait"},
 };

@@ -223,8 +223,8 @@ std::string range(const DurationType& type) {
   return type.least > 1ms ? "duration, at least `" + text_of(type.least) + "`" : "duration";
 }
 std::string range(const CountType& type) {
-  return (type.unit.empty() ? "" : std::string(type.unit) + ", ") + std::to_string(type.least) +
-         " ... " + std::to_string(type.most);
+  return (type.measure.empty() ? "" : std::string(type.measure) + ", ") +
+         std::to_string(type.least) + " ... " + std::to_string(type.most);
 }
 std::string range(const ChoiceType& type) {
   std::string list;

@@ -46,7 +46,7 @@ struct CountType {
   Field<std::uint32_t> field;
   std::uint32_t least;
   std::uint32_t most;
-  std::string_view unit;  // of a count that is a measure, or empty
+  std::string_view measure;  // of a count that is a measure, or empty
 };
 struct ChoiceType {
   Field<std::size_t> field;  // which of the words
@@ -182,8 +182,8 @@ constexpr DurationType duration(port::Duration least) {
   return {detail::field<port::Duration, path...>(), least};
 }
 template <auto... path>
-constexpr CountType count(std::uint32_t least, std::uint32_t most, std::string_view unit = {}) {
-  return {detail::field<std::uint32_t, path...>(), least, most, unit};
+constexpr CountType count(std::uint32_t least, std::uint32_t most, std::string_view measure = {}) {
+  return {detail::field<std::uint32_t, path...>(), least, most, measure};
 }
 
 // A word of the file and what it stands for.

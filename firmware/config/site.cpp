@@ -39,8 +39,8 @@ std::int32_t SiteGrid::coordinate(std::size_t line, const std::string& where, co
     fail(" is too large; the site file counts in something else than the unit says");
   }
   const std::int64_t offset = *value - origin;
-  const std::int64_t remainder = offset % settings_.unit;
-  std::int64_t units = offset / settings_.unit;
+  const std::int64_t remainder = offset % settings_.unit_length;
+  std::int64_t units = offset / settings_.unit_length;
   if (!settings_.round && (remainder != 0 || !(given * nano).is_integer())) {
     fail(std::string(" is no whole number of units; set a smaller unit in [site], or round = true "
                      "to take the nearest") +
@@ -48,7 +48,8 @@ std::int32_t SiteGrid::coordinate(std::size_t line, const std::string& where, co
                            "coordinate system)"
                          : ""));
   }
-  if (std::abs(remainder) >= settings_.unit - std::abs(remainder)) units += offset < 0 ? -1 : 1;
+  if (std::abs(remainder) >= settings_.unit_length - std::abs(remainder))
+    units += offset < 0 ? -1 : 1;
   if (units < -position_max || units > position_max) {
     fail(" is " + std::to_string(units) + " units, and they run from -16777216 to 16777216; set " +
          "origin in [site] to a corner of the site, or a greater unit");
@@ -67,7 +68,7 @@ Point SiteGrid::near(const Decimal& x, const Decimal& y) const {
   const auto one = [&](const Decimal& given, std::int64_t origin) {
     const double units =
         (given.to_double() * static_cast<double>(site_nano) - static_cast<double>(origin)) /
-        static_cast<double>(settings_.unit);
+        static_cast<double>(settings_.unit_length);
     return static_cast<std::int64_t>(
         std::clamp(units, -double{position_max}, double{position_max}) *
         static_cast<double>(subunits_per_unit));
@@ -78,7 +79,7 @@ Point SiteGrid::near(const Decimal& x, const Decimal& y) const {
 void read_site(Settings& settings, std::vector<std::string>& mistakes) {
   std::error_code ignored;
   if (!std::filesystem::exists(settings.site.path, ignored)) {
-    mistakes.push_back(settings.site.place + ": the site file " + settings.site.path +
+    mistakes.push_back(settings.site.source + ": the site file " + settings.site.path +
                        " is not there; correct 'file'");
     return;
   }
@@ -91,7 +92,7 @@ void read_site(Settings& settings, std::vector<std::string>& mistakes) {
     } else if (extension == ".geojson" || extension == ".json") {
       read_site_geojson(settings, mistakes);
     } else {
-      mistakes.push_back(settings.site.place + ": the site file " + settings.site.path +
+      mistakes.push_back(settings.site.source + ": the site file " + settings.site.path +
                          " is of no known kind; give a .poly or a .geojson");
     }
   } catch (const InputError& error) {

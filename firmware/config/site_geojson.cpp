@@ -33,10 +33,10 @@ struct Label {
   std::optional<std::uint32_t> serial;  // of a point
 };
 
-struct Line {
+struct DrawnLine {
   std::vector<Position> points;
   std::string name;
-  std::string place;
+  std::string source;
 };
 
 // Names go to the log and to the page: a line of text, not too long.
@@ -214,9 +214,9 @@ class Drawing {
                " positions, and 'serials' does not fit; give it as many entries, null where no "
                "node stands");
     }
-    Line line{.points = {},
-              .name = label.name,
-              .place = settings_.site.path + ":" + std::to_string(coordinates.line_number)};
+    DrawnLine line{.points = {},
+                   .name = label.name,
+                   .source = settings_.site.path + ":" + std::to_string(coordinates.line_number)};
     for (std::size_t i = 0; i < coordinates.items.size(); ++i) {
       const std::string at = child(where, i);
       const Position position = position_of(coordinates.items[i], at);
@@ -292,24 +292,24 @@ class Drawing {
     return found == serial_at_.end() ? anchor : FeatureEnd(found->second);
   }
 
-  void add_anchor(const FeatureEnd& end, const std::string& place) {
+  void add_anchor(const FeatureEnd& end, const std::string& source) {
     if (end.is_anchor && anchored_.insert(end.key()).second) {
-      settings_.anchors.push_back({.position = end.position, .place = place});
+      settings_.anchors.push_back({.position = end.position, .source = source});
     }
   }
 
   // Now that it is known at which places nodes stand.
   void finish() {
     std::set<std::pair<std::uint64_t, std::uint64_t>> drawn;
-    for (const Line& line : lines_) {
+    for (const DrawnLine& line : lines_) {
       for (std::size_t i = 1; i < line.points.size(); ++i) {
         const FeatureEnd from = end_at(line.points[i - 1]);
         const FeatureEnd to = end_at(line.points[i]);
-        add_anchor(from, line.place);
-        add_anchor(to, line.place);
+        add_anchor(from, line.source);
+        add_anchor(to, line.source);
         if (!drawn.insert(std::minmax(from.key(), to.key())).second) continue;
         settings_.features.push_back(
-            {.from = from, .to = to, .name = line.name, .place = line.place});
+            {.from = from, .to = to, .name = line.name, .source = line.source});
       }
     }
     for (const Position position : anchors_) {
@@ -350,7 +350,7 @@ class Drawing {
   const SiteGrid grid_;
   std::vector<std::string>& mistakes_;
   std::size_t mistake_count_ = 0;
-  std::vector<Line> lines_;
+  std::vector<DrawnLine> lines_;
   std::vector<Position> anchors_;                     // points of their own
   std::map<std::uint64_t, std::uint32_t> serial_at_;  // by the key of the place
   std::map<std::uint32_t, std::uint64_t> place_of_;   // by serial

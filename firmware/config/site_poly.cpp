@@ -31,7 +31,7 @@ void add_by_serial(const ConstraintGraph& graph, Settings& settings) {
         {.from = static_cast<std::uint32_t>(graph.node_number(feature.from)),
          .to = static_cast<std::uint32_t>(graph.node_number(feature.to)),
          .name = {},
-         .place = graph.poly_file + ":" + std::to_string(feature.line_number)});
+         .source = graph.poly_file + ":" + std::to_string(feature.line_number)});
   }
 }
 
@@ -98,8 +98,9 @@ void add_by_place(const ConstraintGraph& graph, Settings& settings) {
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     const files::GraphNode& node = graph.nodes[i];
     grid.nodes.push_back(site_grid.place(node.line_number, "", node.x, node.y));
-    settings.anchors.push_back({.position = grid.nodes.back(),
-                                .place = graph.node_file + ":" + std::to_string(node.line_number)});
+    settings.anchors.push_back(
+        {.position = grid.nodes.back(),
+         .source = graph.node_file + ":" + std::to_string(node.line_number)});
   }
   for (const files::GraphFeature& feature : graph.features) {
     grid.features.push_back({VertexId(static_cast<IdValue>(feature.from + 1)),
@@ -108,7 +109,7 @@ void add_by_place(const ConstraintGraph& graph, Settings& settings) {
         {.from = FeatureEnd::anchor(grid.nodes[feature.from]),
          .to = FeatureEnd::anchor(grid.nodes[feature.to]),
          .name = {},
-         .place = graph.poly_file + ":" + std::to_string(feature.line_number)});
+         .source = graph.poly_file + ":" + std::to_string(feature.line_number)});
   }
   std::vector<Point> holes;
   for (const files::GraphHole& hole : graph.holes) holes.push_back(site_grid.near(hole.x, hole.y));

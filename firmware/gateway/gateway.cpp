@@ -63,7 +63,7 @@ void Gateway::restore(port::Instant now) {
   static_cast<void>(kept_.take_changed());
   // Where somebody was is not looked for in its turn, but at once.
   for (const NodeRecord& node : nodes_.records()) {
-    if (node.unit != no_unit) poller_.ask_unit_at_once(node.unit, now);
+    if (node.unit_index != no_unit) poller_.ask_unit_at_once(node.unit_index, now);
   }
   publish(now);
 }
@@ -193,7 +193,7 @@ bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::I
   }
   placement_.on_still_present(*node);
   // Without a fix the node stays where it was last known to be.
-  if ((reading.status & node_status::fix_valid) != 0) place(*node);
+  if ((reading.status & node_status::fix_valid) != 0) follow_position(*node);
   return true;
 }
 
@@ -216,7 +216,7 @@ void Gateway::on_request_done(std::uint32_t bus, const port::BusAnswer& answer, 
   if (unit == no_unit) return;
   const std::uint32_t newcomers = poller_.unit_at(bus, default_unit);
   NodeRecord* const node = nodes_.find(assigner_.last_serial(bus));
-  if (node != nullptr && node->unit == newcomers) {
+  if (node != nullptr && node->unit_index == newcomers) {
     nodes_.assign_unit(*node, unit);
     poller_.expect_silence(newcomers);
     distributor_.invalidate();
@@ -224,7 +224,7 @@ void Gateway::on_request_done(std::uint32_t bus, const port::BusAnswer& answer, 
   poller_.ask_unit_at_once(unit, now);
 }
 
-void Gateway::place(NodeRecord& node) {
+void Gateway::follow_position(NodeRecord& node) {
   if (!node.is_placed()) {
     placement_.join(node, generation_ + 1);
     return;

@@ -105,7 +105,7 @@ class Gateway final : private ReadingListener, private RequestSource {
   bool next_request(std::uint32_t bus, port::Instant now, BusRequest& request) override;
   void on_request_done(std::uint32_t bus, const port::BusAnswer& answer,
                        port::Instant now) override;
-  void place(NodeRecord& node);
+  void follow_position(NodeRecord& node);
   void publish(port::Instant now);
   void save_state(port::Instant now);
   void keep_silences(port::Instant now);

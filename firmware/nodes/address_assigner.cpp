@@ -30,7 +30,7 @@ port::Instant AddressAssigner::due(std::uint32_t bus) const {
   if (job.step == Step::none) return port::never;
   const port::Instant free_at = job.step == Step::write
                                     ? poller_.write_free_at(poller_.unit_at(bus, default_unit))
-                                    : poller_.read_free_at(job.unit);
+                                    : poller_.read_free_at(job.unit_index);
   return std::max(job.due, free_at);
 }
 
@@ -38,13 +38,13 @@ void AddressAssigner::next(std::uint32_t bus, BusRequest& request) {
   Job& job = jobs_[bus];
   job.due = port::never;
   if (job.step == Step::write) {
-    job.registers =
-        encode_assignment(poller_.address_of(job.unit), job.serial, poller_.bus(bus).word_order);
+    job.registers = encode_assignment(poller_.address_of(job.unit_index), job.serial,
+                                      poller_.bus(bus).word_order);
     request = {
         .address = default_unit, .first = assignment_register_first, .values = job.registers};
     return;
   }
-  request = {.address = poller_.address_of(job.unit),
+  request = {.address = poller_.address_of(job.unit_index),
              .first = node_register_first,
              .read_count = node_register_count,
              .spare = stranger_register_spare,
@@ -87,10 +87,10 @@ std::uint32_t AddressAssigner::done(std::uint32_t bus, const port::BusAnswer& an
                          reading.serial == job.serial;
       if (is_it) {
         log_.write(port::Level::info, TextLine() << "node " << job.serial << " has "
-                                                 << poller_.name(job.unit) << " now");
+                                                 << poller_.name(job.unit_index) << " now");
         job.is_full = false;
         job.unwilling = no_serial;
-        const std::uint32_t unit = job.unit;
+        const std::uint32_t unit = job.unit_index;
         end(job, now);
         return unit;
       }
@@ -111,7 +111,7 @@ port::Instant AddressAssigner::used_at(std::uint32_t unit) const {
 
 void AddressAssigner::choose(std::uint32_t bus, bool is_first, port::Instant now) {
   Job& job = jobs_[bus];
-  const std::pair before{job.unit_used_at, job.unit};
+  const std::pair before{job.unit_used_at, job.unit_index};
   std::pair best{port::never, no_unit};
   for (const UnitRange range : poller_.bus(bus).assign) {
     for (unsigned address = range.first; address <= range.last; ++address) {
@@ -120,8 +120,8 @@ void AddressAssigner::choose(std::uint32_t bus, bool is_first, port::Instant now
       if (is_free(unit) && (is_first || found > before)) best = std::min(best, found);
     }
   }
-  std::tie(job.unit_used_at, job.unit) = best;
-  if (job.unit != no_unit) {
+  std::tie(job.unit_used_at, job.unit_index) = best;
+  if (job.unit_index != no_unit) {
     job.step = Step::look;
     job.due = now;
     return;
@@ -137,7 +137,7 @@ void AddressAssigner::choose(std::uint32_t bus, bool is_first, port::Instant now
 void AddressAssigner::give_up(Job& job, std::string_view why, port::Instant now) {
   if (std::exchange(job.unwilling, job.serial) != job.serial) {
     log_.write(port::Level::warning, TextLine() << "node " << job.serial << " did not take "
-                                                << poller_.name(job.unit) << ": " << why
+                                                << poller_.name(job.unit_index) << ": " << why
                                                 << "; it stays at 247, and is asked to again");
   }
   end(job, now + settings_.absent_interval);

@@ -45,9 +45,9 @@ class AddressAssigner {
     Step step = Step::none;
     port::Instant due = port::never;
     std::uint32_t serial = no_serial;
-    std::uint32_t unit = no_unit;  // the new one
-    port::Instant unit_used_at{};  // as it was when the unit was chosen
-    std::uint8_t verified = 0;     // so often in vain
+    std::uint32_t unit_index = no_unit;  // the new one
+    port::Instant unit_used_at{};        // as it was when the unit was chosen
+    std::uint8_t verified = 0;           // so often in vain
     std::uint32_t last_serial = no_serial;
     port::Instant retry_at{};             // with the same node as last time
     bool is_full = false;                 // and said so

@@ -57,14 +57,14 @@ NodeRecord* Admission::admit(std::uint32_t unit, std::uint32_t serial, port::Ins
   if (node == nullptr) {
     node = add(serial, now);
     if (node == nullptr) return disbelieve(unit, IdentityConflict::no_room, no_serial);
-  } else if (node->unit != no_unit) {
+  } else if (node->unit_index != no_unit) {
     if (conflict.conflict == IdentityConflict::same_serial || node->heard_at > conflict.since) {
-      return disbelieve(unit, IdentityConflict::same_serial, node->unit);
+      return disbelieve(unit, IdentityConflict::same_serial, node->unit_index);
     }
     if (!has_gone(*node, now)) return nullptr;
-    log_.write(port::Level::info, TextLine()
-                                      << "node " << serial << " went from "
-                                      << poller_.name(node->unit) << " to " << poller_.name(unit));
+    log_.write(port::Level::info, TextLine() << "node " << serial << " went from "
+                                             << poller_.name(node->unit_index) << " to "
+                                             << poller_.name(unit));
   }
   if (here != nullptr) {
     log_.write(port::Level::info, TextLine()
@@ -87,7 +87,7 @@ void Admission::sweep(port::Instant now) {
 }
 
 bool Admission::has_gone(const NodeRecord& node, port::Instant now) const {
-  return poller_.failures(node.unit) >= failures_of_the_gone ||
+  return poller_.failures(node.unit_index) >= failures_of_the_gone ||
          now - node.heard_at > settings_.stale_after;
 }
 

@@ -76,7 +76,7 @@ SavedNode take_node(Reader& reader, std::uint8_t& flags) {
   node.position = take_position(reader);
   node.age_ms = reader.take<std::uint32_t>();
   node.bus = reader.take<std::uint16_t>();
-  node.unit = reader.take<std::uint8_t>();
+  node.address = reader.take<std::uint8_t>();
   flags = reader.take<std::uint8_t>();
   return node;
 }
@@ -231,7 +231,7 @@ void StateWriter::put_node(const SavedNode& node, std::uint8_t flags) {
   put_content(node.position.y);
   put(node.age_ms);
   put_content(node.bus);
-  put_content(node.unit);
+  put_content(node.address);
   put_content(flags);
 }
 

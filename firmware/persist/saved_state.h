@@ -42,7 +42,7 @@ struct SavedNode {
   Position position{};               // where the mesh has it
   std::uint32_t age_ms = 0;          // of the position
   std::uint16_t bus = no_saved_bus;  // in the order of SavedState::buses
-  std::uint8_t unit = 0;
+  std::uint8_t address = 0;          // of the unit
 };
 
 struct SavedMissing {

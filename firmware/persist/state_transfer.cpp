@@ -105,10 +105,10 @@ SavedNode StateTransfer::saved_node(const NodeRecord& node, port::Instant now) c
   SavedNode saved{.serial = node.serial,
                   .position = node.position,
                   .age_ms = age_in_ms(now - node.positioned_at)};
-  const std::uint32_t unit = node.is_missing ? node.last_unit : node.unit;
+  const std::uint32_t unit = node.is_missing ? node.last_unit : node.unit_index;
   if (unit != no_unit) {
     saved.bus = static_cast<std::uint16_t>(poller_.bus_of(unit));
-    saved.unit = poller_.address_of(unit);
+    saved.address = poller_.address_of(unit);
   }
   return saved;
 }
@@ -133,7 +133,7 @@ NodeRecord* StateTransfer::restore_node(const SavedState& saved, const SavedNode
   record->positioned_at = now - std::chrono::milliseconds(node.age_ms);
   record->stale = true;
   if (node.bus == no_saved_bus) return record;
-  const auto unit = find_unit(poller_, saved.buses[node.bus], node.unit);
+  const auto unit = find_unit(poller_, saved.buses[node.bus], node.address);
   if (unit && nodes_.at(*unit) == nullptr) nodes_.assign_unit(*record, *unit);
   return record;
 }
@@ -150,7 +150,7 @@ void StateTransfer::restore_missing(const SavedState& saved, const SavedMissing&
     record->positioned_at = now - std::chrono::milliseconds(missing.node.age_ms);
   }
   if (missing.node.bus == no_saved_bus) return;
-  const auto unit = find_unit(poller_, saved.buses[missing.node.bus], missing.node.unit);
+  const auto unit = find_unit(poller_, saved.buses[missing.node.bus], missing.node.address);
   if (!unit) return;
   record->last_unit = *unit;
   nodes_.note_gone(*unit, record->heard_at);

@@ -19,13 +19,13 @@ struct LongLink {
 };
 
 struct ProposedRelay {
-  Point place;
+  Point point;
   std::uint32_t feature = 0;   // 0: an anchor that is on none
   std::uint32_t row = no_row;  // of the Steiner vertex or the anchor that stands there
 };
 
 struct CoverageHole {
-  Point place;
+  Point point;
   std::uint32_t distance = 0;  // to the nearest node, in whole units, rounded up
   bool on_boundary = false;
 };

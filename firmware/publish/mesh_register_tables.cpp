@@ -219,19 +219,19 @@ constexpr auto neighbour_table = in_sequence(std::to_array<RegisterRow<SnapshotN
 // Columns that several lists have.
 template <typename Source>
 constexpr std::uint32_t x_of(const Source& source) {
-  return whole(source.place.x);
+  return whole(source.point.x);
 }
 template <typename Source>
 constexpr std::uint32_t x_fraction_of(const Source& source) {
-  return fraction(source.place.x);
+  return fraction(source.point.x);
 }
 template <typename Source>
 constexpr std::uint32_t y_of(const Source& source) {
-  return whole(source.place.y);
+  return whole(source.point.y);
 }
 template <typename Source>
 constexpr std::uint32_t y_fraction_of(const Source& source) {
-  return fraction(source.place.y);
+  return fraction(source.point.y);
 }
 
 constexpr auto relay_table = in_sequence(std::to_array<RegisterRow<ProposedRelay>>({
@@ -289,11 +289,11 @@ constexpr auto quarantined_table = in_sequence(std::to_array<RegisterRow<Snapsho
     {"bus", 1, "of the unit that answers, from 1 as configured; 0: not known",
      [](const SnapshotQuarantined& entry) { return std::uint32_t{entry.bus}; }},
     {"unit", 1, "on that bus",
-     [](const SnapshotQuarantined& entry) { return std::uint32_t{entry.unit}; }},
+     [](const SnapshotQuarantined& entry) { return std::uint32_t{entry.address}; }},
     {"x", 2, "int32, units: where a node or an anchor cannot be; else 0",
-     [](const SnapshotQuarantined& entry) { return static_cast<std::uint32_t>(entry.place.x); }},
+     [](const SnapshotQuarantined& entry) { return static_cast<std::uint32_t>(entry.position.x); }},
     {"y", 2, "int32, units",
-     [](const SnapshotQuarantined& entry) { return static_cast<std::uint32_t>(entry.place.y); }},
+     [](const SnapshotQuarantined& entry) { return static_cast<std::uint32_t>(entry.position.y); }},
     {"age_s", 2, "seconds it had been there when this generation was made",
      [](const SnapshotQuarantined& entry) { return entry.age_s; }},
 }));

@@ -81,7 +81,8 @@ bool NeighbourDistributor::next(std::uint32_t bus, port::Instant now, BusRequest
     job.cursor = (job.cursor + 1) % static_cast<std::uint32_t>(delivered_.size());
     --job.unchecked;
     const NodeRecord& node = records[slot];
-    if (!node.is_known() || node.unit == no_unit || poller_.bus_of(node.unit) != bus) continue;
+    if (!node.is_known() || node.unit_index == no_unit || poller_.bus_of(node.unit_index) != bus)
+      continue;
     DeliveredConfig& told = delivered_[slot];
     if (!needs_write(node, told, job, now)) continue;
     job.slot = slot;
@@ -121,12 +122,12 @@ bool NeighbourDistributor::needs_write(const NodeRecord& node, DeliveredConfig& 
   } else {
     told.tries = 0;
   }
-  if ((node.stale && !node.lacks_fix) || !poller_.is_sound(node.unit)) {
+  if ((node.stale && !node.lacks_fix) || !poller_.is_sound(node.unit_index)) {
     job.retry_at = std::min(job.retry_at, now + settings_.interval);
     return false;
   }
   // What it says of an earlier write must not be taken for what it says of this one.
-  if (const port::Instant free_at = poller_.write_free_at(node.unit); free_at > now) {
+  if (const port::Instant free_at = poller_.write_free_at(node.unit_index); free_at > now) {
     job.retry_at = std::min(job.retry_at, free_at);
     return false;
   }
@@ -139,8 +140,8 @@ bool NeighbourDistributor::needs_write(const NodeRecord& node, DeliveredConfig& 
 bool NeighbourDistributor::is_same(const Job& job, std::uint32_t bus) const {
   const NodeRecord& node = nodes_.records()[job.slot];
   const DeliveredConfig& told = delivered_[job.slot];
-  return node.serial == told.serial && node.boot_count == told.boot_count && node.unit != no_unit &&
-         poller_.bus_of(node.unit) == bus;
+  return node.serial == told.serial && node.boot_count == told.boot_count &&
+         node.unit_index != no_unit && poller_.bus_of(node.unit_index) == bus;
 }
 
 void NeighbourDistributor::fill(Job& job, std::uint32_t bus, const DeliveredConfig& told) const {
@@ -156,7 +157,7 @@ void NeighbourDistributor::fill(Job& job, std::uint32_t bus, const DeliveredConf
 BusRequest NeighbourDistributor::next_part(Job& job) const {
   const NodeRecord& node = nodes_.records()[job.slot];
   const auto registers = std::span<const std::uint16_t>(job.registers).first(job.count);
-  BusRequest request{.address = poller_.address_of(node.unit), .values = {}};
+  BusRequest request{.address = poller_.address_of(node.unit_index), .values = {}};
   const auto neighbours_end = static_cast<std::uint16_t>(job.count - configuration_head_count);
   if (!job.is_split) {
     request.first = configuration_register_first;

@@ -32,8 +32,8 @@ void list_quarantine(const NodeTable& nodes, const FeatureTable& features,
   for (const NodeRecord& node : nodes.records()) {
     if (!node.is_known() || !node.is_quarantined()) continue;
     list.push_back({.serial = node.serial,
-                    .unit = node.unit,
-                    .place = node.rejected_at,
+                    .unit_index = node.unit_index,
+                    .position = node.rejected_at,
                     .rejection = node.rejection,
                     .since = node.rejected_since});
   }
@@ -46,7 +46,7 @@ void list_quarantine(const NodeTable& nodes, const FeatureTable& features,
   }
   for (const AnchorRecord& anchor : anchors.records()) {
     if (anchor.rejection.is_none()) continue;
-    list.push_back({.place = anchor.settings.position,
+    list.push_back({.position = anchor.settings.position,
                     .rejection = anchor.rejection,
                     .since = anchor.rejected_since});
   }
@@ -54,7 +54,7 @@ void list_quarantine(const NodeTable& nodes, const FeatureTable& features,
   for (const UnitConflict& conflict : admission.conflicts()) {
     if (conflict.is_alarm()) {
       list.push_back({.serial = conflict.serial,
-                      .unit = unit,
+                      .unit_index = unit,
                       .conflict = conflict.conflict,
                       .since = conflict.since});
     }

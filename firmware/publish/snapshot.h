@@ -24,12 +24,12 @@ inline constexpr std::uint16_t bus_silent = 1u << 4;  // no node of a bus answer
 struct SnapshotVertex {
   VertexKind kind = VertexKind::none;
   bool stale = false;
-  bool lacks_fix = false;     // stale although its node answers
-  bool is_anchor = false;     // a fixed point of the site; to the mesh it is a node
-  Rejection rejection{};      // of a node: why the mesh does not have it where it is now
-  std::uint32_t serial = 0;   // of a node that is no anchor
-  std::uint32_t unit = 0;     // that answers for a node; of all buses, from 0; no_unit: sought
-  std::uint32_t feature = 0;  // a Steiner vertex stands on it; counted from 1 as configured
+  bool lacks_fix = false;        // stale although its node answers
+  bool is_anchor = false;        // a fixed point of the site; to the mesh it is a node
+  Rejection rejection{};         // of a node: why the mesh does not have it where it is now
+  std::uint32_t serial = 0;      // of a node that is no anchor
+  std::uint32_t unit_index = 0;  // that answers for a node; of all buses, from 0; no_unit: sought
+  std::uint32_t feature = 0;     // a Steiner vertex stands on it; counted from 1 as configured
   Point point;
   std::uint32_t first_neighbour = 0;  // into Snapshot::neighbours
   std::uint16_t degree = 0;
@@ -48,7 +48,7 @@ struct SnapshotNeighbour {
 // A node that is known and not in the mesh.
 struct SnapshotUnplacedNode {
   std::uint32_t serial = 0;
-  std::uint32_t unit = 0;
+  std::uint32_t unit_index = 0;
   bool is_missing = false;  // its unit is then where it answered last
   bool has_position = false;
   Position position;
@@ -71,8 +71,8 @@ struct SnapshotQuarantined {
   std::uint32_t serial = 0;   // of a node, or of a conflicting answer
   std::uint32_t feature = 0;  // its number, from 1 as configured
   std::uint16_t bus = 0;      // of the unit that answers, from 1 as configured; 0: not known
-  std::uint16_t unit = 0;     // its address
-  Position place{};           // where the node or the anchor cannot be
+  std::uint16_t address = 0;  // of that unit
+  Position position{};        // where the node or the anchor cannot be
   std::uint32_t age_s = 0;    // since when it has been there, when this generation was made
 };
 

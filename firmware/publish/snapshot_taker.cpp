@@ -156,7 +156,7 @@ void SnapshotTaker::look_at_nodes(const NodeTable& nodes, port::Instant now) {
     }
     oldest = std::max(oldest, now - node.positioned_at);
     SnapshotVertex& vertex = snapshot_.vertices[node.vertex.value - 1u];
-    vertex.unit = node.unit;
+    vertex.unit_index = node.unit_index;
     vertex.stale = node.stale;
     vertex.lacks_fix = node.lacks_fix;
     vertex.rejection = node.rejection;
@@ -168,12 +168,13 @@ void SnapshotTaker::look_at_nodes(const NodeTable& nodes, port::Instant now) {
 
 void SnapshotTaker::look_at_outsider(const NodeRecord& node) {
   if (node.is_waiting()) ++snapshot_.waiting_count;
-  snapshot_.unplaced_nodes.push_back({.serial = node.serial,
-                                      .unit = node.is_missing ? node.last_unit : node.unit,
-                                      .is_missing = node.is_missing,
-                                      .has_position = node.has_position(),
-                                      .position = node.position,
-                                      .rejection = node.rejection});
+  snapshot_.unplaced_nodes.push_back(
+      {.serial = node.serial,
+       .unit_index = node.is_missing ? node.last_unit : node.unit_index,
+       .is_missing = node.is_missing,
+       .has_position = node.has_position(),
+       .position = node.position,
+       .rejection = node.rejection});
 }
 
 void SnapshotTaker::look_at_features(const FeatureTable& features) {
@@ -203,11 +204,11 @@ void SnapshotTaker::look_at_quarantine(const Poller& poller,
     listed.reason = reason_code(entry.rejection, entry.conflict);
     listed.serial = entry.serial == no_serial ? 0 : entry.serial;
     listed.feature = entry.feature;
-    if (entry.unit != no_unit) {
-      listed.bus = static_cast<std::uint16_t>(poller.bus_of(entry.unit) + 1);
-      listed.unit = poller.address_of(entry.unit);
+    if (entry.unit_index != no_unit) {
+      listed.bus = static_cast<std::uint16_t>(poller.bus_of(entry.unit_index) + 1);
+      listed.address = poller.address_of(entry.unit_index);
     }
-    listed.place = entry.place;
+    listed.position = entry.position;
     listed.age_s = static_cast<std::uint32_t>(std::clamp<std::int64_t>(
         (now - entry.since) / 1s, 0, std::numeric_limits<std::uint32_t>::max()));
   }

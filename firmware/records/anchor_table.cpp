@@ -72,7 +72,7 @@ std::uint32_t AnchorTable::vacant_count() const {
 
 std::string name_of(const AnchorRecord& anchor) {
   return "the anchor at " + to_string(FeatureEnd::anchor(anchor.settings.position)) + " (" +
-         anchor.settings.place + ")";
+         anchor.settings.source + ")";
 }
 
 }  // namespace etcm::firmware

@@ -65,7 +65,7 @@ std::string FeatureTable::name(std::uint32_t number) const {
   const FeatureSettings& feature = records_[number].settings;
   return "feature " + std::to_string(number + 1) +
          (feature.name.empty() ? "" : " '" + feature.name + "'") + " (" + to_string(feature.from) +
-         "-" + to_string(feature.to) + ", " + feature.place + ")";
+         "-" + to_string(feature.to) + ", " + feature.source + ")";
 }
 
 }  // namespace etcm::firmware

@@ -58,17 +58,17 @@ NodeRecord* NodeTable::add(std::uint32_t serial, port::Instant now) {
 }
 
 void NodeTable::assign_unit(NodeRecord& node, std::uint32_t unit) {
-  if (NodeRecord* const before = at(unit); before != nullptr) before->unit = no_unit;
-  if (node.unit != no_unit) by_unit_[node.unit] = no_slot;
+  if (NodeRecord* const before = at(unit); before != nullptr) before->unit_index = no_unit;
+  if (node.unit_index != no_unit) by_unit_[node.unit_index] = no_slot;
   by_unit_[unit] = static_cast<std::uint32_t>(&node - records_.data());
-  node.unit = node.last_unit = unit;
+  node.unit_index = node.last_unit = unit;
 }
 
 void NodeTable::vacate(NodeRecord& node) {
-  if (node.unit == no_unit) return;
-  by_unit_[node.unit] = no_slot;
-  released_heard_at_[node.unit] = node.heard_at;
-  node.unit = no_unit;
+  if (node.unit_index == no_unit) return;
+  by_unit_[node.unit_index] = no_slot;
+  released_heard_at_[node.unit_index] = node.heard_at;
+  node.unit_index = no_unit;
 }
 
 void NodeTable::release(NodeRecord& node) {

@@ -15,8 +15,9 @@
 namespace etcm::firmware {
 
 struct NodeRecord {
-  std::uint32_t serial = no_serial;   // no_serial: the record is free
-  std::uint32_t unit = no_unit;       // where it answers; no_unit: it was there once, and is sought
+  std::uint32_t serial = no_serial;  // no_serial: the record is free
+  std::uint32_t unit_index =
+      no_unit;                        // where it answers; no_unit: it was there once, and is sought
   std::uint32_t last_unit = no_unit;  // where it answered last; no_unit: on none there is now
   port::Instant known_since{};
   port::Instant heard_at{};

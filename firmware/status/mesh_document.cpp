@@ -151,7 +151,7 @@ void MeshDocument::write_relay(Cursor& cursor, TextWriter& piece) const {
   if (cursor.item >= all.size()) return cursor.next_section();
   const ProposedRelay& relay = all[cursor.item++];
   if (relay.row != no_row && snapshot_.vertices[relay.row].kind == VertexKind::steiner) return;
-  write_place_head(relay.place, piece);
+  write_place_head(relay.point, piece);
   piece << "\"kind\":\"relay\",\"feature\":" << relay.feature << "}}";
 }
 
@@ -159,7 +159,7 @@ void MeshDocument::write_hole(Cursor& cursor, TextWriter& piece) const {
   const auto& all = snapshot_.analysis.holes;
   if (cursor.item >= all.size()) return cursor.next_section();
   const CoverageHole& hole = all[cursor.item++];
-  write_place_head(hole.place, piece);
+  write_place_head(hole.point, piece);
   piece << "\"kind\":\"hole\",\"distance\":" << hole.distance << "}}";
 }
 
@@ -200,7 +200,7 @@ void MeshDocument::write_vertex_head(const SnapshotVertex& vertex, std::uint32_t
     piece << "\"kind\":\"anchor\"";
   } else if (vertex.kind == VertexKind::node) {
     piece << "\"kind\":\"node\",\"serial\":" << vertex.serial;
-    write_unit(vertex.unit, piece);
+    write_unit(vertex.unit_index, piece);
     piece << ",\"in_mesh\":true,\"stale\":";
     piece.yes_or_no(vertex.stale);
     if (vertex.lacks_fix) piece << ",\"no_fix\":true";
@@ -222,7 +222,7 @@ void MeshDocument::write_unplaced_node(Cursor& cursor, TextWriter& piece) const 
     piece << "null";
   }
   piece << ",\"properties\":{\"kind\":\"node\",\"serial\":" << node.serial;
-  write_unit(node.unit, piece);
+  write_unit(node.unit_index, piece);
   piece << ",\"in_mesh\":false";
   if (node.is_missing) piece << ",\"missing\":true";
   write_rejection(node.rejection, piece);

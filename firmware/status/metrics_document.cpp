@@ -300,7 +300,7 @@ constexpr std::array families{
     Family{"etcm_clients", "gauge", "Clients connected now.", Scope::gateway, write_clients},
     Family{"etcm_requests_total", "counter", "Requests of clients.", Scope::gateway, write_served},
     Family{"etcm_refused_total", "counter",
-           "Requests that were wrong, and clients that were turned away.", Scope::gateway,
+           "Requests that were wrong, and clients that were rejected.", Scope::gateway,
            write_rejected},
     Family{"process_resident_memory_bytes", "gauge", "Memory of the process that is in RAM.",
            Scope::gateway, write_memory},

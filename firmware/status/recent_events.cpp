@@ -12,14 +12,14 @@ void RecentEvents::write(port::Level level, std::string_view line) {
   Kept& kept = kept_[place_of(written_++)];
   kept.at = clock_.now();
   kept.level = level;
-  std::size_t size = std::min(line.size(), kept.line.size());
+  std::size_t size = std::min(line.size(), kept.text.size());
   // Not in the middle of a character of UTF-8.
   while (size < line.size() && size > 0 &&
          (static_cast<unsigned char>(line[size]) & 0xc0) == 0x80) {
     --size;
   }
   kept.size = static_cast<std::uint16_t>(size);
-  std::copy_n(line.begin(), size, kept.line.begin());
+  std::copy_n(line.begin(), size, kept.text.begin());
 }
 
 std::uint32_t RecentEvents::count() const {
@@ -32,7 +32,7 @@ RecentEvent RecentEvents::at(std::uint32_t index) const {
   return {.number = number + 1,
           .at = kept.at,
           .level = kept.level,
-          .line = {kept.line.data(), kept.size}};
+          .text = {kept.text.data(), kept.size}};
 }
 
 }  // namespace etcm::firmware

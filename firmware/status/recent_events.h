@@ -18,7 +18,7 @@ struct RecentEvent {
   std::uint64_t number = 0;  // from 1, in the order in which they came
   port::Instant at{};
   port::Level level = port::Level::info;
-  std::string_view line;  // its beginning, where it is very long; good until the next is written
+  std::string_view text;  // its beginning, where it is very long; good until the next is written
 };
 
 // Hands each line on, and remembers the last recent_events_max. No memory is taken after it is
@@ -40,7 +40,7 @@ class RecentEvents final : public port::Log {
     port::Instant at{};
     port::Level level = port::Level::info;
     std::uint16_t size = 0;
-    std::array<char, 320> line;
+    std::array<char, 320> text;
   };
 
   // In the ring.

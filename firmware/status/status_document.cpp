@@ -149,7 +149,7 @@ void StatusDocument::write_quarantine(Cursor& cursor, port::Instant asked_at,
   piece << cursor.separator() << "{\"since_ms\":" << (asked_at - entry.since) / 1ms;
   if (entry.serial != no_serial) piece << ",\"serial\":" << entry.serial;
   if (entry.feature != 0) piece << ",\"feature\":" << entry.feature;
-  write_unit(entry.unit, piece);
+  write_unit(entry.unit_index, piece);
   piece << ",\"why\":";
   piece.json(explain(entry)) << "}";
 }
@@ -195,7 +195,7 @@ void StatusDocument::write_event(Cursor& cursor, port::Instant asked_at, TextWri
   piece << cursor.separator() << "\n{\"number\":" << event.number
         << ",\"age_ms\":" << (asked_at - event.at) / 1ms << ",\"level\":";
   piece.json(word(event.level)) << ",\"text\":";
-  piece.json(event.line) << "}";
+  piece.json(event.text) << "}";
 }
 
 bool AgesDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const {

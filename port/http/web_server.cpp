@@ -239,7 +239,7 @@ void WebServer::exhausted(const char* why) {
 void WebServer::turn_away(std::uint32_t host) {
   ++counters_.rejected;
   log_->write(Level::warning, "a browser at " + host_text(host) +
-                                  " is turned away: its network is not in allow of [http]; add it "
+                                  " is rejected: its network is not in allow of [http]; add it "
                                   "there if it may see everything");
 }
 

@@ -45,7 +45,7 @@ class WebServer final : private EventHandler, private AcceptHandler {
   WebServer& operator=(const WebServer&) = delete;
 
   // Who may connect from now on; at first everybody. Hangs up on those who no longer may. Who is
-  // turned away is said in the log, which must outlive this.
+  // rejected is said in the log, which must outlive this.
   void allow(std::vector<Network> networks, Log& log);
 
   // Does what has become possible: takes requests, sends a part of each answer under way.

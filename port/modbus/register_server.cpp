@@ -22,7 +22,7 @@ void RegisterServer::allow(std::vector<Network> networks, Log& log) {
 void RegisterServer::rejected(const SocketAddress& peer, bool is_full) {
   if (log_ == nullptr) return;
   log_->write(Level::warning,
-              "a client at " + host_text(peer.host) + " is turned away: " +
+              "a client at " + host_text(peer.host) + " is rejected: " +
                   (is_full ? "all places are taken; raise clients_max in [server]"
                            : "its network is not in allow of [server]; add it there if it may read "
                              "the mesh"));

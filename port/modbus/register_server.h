@@ -20,7 +20,7 @@ class RegisterServer final : public MeshServer, private RequestHandler {
                  const Identity& identity, std::shared_ptr<const RegisterImage> first);
 
   void publish(std::shared_ptr<const RegisterImage> image) override { image_ = std::move(image); }
-  // As TcpListener has it. `log`, which must outlive this, hears who is turned away or hung up on.
+  // As TcpListener has it. `log`, which must outlive this, hears who is rejected or hung up on.
   void allow(std::vector<Network> networks, Log& log);
   void advance(Instant now) { listener_.advance(now); }
   Instant next_deadline() const { return listener_.next_deadline(); }

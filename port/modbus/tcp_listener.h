@@ -21,7 +21,7 @@ class RequestHandler {
   // A client took place `client`, below clients_max; whoever had it before is gone.
   virtual void connected(std::size_t client) = 0;
   virtual void disconnected(std::size_t client) = 0;
-  // Somebody was turned away: there was no place left, or `peer` may not connect.
+  // Somebody was rejected: there was no place left, or `peer` may not connect.
   virtual void rejected(const SocketAddress& peer, bool is_full) {
     static_cast<void>(peer);
     static_cast<void>(is_full);
@@ -49,7 +49,7 @@ class TcpListener final : private AcceptHandler {
 
   // Listens at once; where it cannot, it tries again (posix/acceptor.h). `loop` and `handler` must
   // outlive this. A client beyond clients_max takes the place of the one that has been idle
-  // longest, if that is over idle_max; else it is turned away.
+  // longest, if that is over idle_max; else it is rejected.
   TcpListener(EventLoop& loop, RequestHandler& handler, const SocketAddress& address,
               std::size_t clients_max);
   ~TcpListener();

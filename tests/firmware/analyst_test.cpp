@@ -64,7 +64,7 @@ TEST(Analyst, FollowsTheMesh) {
   EXPECT_EQ(rig.server.header("gap_count"), 0u);
   const MeshAnalysis& analysis = rig.gateway->snapshot().analysis;
   ASSERT_EQ(analysis.holes.size(), 1u);
-  EXPECT_EQ(analysis.holes[0].place, to_point({50, 50}));
+  EXPECT_EQ(analysis.holes[0].point, to_point({50, 50}));
   EXPECT_EQ(analysis.holes[0].distance, 71u);
   EXPECT_FALSE(analysis.holes[0].on_boundary);
   rig.put(5, 50, 50);
@@ -141,7 +141,7 @@ TEST(Analyst, TakesTheHolesOutOfTheDomain) {
   const auto lists_the_pond = [&] {
     const auto& holes = rig.gateway->snapshot().analysis.holes;
     return std::any_of(holes.begin(), holes.end(), [](const CoverageHole& hole) {
-      return hole.place == to_point({50, 50});
+      return hole.point == to_point({50, 50});
     });
   };
   EXPECT_GT(rig.server.header("hole_count"), 0u);
@@ -191,7 +191,7 @@ TEST(Analyst, TakesAHoleOutOfWhatFeaturesEncloseOnceItIsWhole) {
       const auto is_within = [](std::int64_t c) {
         return c > 40 * subunits_per_unit && c < 60 * subunits_per_unit;
       };
-      if (is_within(hole.place.x) && is_within(hole.place.y)) ++count;
+      if (is_within(hole.point.x) && is_within(hole.point.y)) ++count;
     }
     return count;
   };

@@ -207,7 +207,7 @@ void TwoBuses::put_other(std::uint8_t unit, std::int32_t x, std::int32_t y) {
 }
 
 FeatureSettings feature(std::uint32_t from, std::uint32_t to) {
-  return {.from = from, .to = to, .name = {}, .place = "site.toml:1"};
+  return {.from = from, .to = to, .name = {}, .source = "site.toml:1"};
 }
 
 }  // namespace etcm::firmware

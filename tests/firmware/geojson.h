@@ -15,7 +15,7 @@ namespace etcm::firmware {
 inline FeatureEnd at(std::int32_t x, std::int32_t y) { return FeatureEnd::anchor({x, y}); }
 
 inline FeatureSettings line(FeatureEnd from, FeatureEnd to, const std::string& name = "") {
-  return {.from = from, .to = to, .name = name, .place = "site.geojson:1"};
+  return {.from = from, .to = to, .name = name, .source = "site.geojson:1"};
 }
 
 // The settings get an anchor for each end that is none yet.
@@ -28,7 +28,7 @@ inline void draw(Settings& settings, std::vector<FeatureSettings> features) {
           settings.anchors.begin(), settings.anchors.end(),
           [&](const AnchorSettings& anchor) { return anchor.position == end.position; });
       if (end.is_anchor && !is_known) {
-        settings.anchors.push_back({.position = end.position, .place = "site.geojson:1"});
+        settings.anchors.push_back({.position = end.position, .source = "site.geojson:1"});
       }
     }
   }

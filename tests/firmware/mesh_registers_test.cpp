@@ -209,8 +209,8 @@ TEST(MeshMap, ListsComeBackByTheDocumentedRule) {
                                    .reason = 10,
                                    .serial = i,
                                    .bus = 2,
-                                   .unit = 3,
-                                   .place = {-4, static_cast<int>(i)},
+                                   .address = 3,
+                                   .position = {-4, static_cast<int>(i)},
                                    .age_s = 70000});
   }
   const MeshRegisterCapacity capacity{

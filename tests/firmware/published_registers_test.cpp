@@ -26,7 +26,7 @@ Snapshot snapshot_of(std::uint32_t generation) {
     snapshot.neighbours.push_back({.row = 1000 * generation + row});
   }
   for (std::uint32_t i = 0; i < capacity.holes; ++i) {
-    snapshot.analysis.holes.push_back({.place = {}, .distance = 1000 * generation + i});
+    snapshot.analysis.holes.push_back({.point = {}, .distance = 1000 * generation + i});
   }
   for (std::uint32_t i = 0; i < capacity.quarantined; ++i) {
     snapshot.quarantine.push_back({.serial = 1000 * generation + i});

@@ -83,10 +83,10 @@ TEST_F(Restart, AnchorsAreWhereTheyWere) {
     auto rig = rig_of({{.from = FeatureEnd::anchor({-20, -90}),
                         .to = FeatureEnd::anchor({end_x, -90}),
                         .name = {},
-                        .place = "site.geojson:1"},
+                        .source = "site.geojson:1"},
                        feature(1001, 1002)});
-    rig->settings.anchors = {{.position = {-20, -90}, .place = "site.geojson:1"},
-                             {.position = {end_x, -90}, .place = "site.geojson:1"}};
+    rig->settings.anchors = {{.position = {-20, -90}, .source = "site.geojson:1"},
+                             {.position = {end_x, -90}, .source = "site.geojson:1"}};
     return rig;
   };
   const auto before = site(900);
@@ -114,10 +114,10 @@ TEST_F(Restart, ANodeOnAnAnchorIsThatAgain) {
     auto rig = rig_of({{.from = FeatureEnd::anchor({0, 0}),
                         .to = FeatureEnd::anchor({900, -90}),
                         .name = {},
-                        .place = "site.geojson:1"},
+                        .source = "site.geojson:1"},
                        feature(1001, 1002)});
-    rig->settings.anchors = {{.position = {0, 0}, .place = "site.geojson:1"},
-                             {.position = {900, -90}, .place = "site.geojson:1"}};
+    rig->settings.anchors = {{.position = {0, 0}, .source = "site.geojson:1"},
+                             {.position = {900, -90}, .source = "site.geojson:1"}};
     return rig;
   };
   const auto before = site();

@@ -116,7 +116,7 @@ to = 2
   EXPECT_EQ(settings.files->name, "plan");
   EXPECT_EQ(settings.files->interval, 2s);
   EXPECT_EQ(settings.features[0].from, 4000000000u);
-  EXPECT_EQ(settings.features[0].place, path_ + ":36");
+  EXPECT_EQ(settings.features[0].source, path_ + ":36");
 }
 
 TEST_F(SettingsFile, EverySettingOfASerialBusArrives) {

@@ -301,7 +301,7 @@ TEST(SiteKeeping, AnAnchorThatComesWhereANodeStandsSharesItsPlace) {
 TEST(SiteKeeping, AnAnchorTheMeshCannotSpareGoesWhenItCan) {
   Rig rig;
   // The two lines between nodes cross at the anchor, and only there may they.
-  rig.settings.anchors = {{.position = {50, 50}, .place = "site.geojson:1"}};
+  rig.settings.anchors = {{.position = {50, 50}, .source = "site.geojson:1"}};
   rig.settings.features = {line(1001, 1003), line(1002, 1004)};
   rig.put_square();
   rig.run(500ms);

@@ -73,7 +73,7 @@ TEST_F(Site, ALineBecomesAStretchBetweenEachTwoVertices) {
   EXPECT_EQ(stretches(settings), "(0, 0)-(1000, 25) (1000, 25)-(2000, -1000) ");
   EXPECT_EQ(settings.anchors.size(), 3u);
   EXPECT_EQ(settings.features[0].name, "north wall");
-  EXPECT_EQ(settings.features[0].place, path_ + ":2");
+  EXPECT_EQ(settings.features[0].source, path_ + ":2");
 }
 
 TEST_F(Site, ANodeStandsWhereTheFileSaysSo) {

@@ -122,7 +122,7 @@ TEST(SnapshotImage, ExistsForEveryNumberOfNodes) {
 
 TEST(SnapshotImage, HasTheSerialsOfNodesAndNoneOfAnchors) {
   Rig rig;
-  rig.settings.anchors.push_back({.position = {50, 50}, .place = "site.geojson:1"});
+  rig.settings.anchors.push_back({.position = {50, 50}, .source = "site.geojson:1"});
   rig.put_square();
   rig.run(1s);
   const std::string node = files::text_of(files::write_node, *rig.files.last);

@@ -31,15 +31,16 @@ Settings settings_with_state() {
 void write_all(StateWriter& writer) {
   writer.add_bus("yard");
   writer.add_bus("gate");
-  writer.add(SavedNode{.serial = 1001, .position = {-5, 7}, .age_ms = 123456, .bus = 0, .unit = 7});
   writer.add(
-      SavedNode{.serial = 0xfffffffe, .position = {9, -9}, .age_ms = 0, .bus = 1, .unit = 1});
+      SavedNode{.serial = 1001, .position = {-5, 7}, .age_ms = 123456, .bus = 0, .address = 7});
+  writer.add(
+      SavedNode{.serial = 0xfffffffe, .position = {9, -9}, .age_ms = 0, .bus = 1, .address = 1});
   writer.add(SavedNode{.serial = 3, .position = {0, 0}});
   writer.add(Position{position_max, -position_max});
   writer.add(SavedFeature{.from = 0, .to = 3});
   writer.add(SteinerPlace{.feature = 0, .point = {-(std::int64_t{1} << 51), 77}});
   writer.add(SavedMissing{
-      .node = {.serial = 17, .position = {4, -4}, .age_ms = 99'000, .bus = 1, .unit = 9},
+      .node = {.serial = 17, .position = {4, -4}, .age_ms = 99'000, .bus = 1, .address = 9},
       .has_position = true,
       .silence_s = 5'000'000});
   writer.add(SavedMissing{.node = {.serial = 18}, .silence_s = 31});
@@ -64,7 +65,7 @@ TEST(SavedStateForm, SaysAgainWhatWasWritten) {
   EXPECT_EQ(state.nodes[0].serial, 1001u);
   EXPECT_EQ(state.nodes[0].position, (Position{-5, 7}));
   EXPECT_EQ(state.nodes[0].age_ms, 123456u);
-  EXPECT_EQ(state.nodes[0].unit, 7);
+  EXPECT_EQ(state.nodes[0].address, 7);
   EXPECT_EQ(state.nodes[1].bus, 1);
   EXPECT_EQ(state.nodes[2].bus, no_saved_bus);
   EXPECT_EQ(state.anchors, (std::vector{Position{position_max, -position_max}}));
@@ -77,7 +78,7 @@ TEST(SavedStateForm, SaysAgainWhatWasWritten) {
   EXPECT_EQ(state.missing[0].node.position, (Position{4, -4}));
   EXPECT_EQ(state.missing[0].node.age_ms, 99'000u);
   EXPECT_EQ(state.missing[0].node.bus, 1);
-  EXPECT_EQ(state.missing[0].node.unit, 9);
+  EXPECT_EQ(state.missing[0].node.address, 9);
   EXPECT_TRUE(state.missing[0].has_position);
   EXPECT_EQ(state.missing[0].silence_s, 5'000'000u);
   EXPECT_FALSE(state.missing[1].has_position);

@@ -128,7 +128,7 @@ Settings settings() {
   settings.buses = {bus};
   for (std::uint32_t i = 1; i + 7 <= unit_count; i += 6) {
     settings.features.push_back(
-        {.from = 1000 + i, .to = 1000 + i + 6, .name = {}, .place = "site.toml:12"});
+        {.from = 1000 + i, .to = 1000 + i + 6, .name = {}, .source = "site.toml:12"});
   }
   return settings;
 }

@@ -297,7 +297,7 @@ TEST_F(Server, OnlyWhoIsAllowedIsServed) {
   EXPECT_TRUE(turn_until(loop_, [&] { return is_closed(stranger.get()); }));
   ASSERT_EQ(log.lines.size(), 1u);
   EXPECT_EQ(log.lines[0],
-            "a client at 127.0.0.1 is turned away: its network is not in allow of [server]; add it "
+            "a client at 127.0.0.1 is rejected: its network is not in allow of [server]; add it "
             "there if it may read the mesh");
   EXPECT_EQ(server_.counters().rejected, 1u);
   EXPECT_EQ(server_.counters().clients, 0u);

@@ -134,7 +134,7 @@ TEST_F(WebServerTest, WhoIsNotAllowedIsTurnedAway) {
   EXPECT_EQ(counters_.rejected, 2u);
   ASSERT_EQ(log.lines.size(), 1u);
   EXPECT_EQ(log.lines[0],
-            "a browser at 127.0.0.1 is turned away: its network is not in allow of [http]; add it "
+            "a browser at 127.0.0.1 is rejected: its network is not in allow of [http]; add it "
             "there if it may see everything");
   server_.allow({this_machine}, log);
   EXPECT_TRUE(get("/10").starts_with("HTTP/1.1 200 OK\r\n"));

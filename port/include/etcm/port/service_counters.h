@@ -10,7 +10,7 @@ struct ServiceCounters {
   std::uint32_t clients = 0;  // connected now
   // These only ever grow.
   std::uint64_t requests = 0;
-  std::uint64_t rejected = 0;  // requests that were wrong, and clients that were turned away
+  std::uint64_t rejected = 0;  // requests that were wrong, and clients that were rejected
 };
 
 }  // namespace etcm::port
