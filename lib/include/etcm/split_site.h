@@ -30,7 +30,7 @@ struct SplitSite {
   bool head_is_node = false;
   bool tail_is_node = false;
   // The mesh as it stands, and the triangles by which the subsegment leaves head and arrives at
-  // tail: for rules that look further.
+  // tail: for rules that look further (surroundings.h).
   const Mesh* mesh = nullptr;
   TriangleId head_triangle{};
   TriangleId tail_triangle{};

@@ -1,20 +1,14 @@
+// The policies that come with the library. They include its public headers alone: what they do, one
+// of your own can.
 #include <cmath>
 
-#include "conforming/encroachment_count.h"
 #include "etcm/policy.h"
 #include "etcm/split_site.h"
-#include "geometry/predicates_inline.h"
-#include "triangulation/mesh_state.h"
-#include "triangulation/segment_store.h"
+#include "etcm/surroundings.h"
 
 namespace etcm {
 inline namespace ETCM_IDS {
 namespace {
-
-using internal::Edge;
-using internal::MeshState;
-using internal::SegmentId;
-using internal::Topology;
 
 // Reduces a parameter to the open subsegment; only the middle of a subsegment that is one step long
 // cannot.
@@ -53,15 +47,11 @@ class Choice {
  public:
   explicit Choice(const SplitSite& site) noexcept
       : site_(site),
-        mesh_(state_of(*site.mesh)),
-        line_(internal::line_of(site)),
-        encroachments_(line_),
-        head_edge_(edge_before(site.head_triangle, line_.head)),
-        tail_edge_(edge_before(site.tail_triangle, site.at(site.tail))),
-        from_(shared_node(mesh_.topology.apex(head_edge_), site.head_is_node, true)),
-        to_(shared_node(mesh_.topology.apex(tail_edge_), site.tail_is_node, false)),
-        length_(site.tail - site.head),
-        nearest_(nearest_to_node * length_),
+        surroundings_(site),
+        from_(surroundings_.shared_node(End::head)),
+        to_(surroundings_.shared_node(End::tail)),
+        per_squared_length_(1.0 / squared_length(site)),
+        nearest_(nearest_to_node * (site.tail - site.head)),
         overlap_(site.feasible_head >= site.feasible_tail) {
     const Parameter at_head = site.feasible_head - site.head;
     const Parameter at_tail = site.tail - site.feasible_tail;
@@ -71,38 +61,31 @@ class Choice {
   Parameter best() noexcept;
 
  private:
-  // Where a vertex stands along the subsegment, in parameters from head, and on which side.
-  struct View {
-    double along;
-    internal::Cross across;
-  };
+  using End = Surroundings::End;
+  using Beside = Surroundings::Beside;
 
-  View view(VertexId v) const noexcept;
+  static double squared_length(const SplitSite& site) noexcept {
+    const double dx = static_cast<double>(site.to.x) - site.from.x;
+    const double dy = static_cast<double>(site.to.y) - site.from.y;
+    return dx * dx + dy * dy;
+  }
+  double distance(const Point& a, const Position& node) const noexcept;
   bool is_clear_of_nodes(Parameter t) const noexcept;
   void add(Parameter t, double worth) noexcept;
   void add_clear(Parameter t) noexcept;
   void add_ends() noexcept;
   void add_fractions() noexcept;
-  VertexId shared_node(VertexId end, bool is_node, bool at_from) const noexcept;
-  bool ends_at(VertexId v, VertexId node) const noexcept;
-  void aim_at(VertexId v, const View& seen) noexcept;
-  void aim_along(double along, VertexId v, double worth) noexcept;
-  Edge edge_before(TriangleId triangle, const Point& end) const noexcept;
-  Edge look_along(Edge e, Edge stop) noexcept;
-  void look_around() noexcept;
+  void aim_at(const Beside& seen) noexcept;
+  void aim_along(double along, bool is_node, double worth) noexcept;
+  void look_from(End end) noexcept;
   void choose() noexcept;
 
   const SplitSite& site_;
-  const MeshState& mesh_;
-  internal::SubsegmentLine line_;
-  internal::EncroachmentCount encroachments_;
-  // By which the subsegment leaves head's triangle and enters tail's.
-  Edge head_edge_;
-  Edge tail_edge_;
+  Surroundings surroundings_;
   // The nodes at the ends of the segment, where other features end too.
   VertexId from_;
   VertexId to_;
-  double length_;
+  double per_squared_length_;
   double nearest_;
   bool overlap_;
   double per_longest_;
@@ -114,12 +97,6 @@ class Choice {
   double best_score_ = -1e9;
   Parameter best_ = 0;
 };
-
-Choice::View Choice::view(VertexId v) const noexcept {
-  const internal::Offset at = internal::offset(mesh_.at(v), line_.head);
-  return {(at.x * line_.dx + at.y * line_.dy) * line_.per_squared_length,
-          internal::cross({line_.dx, line_.dy}, at)};
-}
 
 // Candidates outside both feasible sets, or in only one where both can be had, are none.
 void Choice::add(Parameter t, double worth) noexcept {
@@ -178,103 +155,50 @@ void Choice::add_fractions() noexcept {
   }
 }
 
-// An end of the segment on which the subsegment lies, where another one ends there too; else none.
-VertexId Choice::shared_node(VertexId end, bool is_node, bool at_from) const noexcept {
-  const auto& segment = mesh_.segment(mesh_.owner(end).segment());
-  const VertexId node = is_node ? end : at_from ? segment.from : segment.to;
-  const SegmentId first = mesh_.owner(node).segment();
-  return next_at(mesh_, first, node).is_none() ? VertexId::none() : node;
-}
-
-// Whether v stands on a feature segment that ends at the node.
-bool Choice::ends_at(VertexId v, VertexId node) const noexcept {
-  const auto owner = mesh_.owner(v);
-  for (SegmentId s = owner.segment(); !s.is_none(); s = next_at(mesh_, s, v)) {
-    const auto& r = mesh_.segment(s);
-    if (r.from == node || r.to == node) return true;
-    if (owner.role() != internal::Role::node) return false;
-  }
-  return false;
-}
-
-void Choice::aim_along(double along, VertexId v, double worth) noexcept {
-  if (!(along > 0 && along < length_)) return;
+void Choice::aim_along(double along, bool is_node, double worth) noexcept {
+  if (!(along > 0 && along < site_.tail - site_.head)) return;
   const auto t = static_cast<Parameter>(site_.head + static_cast<Parameter>(along));
-  if (is_clear_of_nodes(t) || mesh_.owner(v).role() == internal::Role::node) add(t, worth);
+  if (is_clear_of_nodes(t) || is_node) add(t, worth);
 }
 
-void Choice::aim_at(VertexId v, const View& seen) noexcept {
-  const double aside = std::fabs(seen.across.value) * line_.per_squared_length;
+// In parameters.
+double Choice::distance(const Point& a, const Position& node) const noexcept {
+  const Point b = to_point(node);
+  const auto dx = static_cast<double>(a.x - b.x), dy = static_cast<double>(a.y - b.y);
+  return std::sqrt((dx * dx + dy * dy) * per_squared_length_);
+}
+
+void Choice::aim_at(const Beside& seen) noexcept {
   // On a feature that shares a node with this one, the same distance from there: the two vertices
   // and the node are isosceles, so neither is in the other's way.
-  const auto distance_from = [&](VertexId node) {
-    const internal::Offset at = internal::offset(mesh_.at(v), mesh_.at(node));
-    return std::sqrt(internal::lift(at) * line_.per_squared_length);
+  const auto worth = [&](double away) {
+    return seen.aside < narrow * away ? ring_worth : aimed_worth;
   };
-  const auto worth = [&](double distance) {
-    return aside < narrow * distance ? ring_worth : aimed_worth;
-  };
-  if (!from_.is_none() && ends_at(v, from_)) {
-    const double distance = distance_from(from_);
-    aim_along(std::floor(distance + 0.5) - site_.head, v, worth(distance));
+  if (!from_.is_none() && surroundings_.is_on_segment_from(from_, seen.vertex)) {
+    const double away = distance(seen.point, site_.from);
+    aim_along(std::floor(away + 0.5) - site_.head, seen.is_node, worth(away));
   }
-  if (!to_.is_none() && ends_at(v, to_)) {
-    const double distance = distance_from(to_);
-    aim_along(std::ceil(parameter_end - distance - 0.5) - site_.head, v, worth(distance));
+  if (!to_.is_none() && surroundings_.is_on_segment_from(to_, seen.vertex)) {
+    const double away = distance(seen.point, site_.to);
+    aim_along(std::ceil(parameter_end - away - 0.5) - site_.head, seen.is_node, worth(away));
   }
   // Else straight beside it, where the subsegment's two parts see it under no more than a right
   // angle.
-  const bool is_aligned =
-      aside * per_longest_ < beside && mesh_.owner(v).role() != internal::Role::node;
-  aim_along(seen.along, v, is_aligned ? aligned_worth : aimed_worth);
+  const bool is_aligned = seen.aside * per_longest_ < beside && !seen.is_node;
+  aim_along(seen.along, seen.is_node, is_aligned ? aligned_worth : aimed_worth);
 }
 
-// Opposite the end of the subsegment in its triangle.
-Edge Choice::edge_before(TriangleId triangle, const Point& end) const noexcept {
-  Edge e = Topology::edge(triangle.value, 0);
-  while (mesh_.at(mesh_.topology.apex(e)) != end) e = Topology::next(e);
-  return e;
-}
-
-// Aims at the vertices of the triangles that the subsegment crosses, from one end on, and has the
-// subsegments among their sides watched. Returns the edge before which it stopped; none: at the
-// other end.
-Edge Choice::look_along(Edge e, Edge stop) noexcept {
-  const Topology& topo = mesh_.topology;
-  const bool from_head = e == head_edge_;
-  aim_at(topo.target(e), view(topo.target(e)));
-  aim_at(topo.origin(e), view(topo.origin(e)));
-  encroachments_.watch(Topology::next(e));
-  encroachments_.watch(Topology::prev(e));
-  for (int triangles = 1; triangles <= triangles_most && e != stop; ++triangles) {
-    const Edge beyond = topo.twin(e);
-    const VertexId v = topo.apex(beyond);
-    const View seen = view(v);
-    int side = internal::orient2d_filter(seen.across);
-    if (side == 0) {
-      side = internal::orient2d_settle(to_point(site_.from), to_point(site_.to), mesh_.at(v));
-    }
-    const Edge after = Topology::next(beyond), before = Topology::prev(beyond);
-    if (side == 0) {
-      encroachments_.watch(after);
-      encroachments_.watch(before);
-      return {};
-    }
-    aim_at(v, seen);
-    // From head the left comes at the end of an edge, from tail at its start.
-    const bool onward = (side > 0) == from_head;
-    e = onward ? after : before;
-    encroachments_.watch(onward ? before : after);
-    const bool is_past = from_head ? seen.along > site_.feasible_head - site_.head
-                                   : seen.along < site_.feasible_tail - site_.head;
+// Aims at the vertices of the triangles that the subsegment crosses, from one end on.
+void Choice::look_from(End end) noexcept {
+  surroundings_.start(end);
+  Beside seen;
+  // The first two are the ends of the edge that is crossed first.
+  for (int triangles = -1; triangles <= triangles_most && surroundings_.next(seen); ++triangles) {
+    aim_at(seen);
+    const bool is_past = end == End::head ? seen.along > site_.feasible_head - site_.head
+                                          : seen.along < site_.feasible_tail - site_.head;
     if (is_past && triangles >= triangles_least) break;
   }
-  return e;
-}
-
-void Choice::look_around() noexcept {
-  const Edge met = look_along(head_edge_, {});
-  if (!met.is_none()) look_along(tail_edge_, mesh_.topology.twin(met));
 }
 
 // Takes the candidate with the greatest gain less the subsegments it would break, each of which
@@ -288,19 +212,17 @@ void Choice::choose() noexcept {
     double most = best_score_;
     for (int i = 0; i < count_; ++i) {
       if (!(gains_[i] > best_score_)) continue;
-      const double score = gains_[i] - encroachments_.at_least(places_[i]);
+      const double score = gains_[i] - surroundings_.encroachments_at_least(places_[i]);
       if (score > most || (next >= 0 && score == most && places_[i] < places_[next])) {
         next = i;
         most = score;
       }
     }
     if (next < 0) return;
-    const bool near_head = places_[next] - site_.head <= site_.tail - places_[next];
-    const Edge near = near_head ? head_edge_ : tail_edge_;
     const double room = gains_[next] - best_score_;
     // What harms more cannot win.
     const auto enough = static_cast<unsigned>(room < most_harm ? room : most_harm) + 1;
-    const double score = gains_[next] - encroachments_.at(places_[next], near, enough);
+    const double score = gains_[next] - surroundings_.encroachments(places_[next], enough);
     gains_[next] = used;
     if (score > best_score_) {
       best_score_ = score;
@@ -310,7 +232,8 @@ void Choice::choose() noexcept {
 }
 
 Parameter Choice::best() noexcept {
-  look_around();
+  look_from(End::head);
+  look_from(End::tail);
   add_ends();
   choose();
   // No fraction is worth more than this.

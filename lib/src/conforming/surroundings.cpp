@@ -1,0 +1,240 @@
+#include "etcm/surroundings.h"
+
+#include <cmath>
+
+#include "geometry/predicates_inline.h"
+#include "triangulation/locate.h"
+#include "triangulation/mesh_state.h"
+#include "triangulation/relative.h"
+#include "triangulation/segment_store.h"
+
+namespace etcm {
+inline namespace ETCM_IDS {
+
+using namespace internal;
+
+namespace {
+
+// A change as wide as this is harm enough.
+constexpr unsigned triangles_most = 48;
+
+// Where at() starts: which subsegments are watched depends on it, and where rounding makes
+// at_least() say too much, that could show. So it depends on places alone, not on how the walk came
+// or how the triangles are stored.
+Edge first_side(const MeshState& m, const Found& found) noexcept {
+  const Topology& topo = m.topology;
+  const auto precedes = [&](Edge e, Edge other) {
+    return m.at(topo.origin(e)) < m.at(topo.origin(other));
+  };
+  const Edge e = found.edge;
+  if (found.place == Place::on_edge) {
+    const Edge other = topo.twin(e);
+    return !topo.is_ghost(Topology::triangle_of(other)) && precedes(other, e) ? other : e;
+  }
+  const Edge next = Topology::next(e), prev = Topology::prev(e);
+  const Edge first = precedes(next, e) ? next : e;
+  return precedes(prev, first) ? prev : first;
+}
+
+}  // namespace
+
+// Few edges are subsegments, so this is asked before anything is called.
+inline void Surroundings::watch(EdgeWord edge) noexcept {
+  if (mesh_.topology.is_constrained(Edge{edge})) watch_subsegment(edge);
+}
+
+Surroundings::Surroundings(const SplitSite& site) noexcept
+    : site_(site),
+      mesh_(state_of(*site.mesh)),
+      head_(site.at(site.head)),
+      dx_(static_cast<double>(site.to.x) - site.from.x),
+      dy_(static_cast<double>(site.to.y) - site.from.y),
+      per_squared_length_(1.0 / (dx_ * dx_ + dy_ * dy_)),
+      head_edge_(edge_before(site.head_triangle, head_)),
+      tail_edge_(edge_before(site.tail_triangle, site.at(site.tail))) {}
+
+// Opposite the end of the subsegment in its triangle.
+Surroundings::EdgeWord Surroundings::edge_before(TriangleId triangle,
+                                                 const Point& end) const noexcept {
+  Edge e = Topology::edge(triangle.value, 0);
+  while (mesh_.at(mesh_.topology.apex(e)) != end) e = Topology::next(e);
+  return e.value;
+}
+
+VertexId Surroundings::shared_node(End end) const noexcept {
+  const bool at_head = end == End::head;
+  const VertexId v = mesh_.topology.apex(Edge{at_head ? head_edge_ : tail_edge_});
+  const SegmentRecord& segment = mesh_.segment(mesh_.owner(v).segment());
+  const bool is_node = at_head ? site_.head_is_node : site_.tail_is_node;
+  const VertexId node = is_node ? v : at_head ? segment.from : segment.to;
+  const SegmentId first = mesh_.owner(node).segment();
+  return next_at(mesh_, first, node).is_none() ? VertexId::none() : node;
+}
+
+bool Surroundings::is_on_segment_from(VertexId node, VertexId vertex) const noexcept {
+  const Owner owner = mesh_.owner(vertex);
+  for (SegmentId s = owner.segment(); !s.is_none(); s = next_at(mesh_, s, vertex)) {
+    const SegmentRecord& r = mesh_.segment(s);
+    if (r.from == node || r.to == node) return true;
+    if (owner.role() != Role::node) return false;
+  }
+  return false;
+}
+
+void Surroundings::start(End end) noexcept {
+  end_ = end;
+  told_ = 0;
+  stop_ = Edge{}.value;
+  if (end == End::head) {
+    edge_ = head_edge_;
+  } else if (edge_ != Edge{}.value) {
+    // Where head's walk stands, or nothing is left.
+    stop_ = mesh_.topology.twin(Edge{edge_}).value;
+    edge_ = tail_edge_;
+  }
+}
+
+bool Surroundings::next(Beside& out) noexcept {
+  const Edge e{edge_};
+  if (e.is_none()) return false;
+  if (told_ == 2) return edge_ != stop_ && enter_next(out);
+  const Topology& topo = mesh_.topology;
+  see(told_ == 0 ? topo.target(e) : topo.origin(e), out);
+  if (++told_ == 2) {
+    watch(Topology::next(e).value);
+    watch(Topology::prev(e).value);
+  }
+  return true;
+}
+
+// Into the triangle beyond the edge.
+bool Surroundings::enter_next(Beside& out) noexcept {
+  const Topology& topo = mesh_.topology;
+  const Edge beyond = topo.twin(Edge{edge_});
+  const VertexId v = topo.apex(beyond);
+  see(v, out);
+  int side = orient2d_filter(cross({dx_, dy_}, offset(mesh_.at(v), head_)));
+  if (side == 0) side = orient2d_settle(to_point(site_.from), to_point(site_.to), mesh_.at(v));
+  const Edge after = Topology::next(beyond), before = Topology::prev(beyond);
+  if (side == 0) {
+    watch(after.value);
+    watch(before.value);
+    edge_ = Edge{}.value;
+    return false;
+  }
+  // From head the left comes at the end of an edge, from tail at its start.
+  const bool onward = (side > 0) == (end_ == End::head);
+  edge_ = (onward ? after : before).value;
+  watch((onward ? before : after).value);
+  return true;
+}
+
+void Surroundings::see(VertexId v, Beside& out) const noexcept {
+  const Offset at = offset(mesh_.at(v), head_);
+  out.vertex = v;
+  out.is_node = mesh_.owner(v).role() == Role::node;
+  out.point = mesh_.at(v);
+  out.along = (at.x * dx_ + at.y * dy_) * per_squared_length_;
+  out.aside = std::fabs(cross_value({dx_, dy_}, at)) * per_squared_length_;
+}
+
+// Where the line of the subsegment runs inside the circle of the edge's triangle. False: nowhere.
+// In double: it only spares at() work. Worked out from the edge, so that it rounds alike however
+// the triangle's corners are stored.
+bool Surroundings::chord(EdgeWord word, Span& span) const noexcept {
+  const Edge edge{word};
+  const Topology& topo = mesh_.topology;
+  const Point& a = mesh_.at(topo.origin(edge));
+  const Offset b = offset(mesh_.at(topo.target(edge)), a);
+  const Offset c = offset(mesh_.at(topo.apex(edge)), a);
+  const Offset head = offset(head_, a);
+  const double bb = lift(b), cc = lift(c);
+  const double half = 0.5 / (b.x * c.y - b.y * c.x);
+  const Offset centre{(bb * c.y - cc * b.y) * half, (cc * b.x - bb * c.x) * half};
+  const double middle =
+      ((centre.x - head.x) * dx_ + (centre.y - head.y) * dy_) * per_squared_length_;
+  const double power = lift(head) - 2 * (head.x * centre.x + head.y * centre.y);
+  const double squared = middle * middle - power * per_squared_length_;
+  if (!(squared > 0)) return false;
+  const double half_length = std::sqrt(squared);
+  span = {middle - half_length, middle + half_length};
+  return true;
+}
+
+void Surroundings::watch_subsegment(EdgeWord word) noexcept {
+  const Edge edge{word};
+  const Topology& topo = mesh_.topology;
+  if (watched_count_ == watched_most) return;
+  const Edge other = topo.twin(edge);
+  for (unsigned i = 0; i < watched_count_; ++i) {
+    if (watched_[i].edge == edge.value || watched_[i].edge == other.value) return;
+  }
+  Span one, two;
+  if (topo.is_ghost(Topology::triangle_of(edge)) || topo.is_ghost(Topology::triangle_of(other)) ||
+      !chord(edge.value, one) || !chord(other.value, two))
+    return;
+  watched_[watched_count_++] = {
+      edge.value, {one.from > two.from ? one.from : two.from, one.to < two.to ? one.to : two.to}};
+}
+
+unsigned Surroundings::encroachments_at_least(Parameter t) const noexcept {
+  const double place = t - site_.head;
+  unsigned count = 0;
+  for (unsigned i = 0; i < watched_count_; ++i) {
+    count += watched_[i].breaks.from < place && place < watched_[i].breaks.to;
+  }
+  return count;
+}
+
+unsigned Surroundings::encroachments(Parameter t, unsigned enough) noexcept {
+  const bool near_head = t - site_.head <= site_.tail - t;
+  const Edge near{near_head ? head_edge_ : tail_edge_};
+  const Topology& topo = mesh_.topology;
+  const Point p = site_.at(t);
+  const Found found = find(mesh_, p, near);
+  if (found.place == Place::on_vertex || found.place == Place::outside) return enough;
+  // The triangles whose circles hold p hang together like a tree: goes round it, its edges u -> v
+  // on the left hand, and back through the edge by which a triangle was entered.
+  Edge entries[triangles_most];
+  unsigned depth = 0;
+  unsigned triangles = 1;
+  unsigned encroachments = 0;
+  Edge e = first_side(mesh_, found);
+  Relative u = relative_to(mesh_, topo.origin(e), p), v = relative_to(mesh_, topo.target(e), p);
+  double uv = cross_value(u.at, v.at);
+  for (unsigned sides = 0;;) {
+    const Edge beyond = topo.twin(e);
+    const VertexId apex = topo.apex(beyond);
+    if (apex != infinite_vertex) {
+      const Relative w = relative_to(mesh_, apex, p);
+      const double uw = cross_value(u.at, w.at), wv = cross_value(w.at, v.at);
+      // Counter-clockwise: u, w, v. Ties break no subsegment.
+      int side = incircle_coarse(u.height, wv, w.height, -uv, v.height, uw);
+      if (side == 0) side = incircle_fast(mesh_.at(u.id), mesh_.at(apex), mesh_.at(v.id), p);
+      if (side > 0) {
+        if (topo.is_constrained(e)) {
+          ++encroachments;
+          watch_subsegment(e.value);
+        }
+        if (encroachments >= enough || ++triangles > triangles_most) return enough;
+        entries[depth++] = beyond;
+        e = Topology::next(beyond);
+        v = w;
+        uv = uw;
+        continue;
+      }
+    }
+    if (depth == 0 && ++sides == 3) return encroachments;
+    e = Topology::next(e);
+    while (depth != 0 && e == entries[depth - 1]) {
+      e = Topology::next(topo.twin(entries[--depth]));
+      if (depth == 0 && ++sides == 3) return encroachments;
+    }
+    u = v;
+    v = relative_to(mesh_, topo.target(e), p);
+    uv = cross_value(u.at, v.at);
+  }
+}
+
+}  // namespace ETCM_IDS
+}  // namespace etcm
