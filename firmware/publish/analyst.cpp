@@ -116,7 +116,7 @@ void Analyst::look_at_relays(const Mesh& mesh, const Mesh& devices, const Featur
   for (const Relay& relay : listed<Relay>(relays_, count)) {
     const std::uint32_t feature =
         relay.feature.is_none() ? 0 : features.number_of(relay.feature) + 1;
-    analysis.relays.push_back({relay.place, feature, row_of(relay.vertex)});
+    analysis.relays.push_back({relay.position, feature, row_of(relay.vertex)});
   }
 }
 
@@ -125,7 +125,7 @@ void Analyst::look_at_coverage(const Mesh& mesh, const Mesh& devices, MeshAnalys
   analysis.holes.clear();
   for (const Hole& hole : listed<Hole>(holes_, analysis.hole_count)) {
     analysis.holes.push_back(
-        {hole.place, range_for(squared_distance(hole.place, hole.sensor)), hole.on_boundary});
+        {hole.position, range_for(squared_distance(hole.position, hole.sensor)), hole.on_boundary});
   }
 }
 

@@ -180,7 +180,7 @@ void look() {
            "incircle is the same from each corner");
   }
   const Location location = locate(mesh, seed);
-  digest.add(std::uint64_t{static_cast<std::uint8_t>(location.place)});
+  digest.add(std::uint64_t{static_cast<std::uint8_t>(location.type)});
   digest.add(location.vertex);
 }
 

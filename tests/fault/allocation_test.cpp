@@ -60,7 +60,7 @@ TEST(Allocation, IsAbsentFromEveryCall) {
     sound = bool(audit(mesh));
     read += mesh.hash() + mesh.neighbours(VertexId{1}, neighbours);
     read += mesh.chain(FeatureId{1}, chain);
-    read += static_cast<std::uint64_t>(locate(mesh, mesh.point(VertexId{2})).place);
+    read += static_cast<std::uint64_t>(locate(mesh, mesh.point(VertexId{2})).type);
     mesh.clear();
     allocations = watch.allocations();
   }

@@ -181,8 +181,8 @@ RC_GTEST_PROP(Analysis, RelaysAreAsFewAsTheRangeAllows, ()) {
     const Relay& relay = found[i];
     RC_ASSERT(relay.vertex.is_none() == (i >= at_vertices));
     if (relay.vertex.is_none()) continue;
-    RC_ASSERT(relay.place == (*mesh)->point(relay.vertex));
-    RC_ASSERT(!is_vertex(places_of_devices, relay.place));
+    RC_ASSERT(relay.position == (*mesh)->point(relay.vertex));
+    RC_ASSERT(!is_vertex(places_of_devices, relay.position));
     bool is_on_one = false, is_on_that = false;
     for (IdValue value = 0; value < (*mesh)->feature_id_end(); ++value) {
       if (!(*mesh)->is_feature(FeatureId{value})) continue;
@@ -201,7 +201,7 @@ RC_GTEST_PROP(Analysis, RelaysAreAsFewAsTheRangeAllows, ()) {
     std::vector<Point> places;
     for (const VertexId v : chain_of(**mesh, feature)) places.push_back((*mesh)->point(v));
     for (const Relay& relay : found) {
-      if (relay.feature == feature && relay.vertex.is_none()) places.push_back(relay.place);
+      if (relay.feature == feature && relay.vertex.is_none()) places.push_back(relay.position);
     }
     // Along the feature: by the coordinate that changes most.
     const FeatureEnds ends = (*mesh)->ends(feature);
@@ -327,7 +327,7 @@ RC_GTEST_PROP(Analysis, NoHolesExactlyIfAllIsCovered, ()) {
     mpq_class worst = 0;
     for (const Hole& hole : holes) {
       RC_ASSERT(is_vertex(points, hole.sensor));
-      worst = std::max(worst, squared(rational(hole.place), rational(hole.sensor)));
+      worst = std::max(worst, squared(rational(hole.position), rational(hole.sensor)));
     }
     // The worst of them is the worst place there is, up to the rounding of its coordinates.
     const mpz_class seen = sqrt(mpz_class(worst.get_num() / worst.get_den()));
@@ -337,10 +337,10 @@ RC_GTEST_PROP(Analysis, NoHolesExactlyIfAllIsCovered, ()) {
   const std::uint32_t range = any_range(points);
   for (const Hole& hole : holes_at(range)) {
     // Nobody is nearer than the sensor it names, and that one is out of range.
-    const mpq_class nearest = squared_distance_to(points, rational(hole.place));
+    const mpq_class nearest = squared_distance_to(points, rational(hole.position));
     const mpz_class distance = sqrt(mpz_class(nearest.get_num()));
     const mpz_class named =
-        sqrt(mpz_class(squared(rational(hole.place), rational(hole.sensor)).get_num()));
+        sqrt(mpz_class(squared(rational(hole.position), rational(hole.sensor)).get_num()));
     RC_ASSERT(abs(named - distance) <= 2);
     RC_ASSERT(distance + 2 >= (mpz_class(range) << subunit_bits));
   }
@@ -373,7 +373,7 @@ RC_GTEST_PROP(Analysis, ReadingsAreLinearBetweenTheCorners, ()) {
   const auto check = [&](const Point& place, const mpq_class& expected) {
     Interpolated found;
     RC_ASSERT(interpolate(**mesh, place, readings, found) == Status::ok);
-    RC_ASSERT(found.place != Place::outside);
+    RC_ASSERT(found.type != LocateType::outside);
     const mpq_class scaled = expected * (mpz_class(1) << subunit_bits) + mpq_class(1, 2);
     mpz_class rounded;
     mpz_fdiv_q(rounded.get_mpz_t(), scaled.get_num_mpz_t(), scaled.get_den_mpz_t());

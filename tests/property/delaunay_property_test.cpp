@@ -55,7 +55,7 @@ RC_GTEST_PROP(AnyGraph, LocatesEveryVertexAtItself, ()) {
   for (IdValue value = 1; value < (*mesh)->vertex_id_end(); ++value) {
     if ((*mesh)->kind(VertexId{value}) == VertexKind::none) continue;
     const Location location = locate(**mesh, (*mesh)->point(VertexId{value}));
-    RC_ASSERT(location.place == Place::on_vertex);
+    RC_ASSERT(location.type == LocateType::on_vertex);
     RC_ASSERT(location.vertex == VertexId{value});
   }
 }

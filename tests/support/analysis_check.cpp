@@ -130,7 +130,7 @@ AssertionResult AnalysisCheck::places(const Mesh& mesh) {
       return AssertionFailure() << "vertex " << vertices_[i].value << " is not found in its place";
     }
     if (interpolate(mesh, points_[i], readings_, reading) != Status::ok ||
-        reading.place != Place::on_vertex) {
+        reading.type != LocateType::on_vertex) {
       return AssertionFailure() << "no reading at vertex " << vertices_[i].value;
     }
     if (mesh.kind(vertices_[i]) == VertexKind::node &&
@@ -144,13 +144,13 @@ AssertionResult AnalysisCheck::places(const Mesh& mesh) {
                                random_.between(-5, 5) * (subunits_per_unit / 2));
     const Location at = locate(mesh, place);
     const bool is_vertex = std::find(points_.begin(), points_.end(), place) != points_.end();
-    if (is_vertex != (at.place == Place::on_vertex) || is_vertex == at.vertex.is_none()) {
+    if (is_vertex != (at.type == LocateType::on_vertex) || is_vertex == at.vertex.is_none()) {
       return AssertionFailure() << "a place is wrongly said to be a vertex or none";
     }
-    if (at.place == Place::inside_triangle && mesh.finite_triangle_count() == 0) {
+    if (at.type == LocateType::inside_triangle && mesh.finite_triangle_count() == 0) {
       return AssertionFailure() << "a place is in a triangle of a mesh without any";
     }
-    if (interpolate(mesh, place, readings_, reading) != Status::ok || reading.place != at.place) {
+    if (interpolate(mesh, place, readings_, reading) != Status::ok || reading.type != at.type) {
       return AssertionFailure() << "a reading is not where its place is";
     }
   }
@@ -273,9 +273,9 @@ AssertionResult AnalysisCheck::coverage_in(const Mesh& sensors, const Mesh* wher
   const std::vector<Point> points = points_of(sensors);
   for (const Hole& hole : holes) {
     // Rounded to the nearest sub-unit.
-    const SquaredLength nearest = to_nearest(points, hole.place);
+    const SquaredLength nearest = to_nearest(points, hole.position);
     if (nearest < square_of(range, -2) ||
-        squared_distance(hole.place, hole.sensor) > square_of(range_for(nearest), 2)) {
+        squared_distance(hole.position, hole.sensor) > square_of(range_for(nearest), 2)) {
       return AssertionFailure() << "a hole is seen, or by another sensor than it names";
     }
   }

@@ -56,10 +56,10 @@ TEST(Analysis, HasNothingToSayAboutAnEmptyMesh) {
   const Connectivity found = connectivity_of(**mesh, 1);
   EXPECT_EQ(found.parts, 0u);
   EXPECT_EQ(found.least, SquaredLength{});
-  Interpolated reading{Place::on_vertex, 7};
+  Interpolated reading{LocateType::on_vertex, 7};
   const std::array<std::int32_t, 1> readings{5};
   EXPECT_EQ(interpolate(**mesh, {0, 0}, readings, reading), Status::ok);
-  EXPECT_EQ(reading.place, Place::outside);
+  EXPECT_EQ(reading.type, LocateType::outside);
   EXPECT_EQ(reading.value, 0);
 }
 
@@ -72,7 +72,7 @@ TEST(Analysis, OfASingleNode) {
   Interpolated reading;
   const std::array<std::int32_t, 2> readings{0, -3};
   EXPECT_EQ(interpolate(**mesh, to_point({far, -far}), readings, reading), Status::ok);
-  EXPECT_EQ(reading.place, Place::on_vertex);
+  EXPECT_EQ(reading.type, LocateType::on_vertex);
   EXPECT_EQ(reading.value, -3 * subunits_per_unit);
 }
 
@@ -87,7 +87,7 @@ TEST(Analysis, OfNodesOnALine) {
   EXPECT_EQ(found.parts, 2u);
   std::array<Hole, 2> hole;
   ASSERT_EQ(coverage_holes(**mesh, {}, 21, hole), 1u);
-  EXPECT_EQ(hole[0].place, to_point({25, 25}));
+  EXPECT_EQ(hole[0].position, to_point({25, 25}));
   EXPECT_TRUE(hole[0].on_boundary);
   EXPECT_EQ(coverage_holes(**mesh, {}, 22, hole), 0u);
   std::array<Gap, 1> gap;
@@ -98,10 +98,10 @@ TEST(Analysis, OfNodesOnALine) {
   Interpolated reading;
   const std::array<std::int32_t, 4> readings{0, 100, 200, -100};
   EXPECT_EQ(interpolate(**mesh, to_point({30, 30}), readings, reading), Status::ok);
-  EXPECT_EQ(reading.place, Place::on_edge);
+  EXPECT_EQ(reading.type, LocateType::on_edge);
   EXPECT_EQ(reading.value, 0);
   EXPECT_EQ(interpolate(**mesh, to_point({30, 31}), readings, reading), Status::ok);
-  EXPECT_EQ(reading.place, Place::outside);
+  EXPECT_EQ(reading.type, LocateType::outside);
 }
 
 // The domain is a mesh of 0, 1 or 2 vertices, or of more on a line: then it is what the sensors
@@ -228,8 +228,8 @@ TEST(Relays, StandEvenlyOnALongPiece) {
   EXPECT_EQ(relays(**mesh, **mesh, 100, {}), 0u);
   std::array<Relay, 3> relay;
   ASSERT_EQ(relays(**mesh, **mesh, 25, relay), 3u);
-  EXPECT_EQ(relay[0].place, to_point({25, 0}));
-  EXPECT_EQ(relay[2].place, to_point({75, 0}));
+  EXPECT_EQ(relay[0].position, to_point({25, 0}));
+  EXPECT_EQ(relay[2].position, to_point({75, 0}));
   EXPECT_TRUE(relay[1].vertex.is_none());
   EXPECT_EQ(relay[1].feature, FeatureId{0});
   EXPECT_EQ(relays(**mesh, **mesh, 24, relay), 4u);
@@ -239,7 +239,7 @@ TEST(Relays, AreCountedWithoutBeingVisited) {
   const auto mesh = mesh_of({{-far, -far}, {far, far}}, {between_nodes(0, 1)});
   std::array<Relay, 2> relay;
   EXPECT_EQ(relays(**mesh, **mesh, 1, relay), 47453132u);
-  EXPECT_LT(relay[0].place, relay[1].place);
+  EXPECT_LT(relay[0].position, relay[1].position);
   EXPECT_EQ(relays(**mesh, **mesh, 0xffffffffu, relay), 0u);
 }
 
@@ -250,10 +250,10 @@ TEST(Relays, AreProposedAtEachVertexWithoutADevice) {
   const auto devices = mesh_of({{-1000, 0}, {0, -90}, {0, 90}});
   std::array<Relay, 3> relay;
   ASSERT_EQ(relays(**mesh, **devices, 2000, relay), 3u);
-  EXPECT_EQ(relay[0].place, to_point({1000, 0}));
+  EXPECT_EQ(relay[0].position, to_point({1000, 0}));
   EXPECT_EQ(relay[0].vertex, vertex_of(1));
   EXPECT_EQ(relay[0].feature, FeatureId{0}) << "of two features";
-  EXPECT_EQ(relay[1].place, to_point({0, 900}));
+  EXPECT_EQ(relay[1].position, to_point({0, 900}));
   EXPECT_TRUE(relay[1].feature.is_none());
   EXPECT_EQ((*mesh)->kind(relay[2].vertex), VertexKind::steiner);
   EXPECT_EQ(relay[2].feature, FeatureId{0});
@@ -304,7 +304,7 @@ TEST(Holes, AreAtTheCentreOfAnAcuteTriangle) {
   // Its circumradius is 5, and the longest sides, sqrt(80), are covered at 5.
   EXPECT_EQ(coverage_holes(**mesh, {}, 5, hole), 0u);
   ASSERT_EQ(coverage_holes(**mesh, {}, 4, hole), 3u);
-  EXPECT_EQ(hole[0].place, to_point({4, 3}));
+  EXPECT_EQ(hole[0].position, to_point({4, 3}));
   EXPECT_FALSE(hole[0].on_boundary);
   EXPECT_TRUE(hole[1].on_boundary && hole[2].on_boundary);
 }
@@ -318,8 +318,8 @@ TEST(Holes, OfAnObtuseTriangleAreOnItsLongestSide) {
   ASSERT_EQ(coverage_holes(**mesh, {}, 1009, hole), 2u);
   for (const Hole& each : hole) {
     EXPECT_TRUE(each.on_boundary);
-    EXPECT_EQ(std::abs(each.place.x), 990 * subunits_per_unit);
-    EXPECT_EQ(each.place.y, 0);
+    EXPECT_EQ(std::abs(each.position.x), 990 * subunits_per_unit);
+    EXPECT_EQ(each.position.y, 0);
   }
 }
 
@@ -327,7 +327,7 @@ TEST(Holes, OfASquareAreOneInItsMidst) {
   const auto mesh = mesh_of({{0, 0}, {10, 0}, {10, 10}, {0, 10}});
   std::array<Hole, 2> hole;
   ASSERT_EQ(coverage_holes(**mesh, {}, 7, hole), 1u);
-  EXPECT_EQ(hole[0].place, to_point({5, 5}));
+  EXPECT_EQ(hole[0].position, to_point({5, 5}));
   EXPECT_EQ(coverage_holes(**mesh, {}, 8, hole), 0u);
 }
 
@@ -373,7 +373,7 @@ TEST_F(Field, HasItsWorstPlacesAtCornersWithoutSensors) {
   ASSERT_EQ(holes(**sensors, 86, hole), 2u);
   for (const Hole& each : std::span(hole).first(2)) {
     EXPECT_TRUE(each.on_boundary);
-    EXPECT_EQ(each.place.y, 100 * subunits_per_unit);
+    EXPECT_EQ(each.position.y, 100 * subunits_per_unit);
     EXPECT_EQ(each.sensor, to_point({50, 30}));
   }
   EXPECT_EQ(holes(**sensors, 58, hole), 4u);
@@ -388,7 +388,7 @@ TEST_F(Field, IsSeenBySensorsOutsideOfIt) {
   // Where the two take turns on the sides: 50 across and 60 along.
   ASSERT_EQ(holes(**sensors, 78, hole), 2u);
   for (const Hole& each : std::span(hole).first(2)) {
-    EXPECT_EQ(each.place.y, 50 * subunits_per_unit);
+    EXPECT_EQ(each.position.y, 50 * subunits_per_unit);
     EXPECT_TRUE(each.on_boundary);
   }
 }
@@ -401,7 +401,7 @@ TEST_F(Field, LeavesTheHoleOut) {
     const std::uint32_t count = holes(**sensors, 14, hole);
     const auto listed = std::span(hole).first(std::min<std::size_t>(count, hole.size()));
     return std::any_of(listed.begin(), listed.end(), [](const Hole& each) {
-      return each.place == to_point({50, 50});
+      return each.position == to_point({50, 50});
     });
   };
   EXPECT_FALSE(lists_the_middle());
@@ -416,7 +416,7 @@ TEST(Holes, AreFoundAtTheLimitsOfTheCoordinates) {
   std::array<Hole, 1> hole;
   // Half the diagonal is 23726566.4 units.
   ASSERT_EQ(coverage_holes(**mesh, {}, 23726566, hole), 1u);
-  EXPECT_EQ(hole[0].place, (Point{0, 0}));
+  EXPECT_EQ(hole[0].position, (Point{0, 0}));
   EXPECT_EQ(coverage_holes(**mesh, {}, 23726567, hole), 0u);
   EXPECT_EQ(coverage_holes(**mesh, {}, 0xffffffffu, hole), 0u);
 }
@@ -426,7 +426,7 @@ TEST(Readings, AreLinearInTheTriangle) {
   const std::array<std::int32_t, 4> readings{0, 0, 100, 1000};
   Interpolated reading;
   ASSERT_EQ(interpolate(**mesh, to_point({2, 3}), readings, reading), Status::ok);
-  EXPECT_EQ(reading.place, Place::inside_triangle);
+  EXPECT_EQ(reading.type, LocateType::inside_triangle);
   EXPECT_EQ(reading.value, 320 * subunits_per_unit);
   EXPECT_EQ(interpolate(**mesh, to_point({2, 3}), std::span(readings).first(3), reading),
             Status::buffer_too_small);

@@ -115,7 +115,7 @@ TEST_P(LostWalk, Ends) {
 
 TEST(LostWalkOnALine, Ends) {
   const auto mesh = built({"", {{0, 0}, {10, 0}, {20, 0}}, {}});
-  EXPECT_EQ(locate(**mesh, to_point({30, 0})).place, Place::outside);
+  EXPECT_EQ(locate(**mesh, to_point({30, 0})).type, LocateType::outside);
   for_all_edges(state_of(**mesh),
                 [&](Edge e) { set_link(state_of(**mesh), Topology::next(e), Topology::prev(e)); });
   EXPECT_EXIT(static_cast<void>(locate(**mesh, to_point({30, 0}))), testing::ExitedWithCode(1),

@@ -87,7 +87,7 @@ Sensing look_at_sensing(const Mesh& mesh, const Mesh& nodes, std::span<const Reg
 }
 
 std::uint32_t distance_of(const Hole& hole) {
-  return range_for(squared_distance(hole.place, hole.sensor));
+  return range_for(squared_distance(hole.position, hole.sensor));
 }
 
 std::string counted(std::uint64_t count, const char* one, const char* many) {
@@ -118,8 +118,8 @@ std::string tell(const Sensing& sensing, std::uint32_t range) {
         [](const Hole& a, const Hole& b) { return distance_of(a) < distance_of(b); });
     text += counted(sensing.hole_count, "hole", "holes") + ", the widest " +
             std::to_string(distance_of(*worst)) + " from the nearest node, at " +
-            std::to_string(worst->place.x / subunits_per_unit) + " " +
-            std::to_string(worst->place.y / subunits_per_unit) + "\n";
+            std::to_string(worst->position.x / subunits_per_unit) + " " +
+            std::to_string(worst->position.y / subunits_per_unit) + "\n";
   }
   text += counted(sensing.gap_count, "gap", "gaps") + " along features";
   if (sensing.gap_count > 0) {
@@ -147,7 +147,7 @@ std::string json_flag(bool flag) { return flag ? "true" : "false"; }
 void add(Members& members, const Radio& radio, const files::ConstraintGraph& graph,
          std::uint32_t range) {
   const auto relay_text = [&](const Relay& relay) {
-    return "{\"place\":" + json_place(relay.place) +
+    return "{\"place\":" + json_place(relay.position) +
            ",\"feature\":" + std::to_string(graph.feature_number(relay.feature.value)) +
            ",\"steiner\":" + json_flag(!relay.vertex.is_none()) + "}";
   };
@@ -165,7 +165,7 @@ void add(Members& members, const Radio& radio, const files::ConstraintGraph& gra
 void add(Members& members, const Sensing& sensing, const files::ConstraintGraph& graph,
          std::uint32_t range) {
   const auto hole_text = [](const Hole& hole) {
-    return "{\"place\":" + json_place(hole.place) +
+    return "{\"place\":" + json_place(hole.position) +
            ",\"distance\":" + std::to_string(distance_of(hole)) +
            ",\"on_boundary\":" + json_flag(hole.on_boundary) + "}";
   };
@@ -187,8 +187,8 @@ void add(Members& members, const Sensing& sensing, const files::ConstraintGraph&
 files::PictureMarks marks_of(const Mesh& nodes, const Radio& radio, const Sensing& sensing,
                              std::uint32_t sensing_range) {
   files::PictureMarks marks;
-  for (const Relay& relay : radio.relays) marks.relays.push_back(relay.place);
-  for (const Hole& hole : sensing.holes) marks.holes.push_back(hole.place);
+  for (const Relay& relay : radio.relays) marks.relays.push_back(relay.position);
+  for (const Hole& hole : sensing.holes) marks.holes.push_back(hole.position);
   marks.sensing_range = sensing_range;
   for (IdValue value = 1; sensing_range > 0 && value < nodes.vertex_id_end(); ++value) {
     marks.sensors.push_back(nodes.point(VertexId{value}));

@@ -89,7 +89,7 @@ Status connectivity(const Mesh& mesh, std::uint32_t radio_range,
 
 // A place for a relay.
 struct Relay {
-  Point place;
+  Point position;
   FeatureId feature{};  // that it is on (of several, any); none: a node that is on none
   VertexId vertex{};    // that stands there without a device; none: it is between vertices
 };
@@ -131,7 +131,7 @@ struct Domain {
 // the places around it, or than those beside it on the boundary: where one more sensor would see
 // most. A hole may have several.
 struct Hole {
-  Point place;       // rounded to the nearest sub-unit
+  Point position;    // rounded to the nearest sub-unit
   Point sensor;      // the nearest (one of them)
   bool on_boundary;  // on the boundary of the domain; else inside
 };
@@ -157,9 +157,9 @@ struct Hole {
 // node, by vertex id; it needs vertex_id_end() elements, those of other ids are not looked at. A
 // Steiner vertex takes the value that is linear between the two nodes of its segment of feature.
 // `value` is in 2^-28 of the unit of the readings, rounded to the nearest, halves up.
-// `place` says whether there is any: with Place::outside, value is 0.
+// `type` says whether there is any: with LocateType::outside, value is 0.
 struct Interpolated {
-  Place place = Place::outside;
+  LocateType type = LocateType::outside;
   std::int64_t value = 0;
 };
 

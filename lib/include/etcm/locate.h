@@ -8,10 +8,10 @@
 namespace etcm {
 inline namespace ETCM_IDS {
 
-enum class Place : std::uint8_t { outside, inside_triangle, on_edge, on_vertex };
+enum class LocateType : std::uint8_t { outside, inside_triangle, on_edge, on_vertex };
 
 struct Location {
-  Place place = Place::outside;
+  LocateType type = LocateType::outside;
   // inside_triangle: the triangle; on_edge: one of its two; on_vertex: any at the vertex;
   // outside: the ghost behind a hull edge that the point can see. None when there is no triangle.
   TriangleId triangle{};

@@ -36,7 +36,7 @@ std::int64_t part_way(std::int64_t from, std::int64_t to, std::int64_t k, std::i
 }
 
 bool has_device(const MeshState& devices, const Point& place) noexcept {
-  return find(devices, place, edge_near(devices, place)).place == Place::on_vertex;
+  return find(devices, place, edge_near(devices, place)).type == LocateType::on_vertex;
 }
 
 // One of the features that the vertex is on, the same whatever the history; none: it is on none.

@@ -59,17 +59,17 @@ Status interpolate(const Mesh& mesh, const Point& place, std::span<const std::in
   const MeshState& m = opened(mesh, Call::interpolate);
   if (readings.size() < m.vertex_end) return Status::buffer_too_small;
   const Location at = locate(mesh, place);
-  out = {at.place, 0};
-  switch (at.place) {
-    case Place::outside:
+  out = {at.type, 0};
+  switch (at.type) {
+    case LocateType::outside:
       break;
-    case Place::on_vertex:
+    case LocateType::on_vertex:
       out.value = value_at(m, at.vertex, readings);
       break;
-    case Place::inside_triangle:
+    case LocateType::inside_triangle:
       out.value = in_triangle(m, at.triangle.value, place, readings);
       break;
-    case Place::on_edge:
+    case LocateType::on_edge:
       out.value = on_edge(m, Topology::edge(at.triangle.value, static_cast<unsigned>(at.side)),
                           place, readings);
       break;

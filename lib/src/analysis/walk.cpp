@@ -15,7 +15,7 @@ VertexId nearest_vertex(const MeshState& m, const Point& place) noexcept {
   if (m.topology.triangle_count() == 0)
     return m.vertex_count() == 0 ? VertexId::none() : m.only_vertex;
   const Found found = find(m, place, edge_near(m, place));
-  if (found.place == Place::on_vertex) return found.vertex;
+  if (found.type == LocateType::on_vertex) return found.vertex;
   VertexId nearest = m.topology.origin(found.edge);
   if (nearest == infinite_vertex) nearest = m.topology.target(found.edge);
   SquaredLength least = squared_distance(place, m.at(nearest));

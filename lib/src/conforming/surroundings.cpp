@@ -27,7 +27,7 @@ Edge first_side(const MeshState& m, const Found& found) noexcept {
     return m.at(topo.origin(e)) < m.at(topo.origin(other));
   };
   const Edge e = found.edge;
-  if (found.place == Place::on_edge) {
+  if (found.type == LocateType::on_edge) {
     const Edge other = topo.twin(e);
     return !topo.is_ghost(Topology::triangle_of(other)) && precedes(other, e) ? other : e;
   }
@@ -192,7 +192,7 @@ unsigned Surroundings::encroachments(Parameter t, unsigned enough) noexcept {
   const Topology& topo = mesh_.topology;
   const Point p = site_.at(t);
   const Found found = find(mesh_, p, near);
-  if (found.place == Place::on_vertex || found.place == Place::outside) return enough;
+  if (found.type == LocateType::on_vertex || found.type == LocateType::outside) return enough;
   // The triangles whose circles hold p hang together like a tree: goes round it, its edges u -> v
   // on the left hand, and back through the edge by which a triangle was entered.
   Edge entries[triangles_most];

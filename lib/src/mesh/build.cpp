@@ -68,7 +68,7 @@ Status insert_nodes(Change& change, std::span<const Position> nodes) noexcept {
   for (IdValue i = 1; i < m.vertex_end; ++i) {
     const VertexId v{i};
     const Found found = find(m, m.at(v), m.walk_start);
-    if (found.place == Place::on_vertex) {
+    if (found.type == LocateType::on_vertex) {
       const VertexId one = own_id(m, v), other = own_id(m, found.vertex);
       m.error_detail.vertex = one < other ? one : other;
       m.error_detail.rejected = one < other ? other : one;
@@ -159,7 +159,7 @@ Status insert_steiner(Change& change, const SteinerPlace& place) noexcept {
   const SegmentId s = segment_with(m, SegmentId{static_cast<IdValue>(place.feature)}, place.point);
   if (s.is_none()) return Status::bad_coordinate;
   const Found found = find(m, place.point, edge_near(m, place.point));
-  if (found.place == Place::on_vertex) {
+  if (found.type == LocateType::on_vertex) {
     m.error_detail.vertex = found.vertex;
     return Status::duplicate_vertex;
   }

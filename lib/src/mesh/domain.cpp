@@ -89,9 +89,9 @@ Status label_domain(const Mesh& mesh, Exterior exterior, std::span<const Point> 
   for (const Point& seed : hole_seeds) {
     const Location at = locate(mesh, seed);
     const bool on_feature =
-        at.place == Place::on_edge && m.topology.is_constrained(Topology::edge(
-                                          at.triangle.value, static_cast<unsigned>(at.side)));
-    if ((at.place == Place::inside_triangle || at.place == Place::on_edge) && !on_feature) {
+        at.type == LocateType::on_edge && m.topology.is_constrained(Topology::edge(
+                                              at.triangle.value, static_cast<unsigned>(at.side)));
+    if ((at.type == LocateType::inside_triangle || at.type == LocateType::on_edge) && !on_feature) {
       labeller.flood_from(at.triangle.value, Region::hole);
     }
   }

@@ -22,10 +22,10 @@ namespace {
 
 // The segment that p stands on: on one of its Steiner vertices or subsegments. None: on neither.
 SegmentId section_under(const MeshState& m, const Found& found) noexcept {
-  if (found.place == Place::on_vertex && m.owner(found.vertex).role() != Role::node) {
+  if (found.type == LocateType::on_vertex && m.owner(found.vertex).role() != Role::node) {
     return m.owner(found.vertex).segment();
   }
-  if (found.place == Place::on_edge && m.topology.is_constrained(found.edge)) {
+  if (found.type == LocateType::on_edge && m.topology.is_constrained(found.edge)) {
     return segment_of_edge(m, m.topology.origin(found.edge), m.topology.target(found.edge));
   }
   return SegmentId::none();
@@ -42,7 +42,7 @@ Status report(MeshState& m, Status status, VertexId vertex) noexcept {
 Status insert_node(Change& change, VertexId v, SegmentId& cut, SegmentId& rest) noexcept {
   MeshState& m = change.mesh;
   Found found = find(m, m.at(v), edge_near(m, m.at(v)));
-  if (found.place == Place::on_vertex && m.owner(found.vertex).role() == Role::node) {
+  if (found.type == LocateType::on_vertex && m.owner(found.vertex).role() == Role::node) {
     return report(m, Status::duplicate_vertex, found.vertex);
   }
   cut = section_under(m, found);

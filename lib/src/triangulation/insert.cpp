@@ -88,7 +88,7 @@ void insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
     }
     return;
   }
-  if (found.place == Place::outside && !found.vertex.is_none()) {
+  if (found.type == LocateType::outside && !found.vertex.is_none()) {
     // A collinear mesh grows at its end; found.edge runs from there to infinity.
     topo.split_open(found.edge, v);
     m.walk_start = topo.edge_at(v);

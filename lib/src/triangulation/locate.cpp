@@ -27,19 +27,19 @@ Found find_on_chain(const MeshState& m, const Point& p, Edge near) noexcept {
   IdValue t = Topology::triangle_of(near);
   Edge e = Topology::edge(t, infinite_side(topo.triangle(t)));
   const int side = orient2d_fast(m.at(topo.origin(e)), m.at(topo.target(e)), p);
-  if (side != 0) return {Place::outside, side > 0 ? e : topo.twin(e), {}};
+  if (side != 0) return {LocateType::outside, side > 0 ? e : topo.twin(e), {}};
   // Face p: then the chain is followed from origin to target, over the vertex at infinity's star.
   const Point& origin = m.at(topo.origin(e));
   if ((p < origin) != (m.at(topo.target(e)) < origin)) e = topo.twin(e);
   for (StepBound bound(topo.triangle_count());; bound.step()) {
     const VertexId u = topo.origin(e), v = topo.target(e);
-    if (p == m.at(u)) return {Place::on_vertex, e, u};
-    if (p == m.at(v)) return {Place::on_vertex, e, v};
-    if (strictly_between(p, m.at(u), m.at(v))) return {Place::on_edge, e, {}};
+    if (p == m.at(u)) return {LocateType::on_vertex, e, u};
+    if (p == m.at(v)) return {LocateType::on_vertex, e, v};
+    if (strictly_between(p, m.at(u), m.at(v))) return {LocateType::on_edge, e, {}};
     const Edge to_infinity = Topology::next(e);
     const Edge onward = Topology::next(topo.twin(to_infinity));
     // Behind the last vertex comes the other side of the same edge.
-    if (onward == topo.twin(e)) return {Place::outside, to_infinity, v};
+    if (onward == topo.twin(e)) return {LocateType::outside, to_infinity, v};
     // twin(to_infinity) runs from infinity to v, so the next edge of its triangle leaves v.
     e = onward;
   }
@@ -60,7 +60,7 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept {
   const Topology& topo = m.topology;
   if (topo.triangle_count() == 0) {
     if (!m.only_vertex.is_none() && m.at(m.only_vertex) == p)
-      return {Place::on_vertex, {}, m.only_vertex};
+      return {LocateType::on_vertex, {}, m.only_vertex};
     return {};
   }
   IdValue t = Topology::triangle_of(near);
@@ -88,7 +88,7 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept {
   for (StepBound bound(topo.triangle_count());; bound.step()) {
     // p is on the inner side of e = u -> v (s0 > 0) or, in the first triangle only, on its line.
     const VertexId apex = topo.apex(e);
-    if (apex == infinite_vertex) return {Place::outside, e, {}};
+    if (apex == infinite_vertex) return {LocateType::outside, e, {}};
     const Edge e1 = Topology::next(e), e2 = Topology::prev(e);
     const Offset from_apex = offset(m.at(apex), p);
     const int s1 = side_of(from_v, from_apex, v, apex);
@@ -108,10 +108,10 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept {
       continue;
     }
     const int zeros = (s0 == 0) + (s1 == 0) + (s2 == 0);
-    if (zeros == 0) return {Place::inside_triangle, e, {}};
-    if (zeros == 1) return {Place::on_edge, s0 == 0 ? e : s1 == 0 ? e1 : e2, {}};
+    if (zeros == 0) return {LocateType::inside_triangle, e, {}};
+    if (zeros == 1) return {LocateType::on_edge, s0 == 0 ? e : s1 == 0 ? e1 : e2, {}};
     // On two sides: their common corner.
-    return {Place::on_vertex, e, s0 != 0 ? apex : s1 != 0 ? u : v};
+    return {LocateType::on_vertex, e, s0 != 0 ? apex : s1 != 0 ? u : v};
   }
 }
 
@@ -126,9 +126,9 @@ Location locate(const Mesh& mesh, Point point, TriangleId near) noexcept {
                                    ? internal::Topology::edge(near.value, 0)
                                    : internal::edge_near(m, point);
   const internal::Found found = internal::find(m, point, start);
-  Location location{.place = found.place, .vertex = found.vertex};
+  Location location{.type = found.type, .vertex = found.vertex};
   if (m.topology.triangle_count() == 0) return location;
-  if (found.place == Place::outside) location.vertex = VertexId::none();
+  if (found.type == LocateType::outside) location.vertex = VertexId::none();
   location.triangle = TriangleId{internal::Topology::triangle_of(found.edge)};
   location.side = static_cast<int>(internal::Topology::side_of(found.edge));
   return location;

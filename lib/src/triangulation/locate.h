@@ -7,7 +7,7 @@
 namespace etcm::internal {
 
 struct Found {
-  Place place = Place::outside;
+  LocateType type = LocateType::outside;
   Edge edge{};        // inside: an edge of the triangle; on_edge: that edge; outside: see below
   VertexId vertex{};  // on_vertex
 };

@@ -22,22 +22,22 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<Kernel>;
 using Vertex = Triangulation::Vertex_handle;
-using Place = Kernel::Point_2;
+using CgalPoint = Kernel::Point_2;
 
-std::vector<Place> places_of(std::span<const Position> nodes) {
-  std::vector<Place> places;
+std::vector<CgalPoint> places_of(std::span<const Position> nodes) {
+  std::vector<CgalPoint> places;
   places.reserve(nodes.size());
   for (const Position node : nodes) places.emplace_back(node.x, node.y);
   return places;
 }
 
 // By index of the node.
-std::vector<Vertex> vertices_of(const Triangulation& mesh, const std::vector<Place>& places) {
-  std::map<Place, Vertex> by_place;
+std::vector<Vertex> vertices_of(const Triangulation& mesh, const std::vector<CgalPoint>& places) {
+  std::map<CgalPoint, Vertex> by_place;
   for (const Vertex v : mesh.finite_vertex_handles()) by_place.emplace(v->point(), v);
   std::vector<Vertex> vertices;
   vertices.reserve(places.size());
-  for (const Place& place : places) vertices.push_back(by_place.at(place));
+  for (const CgalPoint& place : places) vertices.push_back(by_place.at(place));
   return vertices;
 }
 
@@ -84,11 +84,11 @@ std::uint64_t mix(std::uint64_t value) { return inputs::Random(value).next(); }
 std::uint64_t hash_of(const Triangulation& mesh) {
   std::uint64_t sum = 0;
   for (const auto face : mesh.finite_face_handles()) {
-    std::array<Place, 3> corners{face->vertex(0)->point(), face->vertex(1)->point(),
-                                 face->vertex(2)->point()};
+    std::array<CgalPoint, 3> corners{face->vertex(0)->point(), face->vertex(1)->point(),
+                                     face->vertex(2)->point()};
     std::sort(corners.begin(), corners.end());
     std::uint64_t triangle = 0;
-    for (const Place& corner : corners) {
+    for (const CgalPoint& corner : corners) {
       triangle = mix(triangle ^ std::bit_cast<std::uint64_t>(corner.x()));
       triangle = mix(triangle ^ std::bit_cast<std::uint64_t>(corner.y()));
     }
@@ -98,7 +98,7 @@ std::uint64_t hash_of(const Triangulation& mesh) {
 }
 
 // Rounded to our grid, which is finer than any picture or mean shows.
-Point on_grid(const Place& place) {
+Point on_grid(const CgalPoint& place) {
   return {std::llround(std::ldexp(place.x(), subunit_bits)),
           std::llround(std::ldexp(place.y(), subunit_bits))};
 }
@@ -131,7 +131,7 @@ files::MeshImage image_of(const Triangulation& mesh, const inputs::Graph& graph,
 }
 
 Attempt run_cgal(const inputs::Graph& graph, bool conforming, Depth depth) {
-  const std::vector<Place> places = places_of(graph.nodes);
+  const std::vector<CgalPoint> places = places_of(graph.nodes);
   Triangulation mesh;
   Attempt attempt;
   CpuStopwatch watch;
