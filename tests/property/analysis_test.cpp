@@ -144,6 +144,7 @@ RC_GTEST_PROP(Analysis, ConnectivityIsThatOfAllPairs, ()) {
     const std::uint32_t enough = range_for(found.least);
     RC_ASSERT(connectivity(**mesh, enough, scratch, found) == Status::ok);
     RC_ASSERT(found.parts == 1u);
+    if (enough == 1) return;  // no range is shorter
     RC_ASSERT(connectivity(**mesh, enough - 1, scratch, found) == Status::ok);
     RC_ASSERT(found.parts > 1u);
   }
