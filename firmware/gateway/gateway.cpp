@@ -63,7 +63,7 @@ void Gateway::restore(port::Instant now) {
   static_cast<void>(kept_.take_changed());
   // Where somebody was is not looked for in its turn, but at once.
   for (const NodeRecord& node : nodes_.records()) {
-    if (node.unit_index != no_unit) poller_.ask_unit_at_once(node.unit_index, now);
+    if (!node.unit_index.is_none()) poller_.ask_unit_at_once(node.unit_index, now);
   }
   publish(now);
 }
@@ -171,7 +171,7 @@ void Gateway::save_state(port::Instant now) {
   state_saver_->save(now);
 }
 
-bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::Instant now) {
+bool Gateway::on_reading(UnitIndex unit, const NodeReading& reading, port::Instant now) {
   presence_.hear_unit(unit, now);
   NodeRecord* const node = admission_.admit(unit, reading.serial, now);
   if (node == nullptr) return false;
@@ -197,24 +197,24 @@ bool Gateway::on_reading(std::uint32_t unit, const NodeReading& reading, port::I
   return true;
 }
 
-port::Instant Gateway::request_due(std::uint32_t bus) const {
+port::Instant Gateway::request_due(BusIndex bus) const {
   return std::min(assigner_.due(bus), distributor_.due(bus));
 }
 
-bool Gateway::next_request(std::uint32_t bus, port::Instant now, BusRequest& request) {
-  is_assigning_[bus] = assigner_.due(bus) <= now;
-  if (is_assigning_[bus]) {
+bool Gateway::next_request(BusIndex bus, port::Instant now, BusRequest& request) {
+  is_assigning_[bus.value] = assigner_.due(bus) <= now;
+  if (is_assigning_[bus.value]) {
     assigner_.next(bus, request);
     return true;
   }
   return distributor_.next(bus, now, request);
 }
 
-void Gateway::on_request_done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now) {
-  if (!is_assigning_[bus]) return distributor_.done(bus, answer, now);
-  const std::uint32_t unit = assigner_.done(bus, answer, now);
-  if (unit == no_unit) return;
-  const std::uint32_t newcomers = poller_.unit_at(bus, default_unit);
+void Gateway::on_request_done(BusIndex bus, const port::BusAnswer& answer, port::Instant now) {
+  if (!is_assigning_[bus.value]) return distributor_.done(bus, answer, now);
+  const UnitIndex unit = assigner_.done(bus, answer, now);
+  if (unit.is_none()) return;
+  const UnitIndex newcomers = poller_.unit_at(bus, default_unit);
   NodeRecord* const node = nodes_.find(assigner_.last_serial(bus));
   if (node != nullptr && node->unit_index == newcomers) {
     nodes_.assign_unit(*node, unit);

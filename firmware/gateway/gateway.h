@@ -100,11 +100,10 @@ class Gateway final : private ReadingListener, private RequestSource {
   std::span<const QuarantineEntry> quarantine() const { return quarantine_; }
 
  private:
-  bool on_reading(std::uint32_t unit, const NodeReading& reading, port::Instant now) override;
-  port::Instant request_due(std::uint32_t bus) const override;
-  bool next_request(std::uint32_t bus, port::Instant now, BusRequest& request) override;
-  void on_request_done(std::uint32_t bus, const port::BusAnswer& answer,
-                       port::Instant now) override;
+  bool on_reading(UnitIndex unit, const NodeReading& reading, port::Instant now) override;
+  port::Instant request_due(BusIndex bus) const override;
+  bool next_request(BusIndex bus, port::Instant now, BusRequest& request) override;
+  void on_request_done(BusIndex bus, const port::BusAnswer& answer, port::Instant now) override;
   void follow_position(NodeRecord& node);
   void publish(port::Instant now);
   void save_state(port::Instant now);

@@ -58,7 +58,7 @@ void ServiceWatch::feed(port::Instant now) {
 // Empty while everything makes progress.
 std::string ServiceWatch::what_stalls(port::Instant now) const {
   const Poller& poller = gateway_.poller();
-  for (std::uint32_t bus = 0; bus < poller.bus_count(); ++bus) {
+  for (BusIndex bus{0}; bus.value < poller.bus_count(); ++bus.value) {
     if (!poller.is_stalled(bus, now, feed_interval_)) continue;
     return "bus " + poller.bus(bus).name + " neither asks nor hears anything, though units are due";
   }

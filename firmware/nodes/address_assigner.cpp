@@ -17,16 +17,16 @@ AddressAssigner::AddressAssigner(const PollSettings& settings, const Poller& pol
                                  NodeTable& nodes, port::Log& log)
     : settings_(settings), poller_(poller), nodes_(nodes), log_(log), jobs_(poller.bus_count()) {}
 
-void AddressAssigner::on_newcomer(std::uint32_t bus, std::uint32_t serial, port::Instant now) {
-  Job& job = jobs_[bus];
+void AddressAssigner::on_newcomer(BusIndex bus, std::uint32_t serial, port::Instant now) {
+  Job& job = jobs_[bus.value];
   if (poller_.bus(bus).assign.empty() || job.step != Step::none) return;
   if (job.last_serial == serial && now < job.retry_at) return;
   job.serial = serial;
   choose(bus, true, now);
 }
 
-port::Instant AddressAssigner::due(std::uint32_t bus) const {
-  const Job& job = jobs_[bus];
+port::Instant AddressAssigner::due(BusIndex bus) const {
+  const Job& job = jobs_[bus.value];
   if (job.step == Step::none) return port::never;
   const port::Instant free_at = job.step == Step::write
                                     ? poller_.write_free_at(poller_.unit_at(bus, default_unit))
@@ -34,8 +34,8 @@ port::Instant AddressAssigner::due(std::uint32_t bus) const {
   return std::max(job.due, free_at);
 }
 
-void AddressAssigner::next(std::uint32_t bus, BusRequest& request) {
-  Job& job = jobs_[bus];
+void AddressAssigner::next(BusIndex bus, BusRequest& request) {
+  Job& job = jobs_[bus.value];
   job.due = port::never;
   if (job.step == Step::write) {
     job.registers = encode_assignment(poller_.address_of(job.unit_index), job.serial,
@@ -51,12 +51,11 @@ void AddressAssigner::next(std::uint32_t bus, BusRequest& request) {
              .values = {}};
 }
 
-std::uint32_t AddressAssigner::done(std::uint32_t bus, const port::BusAnswer& answer,
-                                    port::Instant now) {
-  Job& job = jobs_[bus];
+UnitIndex AddressAssigner::done(BusIndex bus, const port::BusAnswer& answer, port::Instant now) {
+  Job& job = jobs_[bus.value];
   if (answer.result == port::BusResult::link_lost) {
     end(job, now);
-    return no_unit;
+    return UnitIndex::none();
   }
   job.due = now;
   switch (job.step) {
@@ -90,7 +89,7 @@ std::uint32_t AddressAssigner::done(std::uint32_t bus, const port::BusAnswer& an
                                                  << poller_.name(job.unit_index) << " now");
         job.is_full = false;
         job.unwilling = no_serial;
-        const std::uint32_t unit = job.unit_index;
+        const UnitIndex unit = job.unit_index;
         end(job, now);
         return unit;
       }
@@ -98,30 +97,30 @@ std::uint32_t AddressAssigner::done(std::uint32_t bus, const port::BusAnswer& an
       break;
     }
   }
-  return no_unit;
+  return UnitIndex::none();
 }
 
-bool AddressAssigner::is_free(std::uint32_t unit) const {
+bool AddressAssigner::is_free(UnitIndex unit) const {
   return nodes_.at(unit) == nullptr && !poller_.is_sound(unit);
 }
 
-port::Instant AddressAssigner::used_at(std::uint32_t unit) const {
+port::Instant AddressAssigner::used_at(UnitIndex unit) const {
   return std::max(poller_.counters(unit).answered_at, nodes_.released_heard_at(unit));
 }
 
-void AddressAssigner::choose(std::uint32_t bus, bool is_first, port::Instant now) {
-  Job& job = jobs_[bus];
+void AddressAssigner::choose(BusIndex bus, bool is_first, port::Instant now) {
+  Job& job = jobs_[bus.value];
   const std::pair before{job.unit_used_at, job.unit_index};
-  std::pair best{port::never, no_unit};
+  std::pair best{port::never, UnitIndex::none()};
   for (const UnitRange range : poller_.bus(bus).assign) {
     for (unsigned address = range.first; address <= range.last; ++address) {
-      const std::uint32_t unit = poller_.unit_at(bus, static_cast<std::uint8_t>(address));
+      const UnitIndex unit = poller_.unit_at(bus, static_cast<std::uint8_t>(address));
       const std::pair found{used_at(unit), unit};
       if (is_free(unit) && (is_first || found > before)) best = std::min(best, found);
     }
   }
   std::tie(job.unit_used_at, job.unit_index) = best;
-  if (job.unit_index != no_unit) {
+  if (!job.unit_index.is_none()) {
     job.step = Step::look;
     job.due = now;
     return;

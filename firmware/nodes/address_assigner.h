@@ -29,15 +29,15 @@ class AddressAssigner {
   void update_settings(const PollSettings& settings) { settings_ = settings; }
 
   // This node answered at the default unit.
-  void on_newcomer(std::uint32_t bus, std::uint32_t serial, port::Instant now);
+  void on_newcomer(BusIndex bus, std::uint32_t serial, port::Instant now);
 
   // As a RequestSource has them.
-  port::Instant due(std::uint32_t bus) const;
-  void next(std::uint32_t bus, BusRequest& request);
-  // Returns the unit where the node answers now, or no_unit while there is no such.
-  std::uint32_t done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now);
+  port::Instant due(BusIndex bus) const;
+  void next(BusIndex bus, BusRequest& request);
+  // Returns the unit where the node answers now, or none while there is no such.
+  UnitIndex done(BusIndex bus, const port::BusAnswer& answer, port::Instant now);
   // Whom done() spoke of.
-  std::uint32_t last_serial(std::uint32_t bus) const { return jobs_[bus].last_serial; }
+  std::uint32_t last_serial(BusIndex bus) const { return jobs_[bus.value].last_serial; }
 
  private:
   enum class Step : std::uint8_t { none, look, write, verify };
@@ -45,9 +45,9 @@ class AddressAssigner {
     Step step = Step::none;
     port::Instant due = port::never;
     std::uint32_t serial = no_serial;
-    std::uint32_t unit_index = no_unit;  // the new one
-    port::Instant unit_used_at{};        // as it was when the unit was chosen
-    std::uint8_t verified = 0;           // so often in vain
+    UnitIndex unit_index;          // the new one
+    port::Instant unit_used_at{};  // as it was when the unit was chosen
+    std::uint8_t verified = 0;     // so often in vain
     std::uint32_t last_serial = no_serial;
     port::Instant retry_at{};             // with the same node as last time
     bool is_full = false;                 // and said so
@@ -55,12 +55,12 @@ class AddressAssigner {
     AssignmentRegisters registers{};
   };
 
-  bool is_free(std::uint32_t unit) const;
+  bool is_free(UnitIndex unit) const;
   // When somebody was last known to be there; the origin: never.
-  port::Instant used_at(std::uint32_t unit) const;
+  port::Instant used_at(UnitIndex unit) const;
   // Takes the best of the free units that the bus may give, or the next best after the one chosen
   // before.
-  void choose(std::uint32_t bus, bool is_first, port::Instant now);
+  void choose(BusIndex bus, bool is_first, port::Instant now);
   void give_up(Job& job, std::string_view why, port::Instant now);
   void end(Job& job, port::Instant retry_at);
 

@@ -25,8 +25,8 @@ Admission::Admission(const PollSettings& settings, const FeatureTable& features,
       log_(log),
       conflicts_(poller.unit_count()) {}
 
-NodeRecord* Admission::admit(std::uint32_t unit, std::uint32_t serial, port::Instant now) {
-  UnitConflict& conflict = conflicts_[unit];
+NodeRecord* Admission::admit(UnitIndex unit, std::uint32_t serial, port::Instant now) {
+  UnitConflict& conflict = conflicts_[unit.value];
   NodeRecord* const here = nodes_.at(unit);
   if (here != nullptr && here->serial == serial) {
     conflict.sightings = 0;
@@ -57,9 +57,9 @@ NodeRecord* Admission::admit(std::uint32_t unit, std::uint32_t serial, port::Ins
   if (node == nullptr) {
     node = add(serial, now);
     if (node == nullptr) return disbelieve(unit, IdentityConflict::no_room, no_serial);
-  } else if (node->unit_index != no_unit) {
+  } else if (!node->unit_index.is_none()) {
     if (conflict.conflict == IdentityConflict::same_serial || node->heard_at > conflict.since) {
-      return disbelieve(unit, IdentityConflict::same_serial, node->unit_index);
+      return disbelieve(unit, IdentityConflict::same_serial, serial);
     }
     if (!has_gone(*node, now)) return nullptr;
     log_.write(port::Level::info, TextLine() << "node " << serial << " went from "
@@ -78,8 +78,8 @@ NodeRecord* Admission::admit(std::uint32_t unit, std::uint32_t serial, port::Ins
 }
 
 void Admission::sweep(port::Instant now) {
-  for (std::uint32_t unit = 0; unit < conflicts_.size(); ++unit) {
-    UnitConflict& conflict = conflicts_[unit];
+  for (UnitIndex unit{0}; unit.value < conflicts_.size(); ++unit.value) {
+    UnitConflict& conflict = conflicts_[unit.value];
     if (conflict.conflict != IdentityConflict::none &&
         now - conflict.seen_at > settings_.leave_after)
       clear(conflict);
@@ -110,8 +110,8 @@ NodeRecord* Admission::add(std::uint32_t serial, port::Instant now) {
   return nodes_.add(serial, now);
 }
 
-NodeRecord* Admission::disbelieve(std::uint32_t unit, IdentityConflict why, std::uint32_t other) {
-  UnitConflict& conflict = conflicts_[unit];
+NodeRecord* Admission::disbelieve(UnitIndex unit, IdentityConflict why, std::uint32_t other) {
+  UnitConflict& conflict = conflicts_[unit.value];
   if (std::exchange(conflict.conflict, why) == why) return nullptr;
   changed_ = true;
   TextLine line;
@@ -120,8 +120,9 @@ NodeRecord* Admission::disbelieve(std::uint32_t unit, IdentityConflict why, std:
     case IdentityConflict::waiting:
       break;
     case IdentityConflict::same_serial:
-      line << "two nodes with serial " << conflict.serial << ": " << poller_.name(other) << " and "
-           << poller_.name(unit) << "; the second is ignored, give it a serial of its own";
+      line << "two nodes with serial " << conflict.serial << ": "
+           << poller_.name(nodes_.find(other)->unit_index) << " and " << poller_.name(unit)
+           << "; the second is ignored, give it a serial of its own";
       break;
     case IdentityConflict::same_unit:
       line << "two nodes answer as " << poller_.name(unit) << ": serials " << other << " and "

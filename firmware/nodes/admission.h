@@ -40,7 +40,7 @@ class Admission {
   void update_settings(const PollSettings& settings) { settings_ = settings; }
 
   // The record of the node that answered; null when it is not believed, at least not yet.
-  NodeRecord* admit(std::uint32_t unit, std::uint32_t serial, port::Instant now);
+  NodeRecord* admit(UnitIndex unit, std::uint32_t serial, port::Instant now);
 
   // Forgets conflicts that nobody has given reason for lately.
   void sweep(port::Instant now);
@@ -56,8 +56,8 @@ class Admission {
   bool has_gone(const NodeRecord& node, port::Instant now) const;
   // A record for a node that is not known; null where there is no room for it.
   NodeRecord* add(std::uint32_t serial, port::Instant now);
-  // Null, always; says why when that is news.
-  NodeRecord* disbelieve(std::uint32_t unit, IdentityConflict conflict, std::uint32_t other);
+  // Null, always; says why when that is news. `other`: the serial that is believed.
+  NodeRecord* disbelieve(UnitIndex unit, IdentityConflict conflict, std::uint32_t other);
   void clear(UnitConflict& conflict);
 
   PollSettings settings_;

@@ -20,7 +20,7 @@ std::int64_t whole_seconds(port::Duration duration) {
 }  // namespace
 
 TextLine last_place_of(const NodeRecord& node, const Poller& poller) {
-  if (node.last_unit == no_unit) return TextLine() << "on no bus of this configuration";
+  if (node.last_unit.is_none()) return TextLine() << "on no bus of this configuration";
   return poller.name(node.last_unit);
 }
 
@@ -35,11 +35,11 @@ Presence::Presence(const PollSettings& settings, const Poller& poller, NodeTable
       buses_(poller.bus_count()),
       sweep_interval_(sweep_interval(settings)) {}
 
-void Presence::hear_unit(std::uint32_t unit, port::Instant now) {
-  const std::uint32_t number = poller_.bus_of(unit);
+void Presence::hear_unit(UnitIndex unit, port::Instant now) {
+  const BusIndex number = poller_.bus_of(unit);
   const port::Instant heard_at = clock_.heard_at(number);
   clock_.hear(number, now);
-  if (!std::exchange(buses_[number].is_silent, false)) return;
+  if (!std::exchange(buses_[number.value].is_silent, false)) return;
   changed_ = true;
   TextLine line;
   line << "bus " << poller_.bus(number).name << ": answers again";
@@ -73,7 +73,7 @@ void Presence::sweep(port::Instant now, std::uint32_t generation) {
     check_node(node, now, generation);
     if (node.is_waiting()) ++waiting_;
   }
-  for (std::uint32_t bus = 0; bus < buses_.size(); ++bus) check_bus(bus, now);
+  for (BusIndex bus{0}; bus.value < buses_.size(); ++bus.value) check_bus(bus, now);
 }
 
 void Presence::update_settings(const PollSettings& settings, port::Instant heard_by,
@@ -120,8 +120,8 @@ std::uint32_t Presence::silent_bus_count() const {
 }
 
 // The bus that it was heard on last; its clock is the one that counts.
-std::uint32_t Presence::bus_of(const NodeRecord& node) const {
-  return node.last_unit == no_unit ? no_bus : poller_.bus_of(node.last_unit);
+BusIndex Presence::bus_of(const NodeRecord& node) const {
+  return node.last_unit.is_none() ? BusIndex::none() : poller_.bus_of(node.last_unit);
 }
 
 void Presence::check_node(NodeRecord& node, port::Instant now, std::uint32_t generation) {
@@ -130,11 +130,11 @@ void Presence::check_node(NodeRecord& node, port::Instant now, std::uint32_t gen
     if (now - node.heard_at > settings_.leave_after) nodes_.release(node);
     return;
   }
-  const std::uint32_t bus = bus_of(node);
+  const BusIndex bus = bus_of(node);
   if (node.is_missing || clock_.silence_since(bus, node.heard) > settings_.leave_after) {
     return lose(node, now, generation);
   }
-  if (bus != no_bus) ++buses_[bus].nodes;
+  if (!bus.is_none()) ++buses_[bus.value].nodes;
   check_freshness(node, now);
 }
 
@@ -167,8 +167,8 @@ void Presence::check_freshness(NodeRecord& node, port::Instant now) {
   changed_ = changed_ || (is_news && node.is_placed());
 }
 
-void Presence::check_bus(std::uint32_t number, port::Instant now) {
-  Bus& bus = buses_[number];
+void Presence::check_bus(BusIndex number, port::Instant now) {
+  Bus& bus = buses_[number.value];
   // Once it is, only an answer ends that.
   const bool is_silent = bus.nodes > 0 && (bus.is_silent || clock_.is_silent(number));
   if (std::exchange(bus.is_silent, is_silent) == is_silent) return;

@@ -29,7 +29,7 @@ class Presence {
   void turn(port::Instant now) { clock_.turn(now, sweep_interval_); }
 
   // A sound answer of this unit, whoever it is from.
-  void hear_unit(std::uint32_t unit, port::Instant now);
+  void hear_unit(UnitIndex unit, port::Instant now);
   // It is this node's. After hear_unit().
   void hear_node(NodeRecord& node, const NodeReading& reading, port::Instant now);
 
@@ -47,7 +47,7 @@ class Presence {
   void tell_missing(port::Instant now);
 
   // No node of the bus answers, though some are known to be on it.
-  bool is_silent(std::uint32_t bus) const { return buses_[bus].is_silent; }
+  bool is_silent(BusIndex bus) const { return buses_[bus.value].is_silent; }
   std::uint32_t silent_bus_count() const;
   // Nodes that answered at the last sweep and had not told where they are.
   std::uint32_t waiting_count() const { return waiting_; }
@@ -62,11 +62,11 @@ class Presence {
     bool is_silent = false;
   };
 
-  std::uint32_t bus_of(const NodeRecord& node) const;
+  BusIndex bus_of(const NodeRecord& node) const;
   void check_node(NodeRecord& node, port::Instant now, std::uint32_t generation);
   void lose(NodeRecord& node, port::Instant now, std::uint32_t generation);
   void check_freshness(NodeRecord& node, port::Instant now);
-  void check_bus(std::uint32_t bus, port::Instant now);
+  void check_bus(BusIndex bus, port::Instant now);
 
   PollSettings settings_;
   const Poller& poller_;

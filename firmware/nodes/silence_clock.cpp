@@ -24,9 +24,9 @@ void SilenceClock::turn(port::Instant now, port::Duration turn_max) {
   of_none_.shown += passed;
 }
 
-bool SilenceClock::hear(std::uint32_t bus, port::Instant now) {
+bool SilenceClock::hear(BusIndex bus, port::Instant now) {
   const bool was_silent = heard_at(bus) == port::Instant{} || is_silent(bus);
-  BusClock& clock = buses_[bus];
+  BusClock& clock = buses_[bus.value];
   clock.shown += std::min(listened_ - clock.heard, answer_gap_max * settings_.interval);
   if (was_silent) clock.counts_from = std::max(clock.counts_from, clock.shown);
   clock.heard = listened_;
@@ -34,12 +34,12 @@ bool SilenceClock::hear(std::uint32_t bus, port::Instant now) {
   return was_silent;
 }
 
-port::Duration SilenceClock::silence_since(std::uint32_t bus, port::Duration heard) const {
+port::Duration SilenceClock::silence_since(BusIndex bus, port::Duration heard) const {
   const BusClock& clock = clock_of(bus);
   return clock.shown - std::max(heard, clock.counts_from);
 }
 
-bool SilenceClock::is_silent(std::uint32_t bus) const {
+bool SilenceClock::is_silent(BusIndex bus) const {
   return silence_of(bus) > std::max(settings_.stale_after, sound_gap_max * settings_.interval);
 }
 

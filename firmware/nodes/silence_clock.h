@@ -13,11 +13,9 @@
 
 #include "etcm/port/clock.h"
 #include "firmware/config/settings.h"
+#include "firmware/polling/indices.h"
 
 namespace etcm::firmware {
-
-// Of a node that is known from an earlier run, and whose bus there is no more.
-inline constexpr std::uint32_t no_bus = 0xffffffff;
 
 class SilenceClock {
  public:
@@ -31,22 +29,23 @@ class SilenceClock {
 
   // A node of the bus answers. True where the bus was silent until now: each of its nodes then has
   // its whole time anew.
-  bool hear(std::uint32_t bus, port::Instant now);
+  bool hear(BusIndex bus, port::Instant now);
 
-  // What the clock of a bus shows. That of no_bus runs while the gateway listens.
-  port::Duration shown(std::uint32_t bus) const { return clock_of(bus).shown; }
+  // What the clock of a bus shows. That of none, of a node that is known from an earlier run and
+  // whose bus there is no more, runs while the gateway listens.
+  port::Duration shown(BusIndex bus) const { return clock_of(bus).shown; }
   // The silence of a node of this bus that answered when the clock showed `heard`.
-  port::Duration silence_since(std::uint32_t bus, port::Duration heard) const;
+  port::Duration silence_since(BusIndex bus, port::Duration heard) const;
 
   // Whether a bus is silent as a whole: none of its nodes has answered for longer than a sound one
   // takes.
-  bool is_silent(std::uint32_t bus) const;
+  bool is_silent(BusIndex bus) const;
   // For how long none has, as far as that counts.
-  port::Duration silence_of(std::uint32_t bus) const {
-    return std::max(listened_ - std::max(buses_[bus].heard, postponed_to_), port::Duration{});
+  port::Duration silence_of(BusIndex bus) const {
+    return std::max(listened_ - std::max(buses_[bus.value].heard, postponed_to_), port::Duration{});
   }
   // When one did last; the origin: never.
-  port::Instant heard_at(std::uint32_t bus) const { return buses_[bus].heard_at; }
+  port::Instant heard_at(BusIndex bus) const { return buses_[bus.value].heard_at; }
 
   // Nobody needs to have answered before so much has passed: until then no silence counts.
   void postpone(port::Duration time);
@@ -58,8 +57,8 @@ class SilenceClock {
     port::Duration heard{};        // of the time that the gateway has listened
     port::Instant heard_at{};
   };
-  const BusClock& clock_of(std::uint32_t bus) const {
-    return bus == no_bus ? of_none_ : buses_[bus];
+  const BusClock& clock_of(BusIndex bus) const {
+    return bus.is_none() ? of_none_ : buses_[bus.value];
   }
 
   PollSettings settings_;

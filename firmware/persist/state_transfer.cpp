@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -25,16 +24,15 @@ std::uint32_t silence_in_s(port::Duration silence) {
       std::clamp<std::int64_t>(silence / 1s, 0, std::numeric_limits<std::uint32_t>::max()));
 }
 
-// The unit that a node answered at, counted over all buses; nothing where it is asked no more.
-std::optional<std::uint32_t> find_unit(const Poller& poller, const std::string& bus,
-                                       std::uint8_t address) {
-  for (std::uint32_t unit = 0; unit < poller.unit_count(); ++unit) {
+// The unit that a node answered at; none where it is asked no more.
+UnitIndex find_unit(const Poller& poller, const std::string& bus, std::uint8_t address) {
+  for (UnitIndex unit{0}; unit.value < poller.unit_count(); ++unit.value) {
     if (poller.address_of(unit) == address &&
         saved_bus_name(poller.bus(poller.bus_of(unit)).name) == bus) {
       return unit;
     }
   }
-  return std::nullopt;
+  return UnitIndex::none();
 }
 
 }  // namespace
@@ -50,7 +48,7 @@ StateTransfer::StateTransfer(KeptMesh& kept, SiteKeeper& site, NodePlacement& pl
       number_by_feature_(std::as_const(kept).features().records().size()) {}
 
 void StateTransfer::write(StateWriter& writer, port::Instant now) {
-  for (std::uint32_t bus = 0; bus < poller_.bus_count(); ++bus) {
+  for (BusIndex bus{0}; bus.value < poller_.bus_count(); ++bus.value) {
     writer.add_bus(poller_.bus(bus).name);
   }
   const KeptMesh& kept = kept_;
@@ -105,9 +103,9 @@ SavedNode StateTransfer::saved_node(const NodeRecord& node, port::Instant now) c
   SavedNode saved{.serial = node.serial,
                   .position = node.position,
                   .age_ms = age_in_ms(now - node.positioned_at)};
-  const std::uint32_t unit = node.is_missing ? node.last_unit : node.unit_index;
-  if (unit != no_unit) {
-    saved.bus = static_cast<std::uint16_t>(poller_.bus_of(unit));
+  const UnitIndex unit = node.is_missing ? node.last_unit : node.unit_index;
+  if (!unit.is_none()) {
+    saved.bus = static_cast<std::uint16_t>(poller_.bus_of(unit).value);
     saved.address = poller_.address_of(unit);
   }
   return saved;
@@ -133,8 +131,8 @@ NodeRecord* StateTransfer::restore_node(const SavedState& saved, const SavedNode
   record->positioned_at = now - std::chrono::milliseconds(node.age_ms);
   record->stale = true;
   if (node.bus == no_saved_bus) return record;
-  const auto unit = find_unit(poller_, saved.buses[node.bus], node.address);
-  if (unit && nodes_.at(*unit) == nullptr) nodes_.assign_unit(*record, *unit);
+  const UnitIndex unit = find_unit(poller_, saved.buses[node.bus], node.address);
+  if (!unit.is_none() && nodes_.at(unit) == nullptr) nodes_.assign_unit(*record, unit);
   return record;
 }
 
@@ -150,10 +148,10 @@ void StateTransfer::restore_missing(const SavedState& saved, const SavedMissing&
     record->positioned_at = now - std::chrono::milliseconds(missing.node.age_ms);
   }
   if (missing.node.bus == no_saved_bus) return;
-  const auto unit = find_unit(poller_, saved.buses[missing.node.bus], missing.node.address);
-  if (!unit) return;
-  record->last_unit = *unit;
-  nodes_.note_gone(*unit, record->heard_at);
+  const UnitIndex unit = find_unit(poller_, saved.buses[missing.node.bus], missing.node.address);
+  if (unit.is_none()) return;
+  record->last_unit = unit;
+  nodes_.note_gone(unit, record->heard_at);
 }
 
 }  // namespace etcm::firmware

@@ -7,6 +7,7 @@
 
 #include "etcm/port/clock.h"
 #include "etcm/port/node_bus.h"
+#include "firmware/polling/indices.h"
 
 namespace etcm::firmware {
 
@@ -22,12 +23,11 @@ class RequestSource {
  public:
   // When there may be a request for this bus; `never` where nothing but time or an answer can bring
   // one.
-  virtual port::Instant request_due(std::uint32_t bus) const = 0;
+  virtual port::Instant request_due(BusIndex bus) const = 0;
   // Sets the next request, if there is one at this moment. It will be sent.
-  virtual bool next_request(std::uint32_t bus, port::Instant now, BusRequest& request) = 0;
+  virtual bool next_request(BusIndex bus, port::Instant now, BusRequest& request) = 0;
   // What came of it: the next call for this bus after next_request() gave one.
-  virtual void on_request_done(std::uint32_t bus, const port::BusAnswer& answer,
-                               port::Instant now) = 0;
+  virtual void on_request_done(BusIndex bus, const port::BusAnswer& answer, port::Instant now) = 0;
 
  protected:
   ~RequestSource() = default;

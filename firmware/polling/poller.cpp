@@ -19,8 +19,8 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
     const BusSettings& bus = *polled.settings;
     buses_.push_back({.bus = polled.bus,
                       .schedule = BusSchedule(settings, bus, *polled.bus),
-                      .unit_at = std::vector<std::uint32_t>(256, no_unit)});
-    const std::uint32_t number = bus_count() - 1;
+                      .unit_at = std::vector<UnitIndex>(256, UnitIndex::none())});
+    const BusIndex number{bus_count() - 1};
     add_units(number, bus.units, true);
     add_units(number, bus.assign, true);
     if (!bus.assign.empty()) add_units(number, {{{default_unit, default_unit}}}, true);
@@ -28,13 +28,13 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
   }
 }
 
-void Poller::add_units(std::uint32_t number, std::span<const UnitRange> ranges, bool is_listed) {
-  Bus& bus = buses_[number];
+void Poller::add_units(BusIndex number, std::span<const UnitRange> ranges, bool is_listed) {
+  Bus& bus = buses_[number.value];
   for (const UnitRange range : ranges) {
     for (unsigned value = range.first; value <= range.last; ++value) {
-      if (bus.unit_at[value] != no_unit) continue;
+      if (!bus.unit_at[value].is_none()) continue;
       const auto address = static_cast<std::uint8_t>(value);
-      bus.unit_at[address] = unit_count();
+      bus.unit_at[address] = UnitIndex{unit_count()};
       units_.push_back({.bus = number, .address = address});
       bus.schedule.add_unit(address, is_listed);
     }
@@ -52,8 +52,8 @@ port::Instant Poller::update_settings(const PollSettings& settings,
 
 void Poller::step(port::Instant now) {
   const port::Duration passed = now - std::exchange(stepped_at_, now);
-  for (std::uint32_t number = 0; number < bus_count(); ++number) {
-    Bus& bus = buses_[number];
+  for (BusIndex number{0}; number.value < bus_count(); ++number.value) {
+    Bus& bus = buses_[number.value];
     if (bus.under_way > 0) bus.counters.busy += passed;
     bus.bus->advance(now);
     port::BusAnswer answer;
@@ -61,7 +61,7 @@ void Poller::step(port::Instant now) {
       if (answer.ticket == request_ticket) {
         finish_request(number, answer, now);
       } else {
-        take(answer, answer.ticket, now);
+        take(answer, UnitIndex{answer.ticket}, now);
       }
     }
     while (bus.bus->ready() && ask_next(number, now)) {
@@ -69,11 +69,11 @@ void Poller::step(port::Instant now) {
   }
 }
 
-bool Poller::ask_next(std::uint32_t number, port::Instant now) {
+bool Poller::ask_next(BusIndex number, port::Instant now) {
   if (request_start(number, now) <= now && start_request(number, now)) return true;
-  Bus& bus = buses_[number];
+  Bus& bus = buses_[number.value];
   while (const std::optional<BusSchedule::Question> question = bus.schedule.next_question(now)) {
-    const std::uint32_t unit = bus.unit_at[question->address];
+    const UnitIndex unit = bus.unit_at[question->address];
     const port::RegisterRead read = read_of(unit);
     const port::Instant free_at = bus.bus->read_free_at(read, now);
     if (free_at > now) {
@@ -81,7 +81,7 @@ bool Poller::ask_next(std::uint32_t number, port::Instant now) {
       continue;
     }
     bus.schedule.ask(*question, now);
-    ++units_[unit].counters.requests;
+    ++units_[unit.value].counters.requests;
     ++bus.under_way;
     bus.progressed_at = now;
     bus.bus->start_read(read, now);
@@ -90,33 +90,33 @@ bool Poller::ask_next(std::uint32_t number, port::Instant now) {
   return false;
 }
 
-port::RegisterRead Poller::read_of(std::uint32_t unit) const {
+port::RegisterRead Poller::read_of(UnitIndex unit) const {
   const BusSchedule& schedule = schedule_of(unit);
   const std::uint8_t address = address_of(unit);
   return {.unit = address,
           .first = node_register_first,
           .count = node_register_count,
           .timeout = schedule.timeout(address),
-          .ticket = unit,
+          .ticket = unit.value,
           .spare = schedule.has_answered(address) ? node_register_spare : stranger_register_spare};
 }
 
-port::Instant Poller::read_free_at(std::uint32_t unit) const {
-  return buses_[bus_of(unit)].bus->read_free_at({.unit = address_of(unit),
-                                                 .first = node_register_first,
-                                                 .count = node_register_count,
-                                                 .spare = stranger_register_spare},
-                                                stepped_at_);
+port::Instant Poller::read_free_at(UnitIndex unit) const {
+  return buses_[bus_of(unit).value].bus->read_free_at({.unit = address_of(unit),
+                                                       .first = node_register_first,
+                                                       .count = node_register_count,
+                                                       .spare = stranger_register_spare},
+                                                      stepped_at_);
 }
 
-port::Instant Poller::write_free_at(std::uint32_t unit) const {
-  return buses_[bus_of(unit)].bus->write_free_at(address_of(unit));
+port::Instant Poller::write_free_at(UnitIndex unit) const {
+  return buses_[bus_of(unit).value].bus->write_free_at(address_of(unit));
 }
 
 port::Instant Poller::next_deadline() const {
   port::Instant deadline = port::never;
-  for (std::uint32_t number = 0; number < bus_count(); ++number) {
-    const Bus& bus = buses_[number];
+  for (BusIndex number{0}; number.value < bus_count(); ++number.value) {
+    const Bus& bus = buses_[number.value];
     deadline = std::min(deadline, bus.bus->next_deadline());
     if (!bus.bus->ready()) continue;
     deadline =
@@ -126,8 +126,8 @@ port::Instant Poller::next_deadline() const {
   return deadline;
 }
 
-bool Poller::is_stalled(std::uint32_t number, port::Instant now, port::Duration patience) const {
-  const Bus& bus = buses_[number];
+bool Poller::is_stalled(BusIndex number, port::Instant now, port::Duration patience) const {
+  const Bus& bus = buses_[number.value];
   if (bus.under_way > 0) {
     return bus.progressed_at + bus.schedule.cost_max() + bus.bus->delay_max() + patience < now;
   }
@@ -138,25 +138,23 @@ bool Poller::is_stalled(std::uint32_t number, port::Instant now, port::Duration 
 
 void Poller::ask_at_once(std::uint8_t address, port::Instant now) {
   for (Bus& bus : buses_) {
-    if (bus.unit_at[address] != no_unit) bus.schedule.call_for(address, now);
+    if (!bus.unit_at[address].is_none()) bus.schedule.call_for(address, now);
   }
 }
 
-void Poller::ask_unit_at_once(std::uint32_t unit, port::Instant now) {
+void Poller::ask_unit_at_once(UnitIndex unit, port::Instant now) {
   schedule_of(unit).ask_at_once(address_of(unit), now);
 }
 
-void Poller::expect_silence(std::uint32_t unit) {
-  schedule_of(unit).expect_silence(address_of(unit));
+void Poller::expect_silence(UnitIndex unit) { schedule_of(unit).expect_silence(address_of(unit)); }
+
+TextLine Poller::name(UnitIndex unit) const {
+  return TextLine() << "unit " << address_of(unit) << " of " << bus(bus_of(unit)).name;
 }
 
-TextLine Poller::name(std::uint32_t unit) const {
-  return TextLine() << "unit " << units_[unit].address << " of " << bus(units_[unit].bus).name;
-}
-
-void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Instant now) {
+void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant now) {
   const bool is_absence = port::is_absence(answer);
-  count_answer(units_[index], is_absence ? port::BusResult::timeout : answer.result, now);
+  count_answer(units_[index.value], is_absence ? port::BusResult::timeout : answer.result, now);
   BusSchedule& schedule = schedule_of(index);
   schedule.note_cost(address_of(index), answer, now);
   if (port::is_of_converter(answer.result, answer.exception)) {
@@ -180,8 +178,8 @@ void Poller::take(const port::BusAnswer& answer, std::uint32_t index, port::Inst
   }
 }
 
-void Poller::take_registers(const port::BusAnswer& answer, std::uint32_t index, port::Instant now) {
-  Unit& unit = units_[index];
+void Poller::take_registers(const port::BusAnswer& answer, UnitIndex index, port::Instant now) {
+  Unit& unit = units_[index.value];
   BusSchedule& schedule = schedule_of(index);
   NodeReading reading;
   const ReadingFault fault =
@@ -204,7 +202,7 @@ void Poller::take_registers(const port::BusAnswer& answer, std::uint32_t index, 
 }
 
 void Poller::count_answer(Unit& unit, port::BusResult result, port::Instant now) {
-  Bus& bus = buses_[unit.bus];
+  Bus& bus = buses_[unit.bus.value];
   --bus.under_way;
   bus.progressed_at = now;
   UnitCounters& counters = unit.counters;
@@ -220,7 +218,7 @@ void Poller::count_answer(Unit& unit, port::BusResult result, port::Instant now)
   counters.answer_time_max = std::max(counters.answer_time_max, counters.answer_time_last);
 }
 
-void Poller::fail(std::uint32_t index, const Failure& failure, port::Instant now) {
+void Poller::fail(UnitIndex index, const Failure& failure, port::Instant now) {
   BusSchedule& schedule = schedule_of(index);
   const std::uint8_t address = address_of(index);
   // One line for each spell of failures; units that were never there are no news.
@@ -231,16 +229,16 @@ void Poller::fail(std::uint32_t index, const Failure& failure, port::Instant now
   schedule.note_failure(address, failure.is_miss, now);
 }
 
-port::Instant Poller::request_start(std::uint32_t number, port::Instant now) const {
-  const Bus& bus = buses_[number];
+port::Instant Poller::request_start(BusIndex number, port::Instant now) const {
+  const Bus& bus = buses_[number.value];
   if (requests_ == nullptr || bus.request_under_way) return port::never;
   return bus.schedule.request_start(requests_->request_due(number), now);
 }
 
-bool Poller::start_request(std::uint32_t number, port::Instant now) {
+bool Poller::start_request(BusIndex number, port::Instant now) {
   BusRequest request;
   if (!requests_->next_request(number, now, request)) return false;
-  Bus& bus = buses_[number];
+  Bus& bus = buses_[number.value];
   bus.request_under_way = true;
   bus.request_asked_at = bus.progressed_at = now;
   ++bus.under_way;
@@ -264,9 +262,8 @@ bool Poller::start_request(std::uint32_t number, port::Instant now) {
   return true;
 }
 
-void Poller::finish_request(std::uint32_t number, const port::BusAnswer& answer,
-                            port::Instant now) {
-  Bus& bus = buses_[number];
+void Poller::finish_request(BusIndex number, const port::BusAnswer& answer, port::Instant now) {
+  Bus& bus = buses_[number.value];
   bus.request_under_way = false;
   --bus.under_way;
   bus.progressed_at = now;

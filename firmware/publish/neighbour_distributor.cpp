@@ -53,15 +53,15 @@ void NeighbourDistributor::invalidate() {
   for (Job& job : jobs_) job.unchecked = static_cast<std::uint32_t>(delivered_.size());
 }
 
-port::Instant NeighbourDistributor::due(std::uint32_t bus) const {
+port::Instant NeighbourDistributor::due(BusIndex bus) const {
   if (jobs_.empty()) return port::never;
-  const Job& job = jobs_[bus];
+  const Job& job = jobs_[bus.value];
   return job.slot != no_slot || job.unchecked > 0 ? port::Instant{} : job.retry_at;
 }
 
-bool NeighbourDistributor::next(std::uint32_t bus, port::Instant now, BusRequest& request) {
+bool NeighbourDistributor::next(BusIndex bus, port::Instant now, BusRequest& request) {
   if (jobs_.empty()) return false;
-  Job& job = jobs_[bus];
+  Job& job = jobs_[bus.value];
   if (job.slot != no_slot && !is_same(job, bus)) {
     job.slot = no_slot;
     job.unchecked = static_cast<std::uint32_t>(delivered_.size());
@@ -81,7 +81,7 @@ bool NeighbourDistributor::next(std::uint32_t bus, port::Instant now, BusRequest
     job.cursor = (job.cursor + 1) % static_cast<std::uint32_t>(delivered_.size());
     --job.unchecked;
     const NodeRecord& node = records[slot];
-    if (!node.is_known() || node.unit_index == no_unit || poller_.bus_of(node.unit_index) != bus)
+    if (!node.is_known() || node.unit_index.is_none() || poller_.bus_of(node.unit_index) != bus)
       continue;
     DeliveredConfig& told = delivered_[slot];
     if (!needs_write(node, told, job, now)) continue;
@@ -137,14 +137,14 @@ bool NeighbourDistributor::needs_write(const NodeRecord& node, DeliveredConfig& 
 
 // Whether the node under way is still the one it was, and on this bus: it may have left, booted or
 // gone elsewhere meanwhile.
-bool NeighbourDistributor::is_same(const Job& job, std::uint32_t bus) const {
+bool NeighbourDistributor::is_same(const Job& job, BusIndex bus) const {
   const NodeRecord& node = nodes_.records()[job.slot];
   const DeliveredConfig& told = delivered_[job.slot];
   return node.serial == told.serial && node.boot_count == told.boot_count &&
-         node.unit_index != no_unit && poller_.bus_of(node.unit_index) == bus;
+         !node.unit_index.is_none() && poller_.bus_of(node.unit_index) == bus;
 }
 
-void NeighbourDistributor::fill(Job& job, std::uint32_t bus, const DeliveredConfig& told) const {
+void NeighbourDistributor::fill(Job& job, BusIndex bus, const DeliveredConfig& told) const {
   const std::size_t count = std::min<std::size_t>(list_.size(), configuration_neighbours_max);
   job.count = static_cast<std::uint16_t>(encode_configuration(
       snapshot_.generation, list_.first(count), poller_.bus(bus).word_order, job.registers));
@@ -176,9 +176,8 @@ BusRequest NeighbourDistributor::next_part(Job& job) const {
   return request;
 }
 
-void NeighbourDistributor::done(std::uint32_t bus, const port::BusAnswer& answer,
-                                port::Instant now) {
-  Job& job = jobs_[bus];
+void NeighbourDistributor::done(BusIndex bus, const port::BusAnswer& answer, port::Instant now) {
+  Job& job = jobs_[bus.value];
   DeliveredConfig& told = delivered_[job.slot];
   if (!is_same(job, bus) || answer.result == port::BusResult::link_lost) {
     job.slot = no_slot;

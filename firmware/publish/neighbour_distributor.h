@@ -35,9 +35,9 @@ class NeighbourDistributor {
   void invalidate();
 
   // As a RequestSource has them.
-  port::Instant due(std::uint32_t bus) const;
-  bool next(std::uint32_t bus, port::Instant now, BusRequest& request);
-  void done(std::uint32_t bus, const port::BusAnswer& answer, port::Instant now);
+  port::Instant due(BusIndex bus) const;
+  bool next(BusIndex bus, port::Instant now, BusRequest& request);
+  void done(BusIndex bus, const port::BusAnswer& answer, port::Instant now);
 
  private:
   // What a node was told, by its slot in the node table.
@@ -66,8 +66,8 @@ class NeighbourDistributor {
   static constexpr std::uint32_t no_slot = 0xffffffff;
 
   bool needs_write(const NodeRecord& node, DeliveredConfig& told, Job& job, port::Instant now);
-  bool is_same(const Job& job, std::uint32_t bus) const;
-  void fill(Job& job, std::uint32_t bus, const DeliveredConfig& told) const;
+  bool is_same(const Job& job, BusIndex bus) const;
+  void fill(Job& job, BusIndex bus, const DeliveredConfig& told) const;
   BusRequest next_part(Job& job) const;
   void fail(DeliveredConfig& told, const port::BusAnswer& answer, port::Instant now);
 

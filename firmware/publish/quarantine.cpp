@@ -50,7 +50,7 @@ void list_quarantine(const NodeTable& nodes, const FeatureTable& features,
                     .rejection = anchor.rejection,
                     .since = anchor.rejected_since});
   }
-  std::uint32_t unit = 0;
+  UnitIndex unit{0};
   for (const UnitConflict& conflict : admission.conflicts()) {
     if (conflict.is_alarm()) {
       list.push_back({.serial = conflict.serial,
@@ -58,7 +58,7 @@ void list_quarantine(const NodeTable& nodes, const FeatureTable& features,
                       .conflict = conflict.conflict,
                       .since = conflict.since});
     }
-    ++unit;
+    ++unit.value;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "etcm/mesh.h"
+#include "firmware/polling/indices.h"
 #include "firmware/publish/mesh_analysis.h"
 #include "firmware/site/feature_end.h"
 #include "firmware/site/rejection.h"
@@ -24,12 +25,12 @@ inline constexpr std::uint16_t bus_silent = 1u << 4;  // no node of a bus answer
 struct SnapshotVertex {
   VertexKind kind = VertexKind::none;
   bool stale = false;
-  bool lacks_fix = false;        // stale although its node answers
-  bool is_anchor = false;        // a fixed point of the site; to the mesh it is a node
-  Rejection rejection{};         // of a node: why the mesh does not have it where it is now
-  std::uint32_t serial = 0;      // of a node that is no anchor
-  std::uint32_t unit_index = 0;  // that answers for a node; of all buses, from 0; no_unit: sought
-  std::uint32_t feature = 0;     // a Steiner vertex stands on it; counted from 1 as configured
+  bool lacks_fix = false;     // stale although its node answers
+  bool is_anchor = false;     // a fixed point of the site; to the mesh it is a node
+  Rejection rejection{};      // of a node: why the mesh does not have it where it is now
+  std::uint32_t serial = 0;   // of a node that is no anchor
+  UnitIndex unit_index{};     // that answers for a node; none: it is sought
+  std::uint32_t feature = 0;  // a Steiner vertex stands on it; counted from 1 as configured
   Point point;
   std::uint32_t first_neighbour = 0;  // into Snapshot::neighbours
   std::uint16_t degree = 0;
@@ -48,7 +49,7 @@ struct SnapshotNeighbour {
 // A node that is known and not in the mesh.
 struct SnapshotUnplacedNode {
   std::uint32_t serial = 0;
-  std::uint32_t unit_index = 0;
+  UnitIndex unit_index{};
   bool is_missing = false;  // its unit is then where it answered last
   bool has_position = false;
   Position position;

@@ -204,8 +204,8 @@ void SnapshotTaker::look_at_quarantine(const Poller& poller,
     listed.reason = reason_code(entry.rejection, entry.conflict);
     listed.serial = entry.serial == no_serial ? 0 : entry.serial;
     listed.feature = entry.feature;
-    if (entry.unit_index != no_unit) {
-      listed.bus = static_cast<std::uint16_t>(poller.bus_of(entry.unit_index) + 1);
+    if (!entry.unit_index.is_none()) {
+      listed.bus = static_cast<std::uint16_t>(poller.bus_of(entry.unit_index).value + 1);
       listed.address = poller.address_of(entry.unit_index);
     }
     listed.position = entry.position;

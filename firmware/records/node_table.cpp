@@ -30,8 +30,8 @@ NodeTable::NodeTable(std::uint32_t unit_count)
   for (auto slot = static_cast<std::uint32_t>(records_.size()); slot-- > 0;) free_.push_back(slot);
 }
 
-NodeRecord* NodeTable::at(std::uint32_t unit) {
-  return by_unit_[unit] == no_slot ? nullptr : &records_[by_unit_[unit]];
+NodeRecord* NodeTable::at(UnitIndex unit) {
+  return by_unit_[unit.value] == no_slot ? nullptr : &records_[by_unit_[unit.value]];
 }
 
 std::vector<NodeTable::Entry>::iterator NodeTable::lower_bound(std::uint32_t serial) {
@@ -57,18 +57,19 @@ NodeRecord* NodeTable::add(std::uint32_t serial, port::Instant now) {
   return &node;
 }
 
-void NodeTable::assign_unit(NodeRecord& node, std::uint32_t unit) {
-  if (NodeRecord* const before = at(unit); before != nullptr) before->unit_index = no_unit;
-  if (node.unit_index != no_unit) by_unit_[node.unit_index] = no_slot;
-  by_unit_[unit] = static_cast<std::uint32_t>(&node - records_.data());
+void NodeTable::assign_unit(NodeRecord& node, UnitIndex unit) {
+  if (NodeRecord* const before = at(unit); before != nullptr)
+    before->unit_index = UnitIndex::none();
+  if (!node.unit_index.is_none()) by_unit_[node.unit_index.value] = no_slot;
+  by_unit_[unit.value] = static_cast<std::uint32_t>(&node - records_.data());
   node.unit_index = node.last_unit = unit;
 }
 
 void NodeTable::vacate(NodeRecord& node) {
-  if (node.unit_index == no_unit) return;
-  by_unit_[node.unit_index] = no_slot;
-  released_heard_at_[node.unit_index] = node.heard_at;
-  node.unit_index = no_unit;
+  if (node.unit_index.is_none()) return;
+  by_unit_[node.unit_index.value] = no_slot;
+  released_heard_at_[node.unit_index.value] = node.heard_at;
+  node.unit_index = UnitIndex::none();
 }
 
 void NodeTable::release(NodeRecord& node) {

@@ -16,9 +16,8 @@ namespace etcm::firmware {
 
 struct NodeRecord {
   std::uint32_t serial = no_serial;  // no_serial: the record is free
-  std::uint32_t unit_index =
-      no_unit;                        // where it answers; no_unit: it was there once, and is sought
-  std::uint32_t last_unit = no_unit;  // where it answered last; no_unit: on none there is now
+  UnitIndex unit_index;              // where it answers; none: it was there once, and is sought
+  UnitIndex last_unit;               // where it answered last; none: on none there is now
   port::Instant known_since{};
   port::Instant heard_at{};
   port::Duration heard{};  // the same, as the clock of its bus showed it (silence_clock.h)
@@ -67,12 +66,12 @@ class NodeTable {
   explicit NodeTable(std::uint32_t unit_count);
 
   // The node that answers at a unit, or null.
-  NodeRecord* at(std::uint32_t unit);
+  NodeRecord* at(UnitIndex unit);
   // When the node that went from this unit last was heard; the origin: there was none.
-  port::Instant released_heard_at(std::uint32_t unit) const { return released_heard_at_[unit]; }
+  port::Instant released_heard_at(UnitIndex unit) const { return released_heard_at_[unit.value]; }
   // A node went from this unit, in an earlier run.
-  void note_gone(std::uint32_t unit, port::Instant heard_at) {
-    released_heard_at_[unit] = heard_at;
+  void note_gone(UnitIndex unit, port::Instant heard_at) {
+    released_heard_at_[unit.value] = heard_at;
   }
   // All records, free ones between them.
   std::span<NodeRecord> records() { return records_; }
@@ -84,7 +83,7 @@ class NodeTable {
   // A record for a serial that has none, at no unit; null when all are in use.
   NodeRecord* add(std::uint32_t serial, port::Instant now);
   // The node answers at this unit from now on. Whoever was known there is at none.
-  void assign_unit(NodeRecord& node, std::uint32_t unit);
+  void assign_unit(NodeRecord& node, UnitIndex unit);
   // It answers at no unit any more; the one it had is free for others.
   void vacate(NodeRecord& node);
   void release(NodeRecord& node);

@@ -16,8 +16,8 @@ void BusMeter::advance(port::Instant now) {
   if (now < due_) return;
   const bool is_first = looked_at_ == port::Instant{};
   const port::Duration passed = now - looked_at_;
-  for (std::uint32_t number = 0; number < buses_.size(); ++number) {
-    Bus& bus = buses_[number];
+  for (BusIndex number{0}; number.value < buses_.size(); ++number.value) {
+    Bus& bus = buses_[number.value];
     const BusCounters& counters = poller_.bus_counters(number);
     if (!is_first) {
       const port::Duration busy = counters.busy - bus.before.busy;

@@ -10,7 +10,7 @@
 namespace etcm::firmware {
 
 // As much of its name as every document has room for.
-inline std::string_view bus_label(const Poller& poller, std::uint32_t bus) {
+inline std::string_view bus_label(const Poller& poller, BusIndex bus) {
   constexpr std::size_t shown_max = 200;
   return std::string_view(poller.bus(bus).name).substr(0, shown_max);
 }
@@ -31,7 +31,7 @@ class BusMeter {
   port::Instant next_deadline() const { return due_; }
 
   // Of the last whole interval.
-  const BusUse& use(std::uint32_t bus) const { return buses_[bus].use; }
+  const BusUse& use(BusIndex bus) const { return buses_[bus.value].use; }
 
  private:
   struct Bus {

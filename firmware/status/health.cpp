@@ -16,7 +16,7 @@ std::int64_t whole_seconds(port::Duration duration) {
 bool are_buses_heard(const StatusSources& sources, port::Instant now, TextWriter& reason) {
   const Poller& poller = sources.gateway.poller();
   const SilenceClock& clock = sources.gateway.presence().clock();
-  for (std::uint32_t bus = 0; bus < poller.bus_count(); ++bus) {
+  for (BusIndex bus{0}; bus.value < poller.bus_count(); ++bus.value) {
     if (clock.silence_of(bus) <= sources.gateway.settings().poll.leave_after) continue;
     const port::Duration silence = now - std::max(clock.heard_at(bus), sources.started_at);
     reason << "bus " << bus_label(poller, bus) << ": no unit has answered for "
@@ -38,7 +38,7 @@ bool is_nobody_missing(const StatusSources& sources, TextWriter& reason) {
   if (first == nullptr) return true;
   const Poller& poller = sources.gateway.poller();
   reason << count << (count == 1 ? " node is" : " nodes are") << " missing: node " << first->serial;
-  if (first->last_unit != no_unit) {
+  if (!first->last_unit.is_none()) {
     reason << ", unit " << poller.address_of(first->last_unit) << " of "
            << bus_label(poller, poller.bus_of(first->last_unit));
   }

@@ -45,7 +45,7 @@ class MeshDocument final : public Document {
   void write_unplaced_node(Cursor& cursor, TextWriter& piece) const;
   void write_edges(Cursor& cursor, bool constrained, TextWriter& piece) const;
   void write_missing_feature(Cursor& cursor, TextWriter& piece) const;
-  void write_unit(std::uint32_t unit, TextWriter& piece) const;
+  void write_unit(UnitIndex unit, TextWriter& piece) const;
 
   const Snapshot& snapshot_;
   const Poller& poller_;

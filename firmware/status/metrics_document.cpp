@@ -47,8 +47,8 @@ std::uint32_t count_of(Scope scope, const Context& context) {
 
 // Of the units that are only looked for, those that are not there would be most of the text.
 bool is_shown(Scope scope, std::uint32_t index, const Context& context) {
-  return scope != Scope::unit || context.poller().is_listed(index) ||
-         context.poller().counters(index).has_answered();
+  return scope != Scope::unit || context.poller().is_listed(UnitIndex{index}) ||
+         context.poller().counters(UnitIndex{index}).has_answered();
 }
 
 void plain(const Context& context, std::uint64_t value, TextWriter& piece) {
@@ -61,14 +61,14 @@ void plain_seconds(const Context& context, port::Duration value, TextWriter& pie
 }
 
 // "name_suffix{bus="yard",unit="7"", to be completed by more labels or by "} value".
-TextWriter& unit_labels(const Context& context, const char* suffix, std::uint32_t unit,
+TextWriter& unit_labels(const Context& context, const char* suffix, UnitIndex unit,
                         TextWriter& piece) {
   piece << context.name << suffix << "{bus=";
   piece.label(bus_label(context.poller(), context.poller().bus_of(unit)));
   return piece << ",unit=\"" << context.poller().address_of(unit) << "\"";
 }
 
-TextWriter& bus_labels(const Context& context, std::uint32_t bus, TextWriter& piece) {
+TextWriter& bus_labels(const Context& context, BusIndex bus, TextWriter& piece) {
   piece << context.name << "{bus=";
   return piece.label(bus_label(context.poller(), bus)) << "} ";
 }
@@ -132,11 +132,13 @@ void write_memory(const Context& context, std::uint32_t, TextWriter& piece) {
   }
 }
 
-void write_unit_requests(const Context& context, std::uint32_t unit, TextWriter& piece) {
+void write_unit_requests(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const UnitIndex unit{index};
   unit_labels(context, "", unit, piece) << "} " << context.poller().counters(unit).requests << "\n";
 }
 
-void write_unit_errors(const Context& context, std::uint32_t unit, TextWriter& piece) {
+void write_unit_errors(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const UnitIndex unit{index};
   const UnitCounters& counters = context.poller().counters(unit);
   const auto kind = [&](const char* name, std::uint64_t count) {
     unit_labels(context, "", unit, piece) << ",kind=\"" << name << "\"} " << count << "\n";
@@ -149,14 +151,16 @@ void write_unit_errors(const Context& context, std::uint32_t unit, TextWriter& p
   kind("unbelieved", counters.unbelieved);
 }
 
-void write_unit_answer(const Context& context, std::uint32_t unit, TextWriter& piece) {
+void write_unit_answer(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const UnitIndex unit{index};
   const UnitCounters& counters = context.poller().counters(unit);
   unit_labels(context, "_sum", unit, piece) << "} ";
   piece.seconds(counters.answer_time) << "\n";
   unit_labels(context, "_count", unit, piece) << "} " << counters.count(BusResult::ok) << "\n";
 }
 
-void write_unit_answer_max(const Context& context, std::uint32_t unit, TextWriter& piece) {
+void write_unit_answer_max(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const UnitIndex unit{index};
   unit_labels(context, "", unit, piece) << "} ";
   piece.seconds(context.poller().counters(unit).answer_time_max) << "\n";
 }
@@ -188,23 +192,28 @@ void write_node_missing(const Context& context, std::uint32_t index, TextWriter&
   if (node.is_missing) write_node(context, node.serial, node.heard_at, piece);
 }
 
-void write_bus_silent(const Context& context, std::uint32_t bus, TextWriter& piece) {
+void write_bus_silent(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const BusIndex bus{index};
   bus_labels(context, bus, piece) << (context.sources.gateway.presence().is_silent(bus) ? 1 : 0)
                                   << "\n";
 }
 
-void write_bus_busy(const Context& context, std::uint32_t bus, TextWriter& piece) {
+void write_bus_busy(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const BusIndex bus{index};
   bus_labels(context, bus, piece);
   piece.seconds(context.poller().bus_counters(bus).busy) << "\n";
 }
-void write_bus_floor(const Context& context, std::uint32_t bus, TextWriter& piece) {
+void write_bus_floor(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const BusIndex bus{index};
   bus_labels(context, bus, piece);
   piece.seconds(context.poller().bus_counters(bus).floor) << "\n";
 }
-void write_bus_utilisation(const Context& context, std::uint32_t bus, TextWriter& piece) {
+void write_bus_utilisation(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const BusIndex bus{index};
   bus_labels(context, bus, piece).decimal(context.meter.use(bus).utilisation, 4) << "\n";
 }
-void write_bus_efficiency(const Context& context, std::uint32_t bus, TextWriter& piece) {
+void write_bus_efficiency(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const BusIndex bus{index};
   const BusUse& use = context.meter.use(bus);
   if (use.efficiency > 0) bus_labels(context, bus, piece).decimal(use.efficiency, 4) << "\n";
 }

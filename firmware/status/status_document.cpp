@@ -131,8 +131,8 @@ void StatusDocument::write_missing(Cursor& cursor, port::Instant asked_at,
   }
 }
 
-void StatusDocument::write_unit(std::uint32_t unit, TextWriter& piece) const {
-  if (unit == no_unit) return;
+void StatusDocument::write_unit(UnitIndex unit, TextWriter& piece) const {
+  if (unit.is_none()) return;
   const Poller& poller = sources_.gateway.poller();
   piece << ",\"bus\":";
   piece.json(bus_label(poller, poller.bus_of(unit))) << ",\"unit\":" << poller.address_of(unit);
@@ -160,10 +160,10 @@ void StatusDocument::write_bus(Cursor& cursor, port::Instant asked_at, TextWrite
     piece << "],\n\"events\":[";
     return cursor.next_section();
   }
-  const std::uint32_t bus = cursor.item++;
+  const BusIndex bus{cursor.item++};
   std::uint32_t units = 0;
   std::uint32_t answering = 0;
-  for (std::uint32_t unit = 0; unit < poller.unit_count(); ++unit) {
+  for (UnitIndex unit{0}; unit.value < poller.unit_count(); ++unit.value) {
     if (poller.bus_of(unit) != bus) continue;
     ++units;
     const bool has_answered = poller.counters(unit).count(port::BusResult::ok) > 0;

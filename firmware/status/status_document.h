@@ -18,7 +18,7 @@ class StatusDocument final : public Document {
   void write_counts(TextWriter& piece) const;
   void write_quarantine(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
   void write_missing(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
-  void write_unit(std::uint32_t unit, TextWriter& piece) const;
+  void write_unit(UnitIndex unit, TextWriter& piece) const;
   void write_bus(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
   void write_event(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
 

@@ -92,7 +92,7 @@ TEST_F(NodesBySerial, TwoNodesWithOneSerialAreAnAlarmNotAFlipFlop) {
   EXPECT_EQ(rig_.log.lines.size(), 2u) << logged();
   ASSERT_EQ(quarantine().size(), 1u);
   EXPECT_EQ(quarantine()[0].serial, 7u);
-  EXPECT_EQ(quarantine()[0].unit_index, 1u);
+  EXPECT_EQ(quarantine()[0].unit_index, UnitIndex{1});
   EXPECT_EQ(quarantine()[0].conflict, IdentityConflict::same_serial);
   EXPECT_EQ(rig_.server.header("quarantined_count"), 1u);
   EXPECT_EQ(rig_.server.header("state"), snapshot_state::partial);

@@ -73,7 +73,7 @@ TEST_F(Polling, ALostAnswerIsAskedForAgainOnce) {
   rig_.put(7, 700, 0);
   run(70ms, 10ms);
   EXPECT_EQ(asked(7) - before, 2u) << "within the interval";
-  EXPECT_EQ(rig_.gateway->poller().failures(6), 0u);
+  EXPECT_EQ(rig_.gateway->poller().failures(UnitIndex{6}), 0u);
   run(1s, 10ms);
   EXPECT_EQ(asked(7) - before, 12u) << "and then at the old times";
   // Once, where the answer to that is missing too.

@@ -136,7 +136,7 @@ class ConverterSite final : public ReadingListener {
     }
   }
 
-  bool on_reading(std::uint32_t unit, const NodeReading&, port::Instant) override {
+  bool on_reading(UnitIndex unit, const NodeReading&, port::Instant) override {
     ++readings[poller_.address_of(unit)];
     return true;
   }
@@ -147,7 +147,7 @@ class ConverterSite final : public ReadingListener {
   }
   std::uint64_t timeouts_of_healthy(const Behind& behind) const {
     std::uint64_t sum = 0;
-    for (std::uint32_t unit = 0; unit < poller_.unit_count(); ++unit) {
+    for (UnitIndex unit{0}; unit.value < poller_.unit_count(); ++unit.value) {
       const std::uint8_t address = poller_.address_of(unit);
       if (std::find(behind.dead.begin(), behind.dead.end(), address) == behind.dead.end()) {
         sum += poller_.counters(unit).count(port::BusResult::timeout);

@@ -69,7 +69,7 @@ TEST_F(Joining, UnitsThatAConverterFindsEmptyAreAsUnseenAsSilentOnes) {
   }
   rig_.run(5s);
   const Poller& poller = rig_.gateway->poller();
-  for (std::uint32_t unit = 1; unit < 20; ++unit) {
+  for (UnitIndex unit{1}; unit.value < 20; ++unit.value) {
     EXPECT_FALSE(poller.counters(unit).has_answered());
     EXPECT_EQ(poller.counters(unit).answered_at, port::Instant{});
     EXPECT_GT(poller.counters(unit).count(port::BusResult::timeout), 0u);

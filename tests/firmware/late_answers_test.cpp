@@ -116,13 +116,13 @@ class Interruptions final : public RequestSource {
  public:
   Interruptions(std::uint8_t units, const LateLine& line) : units_(units), line_(line) {}
   const Poller* poller = nullptr;  // null: there are none
-  port::Instant request_due(std::uint32_t) const override {
+  port::Instant request_due(BusIndex) const override {
     return poller == nullptr ? port::never : due_;
   }
-  bool next_request(std::uint32_t, port::Instant now, BusRequest& request) override {
-    const auto unit = static_cast<std::uint32_t>(random_() % units_);
+  bool next_request(BusIndex, port::Instant now, BusRequest& request) override {
+    const UnitIndex unit{static_cast<std::uint32_t>(random_() % units_)};
     due_ = now + random_() % 700 * 1ms;
-    request = {.address = static_cast<std::uint8_t>(unit + 1), .values = {}};
+    request = {.address = static_cast<std::uint8_t>(unit.value + 1), .values = {}};
     if (random_() % 2 == 0) {
       if (poller->read_free_at(unit) > now) return false;
       request.read_count = node_register_count;
@@ -134,7 +134,7 @@ class Interruptions final : public RequestSource {
     }
     return true;
   }
-  void on_request_done(std::uint32_t, const port::BusAnswer& answer, port::Instant now) override {
+  void on_request_done(BusIndex, const port::BusAnswer& answer, port::Instant now) override {
     if (answer.result != port::BusResult::ok) return;
     EXPECT_LE(now - line_.answers_asked_at[answer.unit], timeout + on_the_line)
         << "unit " << int{answer.unit};
@@ -195,7 +195,7 @@ class LateSite final : public ReadingListener {
     }
   }
 
-  bool on_reading(std::uint32_t index, const NodeReading& reading, port::Instant now) override {
+  bool on_reading(UnitIndex index, const NodeReading& reading, port::Instant now) override {
     const std::uint8_t unit = poller_.address_of(index);
     const port::Duration limit = timeout_of(settings_, unit);
     const port::Instant asked{

@@ -87,8 +87,9 @@ class OtherEnd {
 class Readings final : public firmware::ReadingListener {
  public:
   explicit Readings(std::uint32_t units) : read_at_(units) {}
-  bool on_reading(std::uint32_t unit, const firmware::NodeReading&, port::Instant now) override {
-    read_at_[unit] = now;
+  bool on_reading(firmware::UnitIndex unit, const firmware::NodeReading&,
+                  port::Instant now) override {
+    read_at_[unit.value] = now;
     ++count;
     return true;
   }

@@ -50,7 +50,7 @@ class LostAnswers : public testing::Test {
   unsigned sound() const {
     unsigned count = 0;
     for (std::uint32_t unit = first; unit <= last; ++unit) {
-      count += rig_.gateway->poller().is_sound(unit - 1);
+      count += rig_.gateway->poller().is_sound(UnitIndex{unit - 1});
     }
     return count;
   }

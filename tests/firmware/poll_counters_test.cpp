@@ -12,7 +12,7 @@ using port::BusResult;
 class PollCounters : public testing::Test {
  protected:
   const UnitCounters& unit(std::uint32_t address) {
-    return rig_.gateway->poller().counters(address - 1);
+    return rig_.gateway->poller().counters(UnitIndex{address - 1});
   }
   Rig rig_;
 };
@@ -65,7 +65,7 @@ TEST_F(PollCounters, ABusIsBusyWhileAQuestionIsUnderWay) {
   rig_.put(1, 0, 0);
   rig_.run(1s);
   // Ten questions, each answered in the next step.
-  const BusCounters& counters = rig_.gateway->poller().bus_counters(0);
+  const BusCounters& counters = rig_.gateway->poller().bus_counters(BusIndex{0});
   EXPECT_EQ(counters.busy, 10ms * unit(1).count(BusResult::ok));
   EXPECT_EQ(counters.floor, 0ms) << "a network has no floor";
 }
@@ -79,7 +79,7 @@ TEST_F(PollCounters, ASerialLineHasAFloor) {
   rig_.run(1s);
   // 8 + 29 bytes of 11 bits, and twice the silence of 3.5 of them.
   const port::Duration floor =
-      rig_.gateway->poller().bus_counters(0).floor / unit(1).count(BusResult::ok);
+      rig_.gateway->poller().bus_counters(BusIndex{0}).floor / unit(1).count(BusResult::ok);
   EXPECT_NEAR(static_cast<double>(floor.count()), 50.4e6, 0.1e6);
 }
 

@@ -355,7 +355,7 @@ TEST_F(StatusPageTest, MetricsAreWhatPrometheusReads) {
       EXPECT_TRUE(std::string(found[1]).starts_with(family)) << line;
     }
   }
-  const auto& unit = rig_.gateway->poller().counters(0);
+  const auto& unit = rig_.gateway->poller().counters(UnitIndex{0});
   EXPECT_NE(metrics.find("\netcm_unit_requests_total{bus=\"yard\",unit=\"1\"} " +
                          std::to_string(unit.requests) + "\n"),
             std::string::npos);
