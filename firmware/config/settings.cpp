@@ -67,11 +67,10 @@ void set_defaults(const KeyTable& table, Target target, BusKind bus = BusKind::a
 // ---- What is between keys.
 
 // Whether the gateway asks this unit of the bus at all.
-bool has_unit(const BusSettings& bus, unsigned unit) {
+bool has_unit(const BusSettings& bus, ModbusAddress unit) {
   const auto holds = [unit](const std::vector<UnitRange>& ranges) {
-    return std::any_of(ranges.begin(), ranges.end(), [unit](UnitRange range) {
-      return range.first <= unit && unit <= range.last;
-    });
+    return std::any_of(ranges.begin(), ranges.end(),
+                       [unit](UnitRange range) { return range.contains(unit); });
   };
   return holds(bus.units) || holds(bus.assign) || holds(bus.scan) ||
          (unit == default_unit && !bus.assign.empty());
@@ -120,7 +119,7 @@ void check_bus(TomlTable& toml_table, const KeyTable& table, const BusSettings& 
     require(toml_table, table, "units");
   }
   const bool gives_default = std::any_of(bus.assign.begin(), bus.assign.end(), [](UnitRange range) {
-    return range.last == default_unit;
+    return range.last == default_unit.value;
   });
   if (gives_default) {
     toml_table.mistake(*toml_table.find("assign"),
@@ -141,10 +140,10 @@ void check_against(TomlTable& toml_table, const BusSettings& bus, const BusSetti
   const auto* const other_address = std::get_if<port::SocketAddress>(&other.link);
   if (address != nullptr && other_address != nullptr && address->host == other_address->host &&
       address->port == other_address->port) {
-    for (unsigned unit = 1; unit <= unit_max; ++unit) {
+    for (const ModbusAddress unit : UnitRange{.first = 1, .last = unit_max}) {
       if (!has_unit(bus, unit) || !has_unit(other, unit)) continue;
       toml_table.mistake(toml_table.table(),
-                         "unit " + std::to_string(unit) + " at " + to_string(*address) +
+                         "unit " + std::to_string(unit.value) + " at " + to_string(*address) +
                              " is asked by another [[bus]] too; take it out of one");
       return;
     }
@@ -164,10 +163,10 @@ void read_slow(TomlTable& toml_table, BusSettings& bus) {
   for (const UnitRange range : slow.units) {
     bus.unit_timeouts.push_back({.units = range, .timeout = slow.timeout});
     if (bus.units.empty() && bus.assign.empty() && bus.scan.empty()) continue;
-    for (unsigned unit = range.first; unit <= range.last; ++unit) {
+    for (const ModbusAddress unit : range) {
       if (has_unit(bus, unit)) continue;
       toml_table.mistake(*toml_table.find("units"),
-                         "unit " + std::to_string(unit) +
+                         "unit " + std::to_string(unit.value) +
                              " is not among the units of its bus; add it "
                              "there, or take it out here");
       break;
@@ -301,10 +300,10 @@ std::string link_name(const BusSettings& bus) {
   return line != nullptr ? line->path : to_string(std::get<port::SocketAddress>(bus.link));
 }
 
-port::Duration timeout_of(const BusSettings& bus, std::uint8_t unit) {
+port::Duration timeout_of(const BusSettings& bus, ModbusAddress address) {
   port::Duration timeout = bus.timeout;
   for (const UnitTimeout& other : bus.unit_timeouts) {
-    if (other.units.first <= unit && unit <= other.units.last) timeout = other.timeout;
+    if (other.units.contains(address)) timeout = other.timeout;
   }
   return timeout;
 }

@@ -12,6 +12,7 @@
 #include "etcm/port/clock.h"
 #include "etcm/port/serial_line.h"
 #include "etcm/port/socket_address.h"
+#include "firmware/protocol/modbus_address.h"
 #include "firmware/protocol/node_registers.h"
 #include "firmware/site/feature_end.h"
 #include "firmware/site/site_domain.h"
@@ -20,10 +21,27 @@ namespace etcm::firmware {
 
 inline constexpr std::uint8_t unit_max = 247;
 
-// Units 1 to unit_max.
+// Units 1 to unit_max, from the first to the last.
 struct UnitRange {
   std::uint8_t first = 0;
   std::uint8_t last = 0;
+
+  struct Iterator {
+    unsigned value;
+    constexpr ModbusAddress operator*() const {
+      return ModbusAddress{static_cast<std::uint8_t>(value)};
+    }
+    constexpr Iterator& operator++() {
+      ++value;
+      return *this;
+    }
+    friend constexpr bool operator==(const Iterator&, const Iterator&) = default;
+  };
+  constexpr Iterator begin() const { return {first}; }
+  constexpr Iterator end() const { return {last + 1u}; }
+  constexpr bool contains(ModbusAddress address) const {
+    return first <= address.value && address.value <= last;
+  }
   friend constexpr bool operator==(const UnitRange&, const UnitRange&) = default;
 };
 
@@ -67,7 +85,7 @@ struct BusSettings {
 std::string link_name(const BusSettings& bus);
 
 // How long this unit of the bus may take to answer.
-port::Duration timeout_of(const BusSettings& bus, std::uint8_t unit);
+port::Duration timeout_of(const BusSettings& bus, ModbusAddress address);
 
 struct PollSettings {
   port::Duration interval{};

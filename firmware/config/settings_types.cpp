@@ -40,7 +40,7 @@ std::string text_of(port::Duration duration) {
 // "1-60" or "7" or "1-3,9".
 std::optional<std::vector<UnitRange>> parse_units(const std::string& text) {
   std::vector<UnitRange> ranges;
-  std::set<std::uint8_t> seen;
+  std::set<ModbusAddress> seen;
   const char* at = text.data();
   const char* end = at + text.size();
   while (true) {
@@ -53,8 +53,8 @@ std::optional<std::vector<UnitRange>> parse_units(const std::string& text) {
       if (parsed.ec != std::errc{}) return std::nullopt;
     }
     if (range.first < 1 || range.last > unit_max || range.first > range.last) return std::nullopt;
-    for (unsigned unit = range.first; unit <= range.last; ++unit) {
-      if (!seen.insert(static_cast<std::uint8_t>(unit)).second) return std::nullopt;
+    for (const ModbusAddress unit : range) {
+      if (!seen.insert(unit).second) return std::nullopt;
     }
     ranges.push_back(range);
     if (parsed.ptr == end) return ranges;

@@ -69,7 +69,7 @@ class Gateway final : private ReadingListener, private RequestSource {
   void finish_saving(port::Instant now);
 
   // Asks the units with this address next: somebody says that a node is there.
-  void ask_at_once(std::uint8_t address, port::Instant now) { poller_.ask_at_once(address, now); }
+  void ask_at_once(ModbusAddress address, port::Instant now) { poller_.ask_at_once(address, now); }
 
   // Other settings, in what can change while the gateway runs (reload.h). Where units are asked
   // more often than before, silence counts once all of them have had time to answer. Nodes that are

@@ -113,8 +113,8 @@ void AddressAssigner::choose(BusIndex bus, bool is_first, port::Instant now) {
   const std::pair before{job.unit_used_at, job.unit_index};
   std::pair best{port::never, UnitIndex::none()};
   for (const UnitRange range : poller_.bus(bus).assign) {
-    for (unsigned address = range.first; address <= range.last; ++address) {
-      const UnitIndex unit = poller_.unit_at(bus, static_cast<std::uint8_t>(address));
+    for (const ModbusAddress address : range) {
+      const UnitIndex unit = poller_.unit_at(bus, address);
       const std::pair found{used_at(unit), unit};
       if (is_free(unit) && (is_first || found > before)) best = std::min(best, found);
     }

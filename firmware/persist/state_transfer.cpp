@@ -25,7 +25,7 @@ std::uint32_t silence_in_s(port::Duration silence) {
 }
 
 // The unit that a node answered at; none where it is asked no more.
-UnitIndex find_unit(const Poller& poller, const std::string& bus, std::uint8_t address) {
+UnitIndex find_unit(const Poller& poller, const std::string& bus, ModbusAddress address) {
   for (UnitIndex unit{0}; unit.value < poller.unit_count(); ++unit.value) {
     if (poller.address_of(unit) == address &&
         saved_bus_name(poller.bus(poller.bus_of(unit)).name) == bus) {
@@ -106,7 +106,7 @@ SavedNode StateTransfer::saved_node(const NodeRecord& node, port::Instant now) c
   const UnitIndex unit = node.is_missing ? node.last_unit : node.unit_index;
   if (!unit.is_none()) {
     saved.bus = static_cast<std::uint16_t>(poller_.bus_of(unit).value);
-    saved.address = poller_.address_of(unit);
+    saved.address = poller_.address_of(unit).value;
   }
   return saved;
 }
@@ -131,7 +131,7 @@ NodeRecord* StateTransfer::restore_node(const SavedState& saved, const SavedNode
   record->positioned_at = now - std::chrono::milliseconds(node.age_ms);
   record->stale = true;
   if (node.bus == no_saved_bus) return record;
-  const UnitIndex unit = find_unit(poller_, saved.buses[node.bus], node.address);
+  const UnitIndex unit = find_unit(poller_, saved.buses[node.bus], ModbusAddress{node.address});
   if (!unit.is_none() && nodes_.at(unit) == nullptr) nodes_.assign_unit(*record, unit);
   return record;
 }
@@ -148,7 +148,8 @@ void StateTransfer::restore_missing(const SavedState& saved, const SavedMissing&
     record->positioned_at = now - std::chrono::milliseconds(missing.node.age_ms);
   }
   if (missing.node.bus == no_saved_bus) return;
-  const UnitIndex unit = find_unit(poller_, saved.buses[missing.node.bus], missing.node.address);
+  const UnitIndex unit =
+      find_unit(poller_, saved.buses[missing.node.bus], ModbusAddress{missing.node.address});
   if (unit.is_none()) return;
   record->last_unit = unit;
   nodes_.note_gone(unit, record->heard_at);

@@ -8,11 +8,12 @@
 #include "etcm/port/clock.h"
 #include "etcm/port/node_bus.h"
 #include "firmware/polling/indices.h"
+#include "firmware/protocol/modbus_address.h"
 
 namespace etcm::firmware {
 
 struct BusRequest {
-  std::uint8_t address = 0;
+  ModbusAddress address;
   std::uint16_t first = 0;                // register
   std::uint16_t read_count = 0;           // of registers to read; 0: it is a write
   std::uint16_t spare = 0;                // as RegisterRead has it

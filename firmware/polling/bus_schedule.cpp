@@ -53,10 +53,10 @@ BusSchedule::BusSchedule(const PollSettings& poll, const BusSettings& settings,
       cost_max_(cost_max_of(settings)),
       units_(addresses) {}
 
-void BusSchedule::add_unit(std::uint8_t address, bool is_listed) {
-  units_[address] = {.timeout = timeout_of(settings_, address),
-                     .is_listed = is_listed,
-                     .is_undiscovered = !is_listed};
+void BusSchedule::add_unit(ModbusAddress address, bool is_listed) {
+  units_[address.value] = {.timeout = timeout_of(settings_, address),
+                           .is_listed = is_listed,
+                           .is_undiscovered = !is_listed};
   if (is_listed) {
     turns_.push_back({.due = port::Instant{}, .address = address});
   } else {
@@ -73,7 +73,8 @@ port::Instant BusSchedule::update_settings(const PollSettings& poll, const BusSe
   poll_ = poll;
   settings_ = settings;
   for (std::size_t address = 0; address < addresses; ++address) {
-    units_[address].timeout = timeout_of(settings_, static_cast<std::uint8_t>(address));
+    units_[address].timeout =
+        timeout_of(settings_, ModbusAddress{static_cast<std::uint8_t>(address)});
   }
   cost_max_ = cost_max_of(settings_);
   const port::Instant asked_by = now + poll_.interval;
@@ -122,7 +123,7 @@ BusSchedule::Turns& BusSchedule::turns_of(Reason reason) {
 }
 
 void BusSchedule::ask(const Question& question, port::Instant now) {
-  Unit& unit = units_[question.address];
+  Unit& unit = units_[question.address.value];
   unit.due = question.due;
   unit.reason = question.reason;
   unit.asked_at = now;
@@ -137,7 +138,7 @@ void BusSchedule::postpone(const Question& question, port::Instant until) {
   if (question.reason != Reason::discovery) {
     return push(turns_of(question.reason), {.due = until, .address = question.address});
   }
-  units_[question.address].is_undiscovered = true;
+  units_[question.address.value].is_undiscovered = true;
   ++undiscovered_;
   if (++discovery_postponed_ < undiscovered_) return;
   // None of them can be asked now.
@@ -166,11 +167,11 @@ port::Instant BusSchedule::start_of_failing(const Turns& turns, const TimeShare&
   if (turns.empty() || retries_under_way_ >= under_way_max) return port::never;
   const port::Instant due = turns.front().due;
   if (!takes_one()) return due;
-  return start_beside(due, share.free_at(), retry_cost(units_[turns.front().address]), now);
+  return start_beside(due, share.free_at(), retry_cost(units_[turns.front().address.value]), now);
 }
 
 const TimeShare& BusSchedule::share_of_repeats() const {
-  const bool is_first = !repeats_.empty() && !units_[repeats_.front().address].has_answered;
+  const bool is_first = !repeats_.empty() && !units_[repeats_.front().address.value].has_answered;
   return is_first ? first_repeat_share_ : repeat_share_;
 }
 
@@ -194,21 +195,21 @@ port::Instant BusSchedule::request_start(port::Instant due, port::Instant now) c
 }
 
 // REQUIRES: undiscovered_ > 0.
-std::uint8_t BusSchedule::next_undiscovered() {
-  std::uint8_t address = 0;
+ModbusAddress BusSchedule::next_undiscovered() {
+  ModbusAddress address;
   do {
     address = discovery_[discovery_next_];
     discovery_next_ = (discovery_next_ + 1) % discovery_.size();
-  } while (!units_[address].is_undiscovered);
-  units_[address].is_undiscovered = false;
+  } while (!units_[address.value].is_undiscovered);
+  units_[address.value].is_undiscovered = false;
   --undiscovered_;
   return address;
 }
 
 // What the others had to wait for a unit that failed, or was only looked for, comes off its share.
-void BusSchedule::note_cost(std::uint8_t address, const port::BusAnswer& answer,
+void BusSchedule::note_cost(ModbusAddress address, const port::BusAnswer& answer,
                             port::Instant now) {
-  Unit& unit = units_[address];
+  Unit& unit = units_[address.value];
   unit.silence = answer.silence;
   const port::Duration cost = cost_of(unit.asked_at, answer, now);
   const port::Duration missed_cost = unit.cost;
@@ -242,8 +243,8 @@ void BusSchedule::charge_request(port::Duration cost, port::Instant now) {
   request_share_.charge(cost, now);
 }
 
-void BusSchedule::note_success(std::uint8_t address, port::Instant now) {
-  Unit& unit = units_[address];
+void BusSchedule::note_success(ModbusAddress address, port::Instant now) {
+  Unit& unit = units_[address.value];
   if (!is_sound(address) && sound_++ == 0) bring_back_all(now);
   unit.has_answered = true;
   unit.failures = 0;
@@ -255,7 +256,8 @@ void BusSchedule::bring_back_all(port::Instant now) {
   for (Turns* const turns : {&repeats_, &retries_}) {
     for (Turn& turn : *turns) {
       turn.due = std::min(turn.due, now);
-      units_[turn.address].failures = std::min(units_[turn.address].failures, failures_free);
+      units_[turn.address.value].failures =
+          std::min(units_[turn.address.value].failures, failures_free);
     }
     std::make_heap(turns->begin(), turns->end(), is_later);
   }
@@ -264,8 +266,8 @@ void BusSchedule::bring_back_all(port::Instant now) {
   }
 }
 
-void BusSchedule::note_failure(std::uint8_t address, bool is_miss, port::Instant now) {
-  Unit& unit = units_[address];
+void BusSchedule::note_failure(ModbusAddress address, bool is_miss, port::Instant now) {
+  Unit& unit = units_[address.value];
   const bool was_sound = is_sound(address);
   if (was_sound) --sound_;
   ++unit.failures;
@@ -277,10 +279,12 @@ void BusSchedule::note_failure(std::uint8_t address, bool is_miss, port::Instant
   ask_again(address, is_at_once ? unit.due : due);
 }
 
-void BusSchedule::note_torn(std::uint8_t address) { ask_again(address, units_[address].due); }
+void BusSchedule::note_torn(ModbusAddress address) {
+  ask_again(address, units_[address.value].due);
+}
 
-void BusSchedule::note_link_lost(std::uint8_t address, port::Instant now) {
-  const Unit& unit = units_[address];
+void BusSchedule::note_link_lost(ModbusAddress address, port::Instant now) {
+  const Unit& unit = units_[address.value];
   unit.is_listed || unit.has_answered ? ask_again(address, now) : rest(address);
 }
 
@@ -290,15 +294,15 @@ port::Instant BusSchedule::due_after(const Unit& unit, port::Duration pause) con
   return (is_on_time ? unit.due : unit.asked_at) + pause;
 }
 
-port::Duration BusSchedule::pause_of(std::uint8_t address) const {
-  const std::uint32_t failures = units_[address].failures;
+port::Duration BusSchedule::pause_of(ModbusAddress address) const {
+  const std::uint32_t failures = units_[address.value].failures;
   if (failures <= failures_free || sound_ == 0) return poll_.interval;
   const std::uint32_t doublings = std::min(failures - failures_free, doublings_max);
   const port::Duration pause =
       std::clamp(poll_.interval * (std::int64_t{1} << doublings), poll_.interval,
                  std::max(poll_.interval, poll_.absent_interval));
   // Up to an eighth less.
-  return pause - pause / 8 / 1024 * (mix(address, failures) % 1024);
+  return pause - pause / 8 / 1024 * (mix(address.value, failures) % 1024);
 }
 
 // As many intervals as have the time for such a search.
@@ -327,8 +331,8 @@ void BusSchedule::push(Turns& turns, const Turn& turn) {
   std::push_heap(turns.begin(), turns.end(), is_later);
 }
 
-void BusSchedule::ask_again(std::uint8_t address, port::Instant due) {
-  const Unit& unit = units_[address];
+void BusSchedule::ask_again(ModbusAddress address, port::Instant due) {
+  const Unit& unit = units_[address.value];
   const Reason reason = unit.failures == 0  ? Reason::turn
                         : is_repeated(unit) ? Reason::repeat
                                             : Reason::retry;
@@ -336,21 +340,21 @@ void BusSchedule::ask_again(std::uint8_t address, port::Instant due) {
 }
 
 // It is looked for again when its time comes.
-void BusSchedule::rest(std::uint8_t address) {
-  Unit& unit = units_[address];
+void BusSchedule::rest(ModbusAddress address) {
+  Unit& unit = units_[address.value];
   unit.has_answered = false;
   unit.is_undiscovered = true;
   ++undiscovered_;
 }
 
-void BusSchedule::call_for(std::uint8_t address, port::Instant now) {
+void BusSchedule::call_for(ModbusAddress address, port::Instant now) {
   if (!takes_one()) return ask_at_once(address, now);
   if (now < call_share_.free_at()) return bring_forward(address, now);
-  call_share_.charge(retry_cost(units_[address]), now);
+  call_share_.charge(retry_cost(units_[address.value]), now);
   ask_at_once(address, now);
 }
 
-void BusSchedule::ask_at_once(std::uint8_t address, port::Instant now) {
+void BusSchedule::ask_at_once(ModbusAddress address, port::Instant now) {
   for (TimeShare* const share : {&repeat_share_, &first_repeat_share_, &retry_share_}) {
     share->open(now);
   }
@@ -358,8 +362,8 @@ void BusSchedule::ask_at_once(std::uint8_t address, port::Instant now) {
 }
 
 // It is asked in its turn, but as if it had been due then.
-void BusSchedule::bring_forward(std::uint8_t address, port::Instant due) {
-  Unit& unit = units_[address];
+void BusSchedule::bring_forward(ModbusAddress address, port::Instant due) {
+  Unit& unit = units_[address.value];
   if (unit.is_undiscovered) {
     unit.is_undiscovered = false;
     --undiscovered_;
@@ -374,9 +378,9 @@ void BusSchedule::bring_forward(std::uint8_t address, port::Instant due) {
   }
 }
 
-void BusSchedule::expect_silence(std::uint8_t address) {
+void BusSchedule::expect_silence(ModbusAddress address) {
   if (is_sound(address)) --sound_;
-  units_[address].has_answered = false;
+  units_[address.value].has_answered = false;
 }
 
 }  // namespace etcm::firmware

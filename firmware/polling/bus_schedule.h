@@ -8,6 +8,7 @@
 #include "etcm/port/node_bus.h"
 #include "firmware/config/settings.h"
 #include "firmware/polling/time_share.h"
+#include "firmware/protocol/modbus_address.h"
 
 namespace etcm::firmware {
 
@@ -44,7 +45,7 @@ class BusSchedule {
  public:
   enum class Reason : std::uint8_t { turn, repeat, retry, discovery };
   struct Question {
-    std::uint8_t address = 0;
+    ModbusAddress address;
     Reason reason = Reason::turn;
     port::Instant due{};
   };
@@ -52,7 +53,7 @@ class BusSchedule {
   // `bus` must outlive the schedule.
   BusSchedule(const PollSettings& poll, const BusSettings& settings, const port::NodeBus& bus);
 
-  void add_unit(std::uint8_t address, bool is_listed);
+  void add_unit(ModbusAddress address, bool is_listed);
 
   // Other settings: whoever would be asked later than these have it comes forward. Returns when all
   // units that are there will have answered, on a bus that has the time.
@@ -71,32 +72,32 @@ class BusSchedule {
   port::Instant discovery_start(port::Instant now) const;
 
   // What came of a question: note_cost() first, then one of the four.
-  void note_cost(std::uint8_t address, const port::BusAnswer& answer, port::Instant now);
-  void note_success(std::uint8_t address, port::Instant now);
+  void note_cost(ModbusAddress address, const port::BusAnswer& answer, port::Instant now);
+  void note_success(ModbusAddress address, port::Instant now);
   // `is_miss`: no answer to this question, so that a frame may have been lost.
-  void note_failure(std::uint8_t address, bool is_miss, port::Instant now);
-  void note_torn(std::uint8_t address);
-  void note_link_lost(std::uint8_t address, port::Instant now);
+  void note_failure(ModbusAddress address, bool is_miss, port::Instant now);
+  void note_torn(ModbusAddress address);
+  void note_link_lost(ModbusAddress address, port::Instant now);
 
   // Somebody is said to be there: it is asked next, whoever else is due and however often it has
   // failed; call_for() does so as far as the share of such calls allows.
-  void ask_at_once(std::uint8_t address, port::Instant now);
-  void call_for(std::uint8_t address, port::Instant now);
+  void ask_at_once(ModbusAddress address, port::Instant now);
+  void call_for(ModbusAddress address, port::Instant now);
   // Whoever was there is known to have gone: its silence is no news.
-  void expect_silence(std::uint8_t address);
+  void expect_silence(ModbusAddress address);
 
   // When a request that is due then may be made.
   port::Instant request_start(port::Instant due, port::Instant now) const;
   void charge_request(port::Duration cost, port::Instant now);
 
-  std::uint32_t failures(std::uint8_t address) const { return units_[address].failures; }
-  bool has_answered(std::uint8_t address) const { return units_[address].has_answered; }
-  bool is_listed(std::uint8_t address) const { return units_[address].is_listed; }
-  bool is_sound(std::uint8_t address) const {
-    return units_[address].has_answered && units_[address].failures == 0;
+  std::uint32_t failures(ModbusAddress address) const { return units_[address.value].failures; }
+  bool has_answered(ModbusAddress address) const { return units_[address.value].has_answered; }
+  bool is_listed(ModbusAddress address) const { return units_[address.value].is_listed; }
+  bool is_sound(ModbusAddress address) const {
+    return units_[address.value].has_answered && units_[address.value].failures == 0;
   }
-  port::Instant asked_at(std::uint8_t address) const { return units_[address].asked_at; }
-  port::Duration timeout(std::uint8_t address) const { return units_[address].timeout; }
+  port::Instant asked_at(ModbusAddress address) const { return units_[address.value].asked_at; }
+  port::Duration timeout(ModbusAddress address) const { return units_[address.value].timeout; }
 
   // The least time a question and its answer keep the line; nothing where there is none.
   port::Duration exchange_floor() const { return exchange_floor_; }
@@ -118,7 +119,7 @@ class BusSchedule {
   };
   struct Turn {
     port::Instant due{};
-    std::uint8_t address = 0;
+    ModbusAddress address;
   };
   using Turns = std::vector<Turn>;  // a heap, the earliest on top
 
@@ -128,7 +129,7 @@ class BusSchedule {
   bool takes_one() const { return settings_.outstanding_max == 1 || bus_.is_one_line(); }
   bool is_repeated(const Unit& unit) const;
   port::Duration retry_cost(const Unit& unit) const;
-  port::Duration pause_of(std::uint8_t address) const;
+  port::Duration pause_of(ModbusAddress address) const;
   port::Duration discovery_pause(port::Duration cost) const;
   port::Instant due_after(const Unit& unit, port::Duration pause) const;
 
@@ -140,14 +141,14 @@ class BusSchedule {
   port::Instant repeat_start(port::Instant now) const;
   port::Instant retry_start(port::Instant now) const;
   std::optional<Reason> next_reason(port::Instant now) const;
-  std::uint8_t next_undiscovered();
+  ModbusAddress next_undiscovered();
 
   Turns& turns_of(Reason reason);
   void push(Turns& turns, const Turn& turn);
-  void ask_again(std::uint8_t address, port::Instant due);
-  void bring_forward(std::uint8_t address, port::Instant due);
+  void ask_again(ModbusAddress address, port::Instant due);
+  void bring_forward(ModbusAddress address, port::Instant due);
   void bring_back_all(port::Instant now);
-  void rest(std::uint8_t address);
+  void rest(ModbusAddress address);
 
   PollSettings poll_;
   BusSettings settings_;
@@ -169,7 +170,7 @@ class BusSchedule {
   TimeShare call_share_{32};  // of units that somebody calls for
   TimeShare request_share_{16};
 
-  std::vector<std::uint8_t> discovery_;  // units that are not listed
+  std::vector<ModbusAddress> discovery_;  // units that are not listed
   std::size_t discovery_next_ = 0;
   std::uint32_t undiscovered_ = 0;
   std::uint32_t discovery_postponed_ = 0;  // since one was asked

@@ -23,7 +23,7 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
     const BusIndex number{bus_count() - 1};
     add_units(number, bus.units, true);
     add_units(number, bus.assign, true);
-    if (!bus.assign.empty()) add_units(number, {{{default_unit, default_unit}}}, true);
+    if (!bus.assign.empty()) add_units(number, {{{default_unit.value, default_unit.value}}}, true);
     add_units(number, bus.scan, false);
   }
 }
@@ -31,10 +31,9 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
 void Poller::add_units(BusIndex number, std::span<const UnitRange> ranges, bool is_listed) {
   Bus& bus = buses_[number.value];
   for (const UnitRange range : ranges) {
-    for (unsigned value = range.first; value <= range.last; ++value) {
-      if (!bus.unit_at[value].is_none()) continue;
-      const auto address = static_cast<std::uint8_t>(value);
-      bus.unit_at[address] = UnitIndex{unit_count()};
+    for (const ModbusAddress address : range) {
+      if (!bus.unit_at[address.value].is_none()) continue;
+      bus.unit_at[address.value] = UnitIndex{unit_count()};
       units_.push_back({.bus = number, .address = address});
       bus.schedule.add_unit(address, is_listed);
     }
@@ -73,7 +72,7 @@ bool Poller::ask_next(BusIndex number, port::Instant now) {
   if (request_start(number, now) <= now && start_request(number, now)) return true;
   Bus& bus = buses_[number.value];
   while (const std::optional<BusSchedule::Question> question = bus.schedule.next_question(now)) {
-    const UnitIndex unit = bus.unit_at[question->address];
+    const UnitIndex unit = bus.unit_at[question->address.value];
     const port::RegisterRead read = read_of(unit);
     const port::Instant free_at = bus.bus->read_free_at(read, now);
     if (free_at > now) {
@@ -92,8 +91,8 @@ bool Poller::ask_next(BusIndex number, port::Instant now) {
 
 port::RegisterRead Poller::read_of(UnitIndex unit) const {
   const BusSchedule& schedule = schedule_of(unit);
-  const std::uint8_t address = address_of(unit);
-  return {.unit = address,
+  const ModbusAddress address = address_of(unit);
+  return {.unit = address.value,
           .first = node_register_first,
           .count = node_register_count,
           .timeout = schedule.timeout(address),
@@ -102,7 +101,7 @@ port::RegisterRead Poller::read_of(UnitIndex unit) const {
 }
 
 port::Instant Poller::read_free_at(UnitIndex unit) const {
-  return buses_[bus_of(unit).value].bus->read_free_at({.unit = address_of(unit),
+  return buses_[bus_of(unit).value].bus->read_free_at({.unit = address_of(unit).value,
                                                        .first = node_register_first,
                                                        .count = node_register_count,
                                                        .spare = stranger_register_spare},
@@ -110,7 +109,7 @@ port::Instant Poller::read_free_at(UnitIndex unit) const {
 }
 
 port::Instant Poller::write_free_at(UnitIndex unit) const {
-  return buses_[bus_of(unit).value].bus->write_free_at(address_of(unit));
+  return buses_[bus_of(unit).value].bus->write_free_at(address_of(unit).value);
 }
 
 port::Instant Poller::next_deadline() const {
@@ -136,9 +135,9 @@ bool Poller::is_stalled(BusIndex number, port::Instant now, port::Duration patie
   return due <= now && std::max(due, bus.progressed_at) + patience < now;
 }
 
-void Poller::ask_at_once(std::uint8_t address, port::Instant now) {
+void Poller::ask_at_once(ModbusAddress address, port::Instant now) {
   for (Bus& bus : buses_) {
-    if (!bus.unit_at[address].is_none()) bus.schedule.call_for(address, now);
+    if (!bus.unit_at[address.value].is_none()) bus.schedule.call_for(address, now);
   }
 }
 
@@ -149,7 +148,7 @@ void Poller::ask_unit_at_once(UnitIndex unit, port::Instant now) {
 void Poller::expect_silence(UnitIndex unit) { schedule_of(unit).expect_silence(address_of(unit)); }
 
 TextLine Poller::name(UnitIndex unit) const {
-  return TextLine() << "unit " << address_of(unit) << " of " << bus(bus_of(unit)).name;
+  return TextLine() << "unit " << address_of(unit).value << " of " << bus(bus_of(unit)).name;
 }
 
 void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant now) {
@@ -220,7 +219,7 @@ void Poller::count_answer(Unit& unit, port::BusResult result, port::Instant now)
 
 void Poller::fail(UnitIndex index, const Failure& failure, port::Instant now) {
   BusSchedule& schedule = schedule_of(index);
-  const std::uint8_t address = address_of(index);
+  const ModbusAddress address = address_of(index);
   // One line for each spell of failures; units that were never there are no news.
   if (schedule.failures(address) == 0 && !failure.why.empty() &&
       (schedule.has_answered(address) || !failure.is_silence)) {
@@ -244,7 +243,7 @@ bool Poller::start_request(BusIndex number, port::Instant now) {
   ++bus.under_way;
   const port::Duration timeout = timeout_of(bus.schedule.settings(), request.address);
   if (request.read_count > 0) {
-    bus.bus->start_read({.unit = request.address,
+    bus.bus->start_read({.unit = request.address.value,
                          .first = request.first,
                          .count = request.read_count,
                          .timeout = timeout,
@@ -252,7 +251,7 @@ bool Poller::start_request(BusIndex number, port::Instant now) {
                          .spare = request.spare},
                         now);
   } else {
-    bus.bus->start_write({.unit = request.address,
+    bus.bus->start_write({.unit = request.address.value,
                           .first = request.first,
                           .values = request.values,
                           .timeout = timeout,

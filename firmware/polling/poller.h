@@ -52,7 +52,7 @@ class Poller {
 
   // Somebody is said to be at this address: asks its units next, whoever else is due and however
   // often they have failed, as far as their share of the time allows.
-  void ask_at_once(std::uint8_t address, port::Instant now);
+  void ask_at_once(ModbusAddress address, port::Instant now);
 
   void ask_unit_at_once(UnitIndex unit, port::Instant now);
   // Whoever was at this unit is known to have gone: its silence is no news.
@@ -70,13 +70,13 @@ class Poller {
   const BusCounters& bus_counters(BusIndex bus) const { return buses_[bus.value].counters; }
   BusIndex bus_of(UnitIndex unit) const { return units_[unit.value].bus; }
   // None where there is none.
-  UnitIndex unit_at(BusIndex bus, std::uint8_t address) const {
-    return buses_[bus.value].unit_at[address];
+  UnitIndex unit_at(BusIndex bus, ModbusAddress address) const {
+    return buses_[bus.value].unit_at[address.value];
   }
   // From when on a request may read or write there (node_bus.h).
   port::Instant read_free_at(UnitIndex unit) const;
   port::Instant write_free_at(UnitIndex unit) const;
-  std::uint8_t address_of(UnitIndex unit) const { return units_[unit.value].address; }
+  ModbusAddress address_of(UnitIndex unit) const { return units_[unit.value].address; }
   const UnitCounters& counters(UnitIndex unit) const { return units_[unit.value].counters; }
   // Else it is only looked for.
   bool is_listed(UnitIndex unit) const { return schedule_of(unit).is_listed(address_of(unit)); }
@@ -89,7 +89,7 @@ class Poller {
 
   struct Unit {
     BusIndex bus;
-    std::uint8_t address = 0;
+    ModbusAddress address;
     std::uint8_t torn_repeats = 0;
     UnitCounters counters{};
   };

@@ -50,9 +50,9 @@ NodeRegisters reorder(const NodeRegisters& registers, WordOrder order) {
   return ordered;
 }
 
-AssignmentRegisters encode_assignment(std::uint8_t unit, std::uint32_t serial, WordOrder order) {
+AssignmentRegisters encode_assignment(ModbusAddress unit, std::uint32_t serial, WordOrder order) {
   AssignmentRegisters registers{};
-  registers[at_new_unit] = unit;
+  registers[at_new_unit] = unit.value;
   store_u32(registers, at_serial_match, serial);
   registers[at_commit] = node_magic;
   reorder_bytes(registers, order);
@@ -60,14 +60,14 @@ AssignmentRegisters encode_assignment(std::uint8_t unit, std::uint32_t serial, W
   return registers;
 }
 
-std::optional<std::uint8_t> decode_assignment(std::span<const std::uint16_t> values,
-                                              std::uint32_t serial) {
+std::optional<ModbusAddress> decode_assignment(std::span<const std::uint16_t> values,
+                                               std::uint32_t serial) {
   if (values.size() != assignment_register_count || values[at_commit] != node_magic ||
       load_u32(values, at_serial_match) != serial || values[at_new_unit] < 1 ||
-      values[at_new_unit] > default_unit) {
+      values[at_new_unit] > default_unit.value) {
     return std::nullopt;
   }
-  return static_cast<std::uint8_t>(values[at_new_unit]);
+  return ModbusAddress{static_cast<std::uint8_t>(values[at_new_unit])};
 }
 
 std::size_t encode_configuration(std::uint32_t generation,

@@ -11,6 +11,7 @@
 #include <span>
 
 #include "etcm/types.h"
+#include "firmware/protocol/modbus_address.h"
 
 namespace etcm::firmware {
 
@@ -25,7 +26,7 @@ inline constexpr std::uint16_t node_register_spare = 2;
 inline constexpr std::uint16_t stranger_register_spare = 1;
 
 // Where a new node answers until it is given a unit of its own.
-inline constexpr std::uint8_t default_unit = 247;
+inline constexpr ModbusAddress default_unit{247};
 
 // New unit, serial, commit: written as a whole.
 inline constexpr std::uint16_t assignment_register_first = 100;
@@ -87,11 +88,11 @@ NodeRegisters encode_node(const NodeReading& reading, std::uint16_t sequence);
 using AssignmentRegisters = std::array<std::uint16_t, assignment_register_count>;
 
 // The node with this serial shall answer at `unit` from now on.
-AssignmentRegisters encode_assignment(std::uint8_t unit, std::uint32_t serial, WordOrder order);
+AssignmentRegisters encode_assignment(ModbusAddress unit, std::uint32_t serial, WordOrder order);
 
 // The same on the node's side: the new unit, where the values are for the node with this serial.
-std::optional<std::uint8_t> decode_assignment(std::span<const std::uint16_t> values,
-                                              std::uint32_t serial);
+std::optional<ModbusAddress> decode_assignment(std::span<const std::uint16_t> values,
+                                               std::uint32_t serial);
 
 // What a node is told of the mesh; returns the count of registers written to the front of `out`.
 // REQUIRES: at most configuration_neighbours_max neighbours; `out` has room for them.

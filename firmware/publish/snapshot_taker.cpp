@@ -206,7 +206,7 @@ void SnapshotTaker::look_at_quarantine(const Poller& poller,
     listed.feature = entry.feature;
     if (!entry.unit_index.is_none()) {
       listed.bus = static_cast<std::uint16_t>(poller.bus_of(entry.unit_index).value + 1);
-      listed.address = poller.address_of(entry.unit_index);
+      listed.address = poller.address_of(entry.unit_index).value;
     }
     listed.position = entry.position;
     listed.age_s = static_cast<std::uint32_t>(std::clamp<std::int64_t>(

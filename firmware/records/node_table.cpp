@@ -12,10 +12,10 @@ std::uint32_t count_units(const Settings& settings) {
     std::array<bool, 256> is_unit{};
     for (const std::vector<UnitRange>* const ranges : {&bus.units, &bus.assign, &bus.scan}) {
       for (const UnitRange range : *ranges) {
-        std::fill(is_unit.begin() + range.first, is_unit.begin() + range.last + 1, true);
+        for (const ModbusAddress address : range) is_unit[address.value] = true;
       }
     }
-    if (!bus.assign.empty()) is_unit[default_unit] = true;
+    if (!bus.assign.empty()) is_unit[default_unit.value] = true;
     count += static_cast<std::uint32_t>(std::count(is_unit.begin(), is_unit.end(), true));
   }
   return count;

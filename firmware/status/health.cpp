@@ -39,7 +39,7 @@ bool is_nobody_missing(const StatusSources& sources, TextWriter& reason) {
   const Poller& poller = sources.gateway.poller();
   reason << count << (count == 1 ? " node is" : " nodes are") << " missing: node " << first->serial;
   if (!first->last_unit.is_none()) {
-    reason << ", unit " << poller.address_of(first->last_unit) << " of "
+    reason << ", unit " << poller.address_of(first->last_unit).value << " of "
            << bus_label(poller, poller.bus_of(first->last_unit));
   }
   if (count > 1) reason << ", and " << count - 1 << " more";

@@ -265,7 +265,8 @@ void MeshDocument::write_missing_feature(Cursor& cursor, TextWriter& piece) cons
 void MeshDocument::write_unit(UnitIndex unit, TextWriter& piece) const {
   if (unit.is_none()) return;
   piece << ",\"bus\":";
-  piece.json(bus_label(poller_, poller_.bus_of(unit))) << ",\"unit\":" << poller_.address_of(unit);
+  piece.json(bus_label(poller_, poller_.bus_of(unit)))
+      << ",\"unit\":" << poller_.address_of(unit).value;
 }
 
 }  // namespace etcm::firmware

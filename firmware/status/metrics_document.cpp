@@ -65,7 +65,7 @@ TextWriter& unit_labels(const Context& context, const char* suffix, UnitIndex un
                         TextWriter& piece) {
   piece << context.name << suffix << "{bus=";
   piece.label(bus_label(context.poller(), context.poller().bus_of(unit)));
-  return piece << ",unit=\"" << context.poller().address_of(unit) << "\"";
+  return piece << ",unit=\"" << context.poller().address_of(unit).value << "\"";
 }
 
 TextWriter& bus_labels(const Context& context, BusIndex bus, TextWriter& piece) {

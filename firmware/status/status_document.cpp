@@ -135,7 +135,8 @@ void StatusDocument::write_unit(UnitIndex unit, TextWriter& piece) const {
   if (unit.is_none()) return;
   const Poller& poller = sources_.gateway.poller();
   piece << ",\"bus\":";
-  piece.json(bus_label(poller, poller.bus_of(unit))) << ",\"unit\":" << poller.address_of(unit);
+  piece.json(bus_label(poller, poller.bus_of(unit)))
+      << ",\"unit\":" << poller.address_of(unit).value;
 }
 
 void StatusDocument::write_quarantine(Cursor& cursor, port::Instant asked_at,

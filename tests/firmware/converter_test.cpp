@@ -137,7 +137,7 @@ class ConverterSite final : public ReadingListener {
   }
 
   bool on_reading(UnitIndex unit, const NodeReading&, port::Instant) override {
-    ++readings[poller_.address_of(unit)];
+    ++readings[poller_.address_of(unit).value];
     return true;
   }
   std::uint32_t all_readings() const {
@@ -148,7 +148,7 @@ class ConverterSite final : public ReadingListener {
   std::uint64_t timeouts_of_healthy(const Behind& behind) const {
     std::uint64_t sum = 0;
     for (UnitIndex unit{0}; unit.value < poller_.unit_count(); ++unit.value) {
-      const std::uint8_t address = poller_.address_of(unit);
+      const std::uint8_t address = poller_.address_of(unit).value;
       if (std::find(behind.dead.begin(), behind.dead.end(), address) == behind.dead.end()) {
         sum += poller_.counters(unit).count(port::BusResult::timeout);
       }

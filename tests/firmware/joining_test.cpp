@@ -96,7 +96,7 @@ TEST_F(Joining, AUnitWhereSomebodyAnswersAfterAllIsNotGiven) {
   rig_.run(1s);
   put(10, 900, {0, 0});  // it has been silent so far, and was not asked since
   put(247, 77);
-  rig_.gateway->ask_at_once(247, rig_.clock.now());
+  rig_.gateway->ask_at_once(default_unit, rig_.clock.now());
   rig_.run(3s);
   EXPECT_EQ(rig_.log.count("node 77 has unit 11 of yard now"), 1u) << logged();
   EXPECT_EQ(rig_.mesh.node_count(), 2u);

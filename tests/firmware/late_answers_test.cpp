@@ -122,7 +122,7 @@ class Interruptions final : public RequestSource {
   bool next_request(BusIndex, port::Instant now, BusRequest& request) override {
     const UnitIndex unit{static_cast<std::uint32_t>(random_() % units_)};
     due_ = now + random_() % 700 * 1ms;
-    request = {.address = static_cast<std::uint8_t>(unit.value + 1), .values = {}};
+    request = {.address = ModbusAddress{static_cast<std::uint8_t>(unit.value + 1)}, .values = {}};
     if (random_() % 2 == 0) {
       if (poller->read_free_at(unit) > now) return false;
       request.read_count = node_register_count;
@@ -196,8 +196,8 @@ class LateSite final : public ReadingListener {
   }
 
   bool on_reading(UnitIndex index, const NodeReading& reading, port::Instant now) override {
-    const std::uint8_t unit = poller_.address_of(index);
-    const port::Duration limit = timeout_of(settings_, unit);
+    const std::uint8_t unit = poller_.address_of(index).value;
+    const port::Duration limit = timeout_of(settings_, ModbusAddress{unit});
     const port::Instant asked{
         (std::int64_t{reading.position.y} * position_max + reading.position.x) * 1ms};
     EXPECT_LE(now - asked, limit + on_the_line + 1ms) << "unit " << int{unit};

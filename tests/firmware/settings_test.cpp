@@ -168,11 +168,11 @@ tcp = "127.0.0.1:1501"
 units = "7"
 )");
   const BusSettings& bus = settings.buses[0];
-  EXPECT_EQ(timeout_of(bus, 7), 600ms);
-  EXPECT_EQ(timeout_of(bus, 8), 80ms);
-  EXPECT_EQ(timeout_of(bus, 13), 600ms);
-  EXPECT_EQ(timeout_of(bus, 20), 20ms);
-  EXPECT_EQ(timeout_of(settings.buses[1], 7), settings.poll.timeout);
+  EXPECT_EQ(timeout_of(bus, ModbusAddress{7}), 600ms);
+  EXPECT_EQ(timeout_of(bus, ModbusAddress{8}), 80ms);
+  EXPECT_EQ(timeout_of(bus, ModbusAddress{13}), 600ms);
+  EXPECT_EQ(timeout_of(bus, ModbusAddress{20}), 20ms);
+  EXPECT_EQ(timeout_of(settings.buses[1], ModbusAddress{7}), settings.poll.timeout);
 }
 
 TEST_F(SettingsFile, EveryLineOfTheBoardArrives) {

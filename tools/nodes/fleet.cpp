@@ -194,7 +194,7 @@ std::size_t Fleet::take_write(std::uint32_t number, std::span<const std::uint8_t
   const std::size_t size = replies_.to_write(request, range->first, values, answer);
   const auto unit = firmware::decode_assignment(values, node.reading.serial);
   if (!unit) return 0;  // it is for another node
-  move_to(number, *unit);
+  move_to(number, unit->value);
   return size;
 }
 
