@@ -6,7 +6,7 @@ namespace etcm::firmware {
 
 namespace {
 
-constexpr DiskMessages messages{
+constexpr DiskMessages files_messages{
     .failed = "",
     .unresponsive = "files: the disk of `folder` of [files] does not answer; goes on without",
     .works_again = "files are written again"};
@@ -18,7 +18,7 @@ FilePublisher::FilePublisher(const FileSettings& settings, const MeshConfig& mes
     : share_(share),
       files_(files),
       clock_(clock),
-      disk_(messages, settings.interval, log),
+      disk_(files_messages, settings.interval, log),
       imager_(mesh) {
   // The folder, as long as there is no generation.
   disk_.mark_dirty();

@@ -7,7 +7,7 @@ namespace etcm::firmware {
 
 namespace {
 
-constexpr DiskMessages messages{
+constexpr DiskMessages state_messages{
     .failed = "state is not saved: ",
     .unresponsive =
         "state: the disk of `folder` of [state] does not answer, look at it: a restart "
@@ -26,7 +26,7 @@ StateSaver::StateSaver(const Settings& settings, port::Duration pause, port::Sto
     : folder_(settings.state->folder),
       store_(store),
       log_(log),
-      disk_(messages, settings.state->interval, log),
+      disk_(state_messages, settings.state->interval, log),
       writer_(saved_state_size_max(settings)),
       generations_between_(generations_per(settings.state->interval, pause)) {
   for (const BusSettings& bus : settings.buses) bus_names_.emplace_back(saved_bus_name(bus.name));
