@@ -231,9 +231,13 @@ constexpr Key state_keys[] = {
 };
 
 constexpr Key feature_keys[] = {
-    {"from", count<&FeatureSettings::from, &FeatureEnd::serial>(0, no_serial - 1, "serial"),
+    {"from",
+     count<&FeatureSettings::from, &FeatureEnd::serial, &Serial::value>(0, Serial::none_value - 1,
+                                                                        "serial"),
      required("1001"), at_once, "the node at one end; in the mesh while both nodes are"},
-    {"to", count<&FeatureSettings::to, &FeatureEnd::serial>(0, no_serial - 1, "serial"),
+    {"to",
+     count<&FeatureSettings::to, &FeatureEnd::serial, &Serial::value>(0, Serial::none_value - 1,
+                                                                      "serial"),
      required("1002"), at_once, "the node at the other end"},
 };
 

@@ -29,8 +29,8 @@ enum class Role : std::uint8_t { feature, domain, hole };
 struct Label {
   std::string name;
   Role role = Role::feature;
-  const JsonValue* serials = nullptr;   // of the coordinates of a line
-  std::optional<std::uint32_t> serial;  // of a point
+  const JsonValue* serials = nullptr;  // of the coordinates of a line
+  std::optional<Serial> serial;        // of a point
 };
 
 struct DrawnLine {
@@ -127,15 +127,15 @@ class Drawing {
     return Role::feature;
   }
 
-  std::optional<std::uint32_t> serial_of(const JsonValue& value, const std::string& where) const {
+  std::optional<Serial> serial_of(const JsonValue& value, const std::string& where) const {
     if (value.kind == Kind::null) return std::nullopt;
     const auto number =
         value.kind == Kind::number ? files::Decimal::parse(value.text) : std::nullopt;
     const auto serial = number ? number->to_integer() : std::nullopt;
-    if (!serial || *serial < 0 || *serial >= no_serial) {
+    if (!serial || *serial < 0 || *serial >= Serial::none_value) {
       fail(value, where, "is no serial; give a whole number from 0 to 4294967294, or null");
     }
-    return static_cast<std::uint32_t>(*serial);
+    return Serial{static_cast<std::uint32_t>(*serial)};
   }
 
   void read_geometry(const JsonValue& geometry, const std::string& where, const Label& label) {
@@ -269,19 +269,19 @@ class Drawing {
 
   // A node stands here, where a serial is given.
   void note(Position position, const JsonValue& at, const std::string& where,
-            std::optional<std::uint32_t> serial) {
+            std::optional<Serial> serial) {
     if (!serial) return;
     const std::uint64_t key = FeatureEnd::anchor(position).key();
     const auto [here, is_new] = serial_at_.emplace(key, *serial);
     if (!is_new && here->second != *serial) {
       fail(at, where,
-           "node " + std::to_string(*serial) + " stands where node " +
-               std::to_string(here->second) + " does; correct one of the serials");
+           "node " + std::to_string(serial->value) + " stands where node " +
+               std::to_string(here->second.value) + " does; correct one of the serials");
     }
     const auto [place, is_first] = place_of_.emplace(*serial, key);
     if (!is_first && place->second != key) {
       fail(at, where,
-           "node " + std::to_string(*serial) +
+           "node " + std::to_string(serial->value) +
                " stands at two places of this file; correct one of the serials");
     }
   }
@@ -351,9 +351,9 @@ class Drawing {
   std::vector<std::string>& mistakes_;
   std::size_t mistake_count_ = 0;
   std::vector<DrawnLine> lines_;
-  std::vector<Position> anchors_;                     // points of their own
-  std::map<std::uint64_t, std::uint32_t> serial_at_;  // by the key of the place
-  std::map<std::uint32_t, std::uint64_t> place_of_;   // by serial
+  std::vector<Position> anchors_;              // points of their own
+  std::map<std::uint64_t, Serial> serial_at_;  // by the key of the place
+  std::map<Serial, std::uint64_t> place_of_;   // by serial
   std::set<std::uint64_t> anchored_;
   std::vector<DomainEdge> outline_;
   std::vector<DomainEdge> holes_;

@@ -28,8 +28,8 @@ void add_by_serial(const ConstraintGraph& graph, Settings& settings) {
   }
   for (const files::GraphFeature& feature : graph.features) {
     settings.features.push_back(
-        {.from = static_cast<std::uint32_t>(graph.node_number(feature.from)),
-         .to = static_cast<std::uint32_t>(graph.node_number(feature.to)),
+        {.from = Serial{static_cast<std::uint32_t>(graph.node_number(feature.from))},
+         .to = Serial{static_cast<std::uint32_t>(graph.node_number(feature.to))},
          .name = {},
          .source = graph.poly_file + ":" + std::to_string(feature.line_number)});
   }

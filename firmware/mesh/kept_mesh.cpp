@@ -8,7 +8,7 @@ KeptMesh::KeptMesh(Mesh& mesh, const Settings& settings)
     : mesh_(mesh),
       features_(settings.features, mesh.config().features_max),
       anchors_(settings.anchors),
-      serials_(mesh.config().vertices_max + 1, no_serial) {}
+      serials_(mesh.config().vertices_max + 1, Serial::none()) {}
 
 void KeptMesh::clear() {
   mesh_.clear();

@@ -26,9 +26,9 @@ class KeptMesh {
   AnchorTable& anchors() { return anchors_; }
   const AnchorTable& anchors() const { return anchors_; }
 
-  // Of a vertex that is a node; no_serial: it is an anchor alone.
-  std::uint32_t serial_of(VertexId vertex) const { return serials_[vertex.value]; }
-  void set_serial(VertexId vertex, std::uint32_t serial) { serials_[vertex.value] = serial; }
+  // Of a vertex that is a node; none: it is an anchor alone.
+  Serial serial_of(VertexId vertex) const { return serials_[vertex.value]; }
+  void set_serial(VertexId vertex, Serial serial) { serials_[vertex.value] = serial; }
 
   // Anchors alone are not counted.
   std::uint32_t node_count() const { return mesh_.node_count() - anchors_.vacant_count(); }
@@ -49,7 +49,7 @@ class KeptMesh {
   Mesh& mesh_;
   FeatureTable features_;
   AnchorTable anchors_;
-  std::vector<std::uint32_t> serials_;  // by vertex id
+  std::vector<Serial> serials_;  // by vertex id
   std::uint32_t epoch_ = 0;
   bool changed_ = false;
 };

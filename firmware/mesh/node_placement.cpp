@@ -61,7 +61,7 @@ void NodePlacement::join(NodeRecord& node, std::uint32_t generation) {
   assign_vertex(node, id);
   site_.activate_features_at(node.serial);
   TextLine text;
-  text << "node " << node.serial << " joined at " << node.placed
+  text << "node " << node.serial.value << " joined at " << node.placed
        << (is_vacant ? ", on the anchor" : "") << ": generation " << generation << ", "
        << Counted{kept_.mesh().neighbours(id, {}), "neighbour", "neighbours"};
   tell_difference(text, start);
@@ -88,7 +88,7 @@ void NodePlacement::move(NodeRecord& node, std::uint32_t generation) {
   assign_vertex(node, node.vertex);
   kept_.begin_epoch();
   TextLine text;
-  text << "node " << node.serial << " moved from " << from << " to " << node.placed
+  text << "node " << node.serial.value << " moved from " << from << " to " << node.placed
        << ": generation " << generation;
   tell_difference(text, start);
   log_.write(port::Level::info, text);
@@ -110,11 +110,11 @@ void NodePlacement::leave(NodeRecord& node, const char* why, std::uint32_t gener
     kept_.mark_changed();
   }
   if (node.leave_rejected) return reject(node, "leave", status, start);
-  kept_.set_serial(node.vertex, no_serial);
+  kept_.set_serial(node.vertex, Serial::none());
   node.vertex = VertexId::none();
   node.rejection = {};
   TextLine text;
-  text << "node " << node.serial << " left (" << why << "): generation " << generation;
+  text << "node " << node.serial.value << " left (" << why << "): generation " << generation;
   tell_difference(text, start);
   log_.write(port::Level::info, text);
 }
@@ -194,7 +194,7 @@ void NodePlacement::reject(NodeRecord& node, const char* verb, const Rejection& 
   if (is_news) {
     kept_.mark_changed();
     TextLine text;
-    text << "node " << node.serial << " cannot " << verb << " at " << node.position << ": ";
+    text << "node " << node.serial.value << " cannot " << verb << " at " << node.position << ": ";
     site_.report_error_detail(text, rejection);
     log_.write(port::Level::warning, text);
   }
@@ -237,7 +237,7 @@ Status NodePlacement::change_vertex(NodeRecord& node, AnchorRecord* from, Anchor
     site_.activate_features_at(node.serial);
     return status;
   }
-  kept_.set_serial(node.vertex, no_serial);
+  kept_.set_serial(node.vertex, Serial::none());
   node.vertex = id;
   site_.activate_features_at(node.serial);
   return Status::ok;

@@ -61,7 +61,7 @@ void SiteKeeper::try_anchor(AnchorRecord& anchor) {
   }
   const bool is_news = note_answer(anchor, status);
   if (status == Status::ok) {
-    if (!anchor.is_taken) kept_.set_serial(anchor.vertex, no_serial);
+    if (!anchor.is_taken) kept_.set_serial(anchor.vertex, Serial::none());
     activate_features_at(FeatureEnd::anchor(anchor.settings.position));
   } else if (is_news) {
     report_rejection(anchor, " is not in the mesh: ");
@@ -166,10 +166,10 @@ void SiteKeeper::report_error_detail(TextLine& text, const Rejection& rejection)
     text << " [with " << kept.features().name(kept.features().number_of(detail.other)) << "]";
   }
   if (!detail.vertex.is_none() && kept.mesh().kind(detail.vertex) == VertexKind::node) {
-    const std::uint32_t serial = kept.serial_of(detail.vertex);
+    const Serial serial = kept.serial_of(detail.vertex);
     const AnchorRecord* const anchor = kept.anchors().find(kept.mesh().position(detail.vertex));
-    if (serial != no_serial) {
-      text << " [node " << serial << "]";
+    if (!serial.is_none()) {
+      text << " [node " << serial.value << "]";
     } else if (anchor != nullptr) {
       text << " [" << name_of(*anchor) << "]";
     }

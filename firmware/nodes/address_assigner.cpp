@@ -17,7 +17,7 @@ AddressAssigner::AddressAssigner(const PollSettings& settings, const Poller& pol
                                  NodeTable& nodes, port::Log& log)
     : settings_(settings), poller_(poller), nodes_(nodes), log_(log), jobs_(poller.bus_count()) {}
 
-void AddressAssigner::on_newcomer(BusIndex bus, std::uint32_t serial, port::Instant now) {
+void AddressAssigner::on_newcomer(BusIndex bus, Serial serial, port::Instant now) {
   Job& job = jobs_[bus.value];
   if (poller_.bus(bus).assign.empty() || job.step != Step::none) return;
   if (job.last_serial == serial && now < job.retry_at) return;
@@ -85,10 +85,10 @@ UnitIndex AddressAssigner::done(BusIndex bus, const port::BusAnswer& answer, por
                                      answer.left_out) == ReadingFault::none &&
                          reading.serial == job.serial;
       if (is_it) {
-        log_.write(port::Level::info, TextLine() << "node " << job.serial << " has "
+        log_.write(port::Level::info, TextLine() << "node " << job.serial.value << " has "
                                                  << poller_.name(job.unit_index) << " now");
         job.is_full = false;
-        job.unwilling = no_serial;
+        job.unwilling = Serial::none();
         const UnitIndex unit = job.unit_index;
         end(job, now);
         return unit;
@@ -127,7 +127,7 @@ void AddressAssigner::choose(BusIndex bus, bool is_first, port::Instant now) {
   }
   if (!std::exchange(job.is_full, true)) {
     log_.write(port::Level::warning, TextLine() << "bus " << poller_.bus(bus).name
-                                                << ": no unit is free for node " << job.serial
+                                                << ": no unit is free for node " << job.serial.value
                                                 << ", which stays at 247; give more in `assign`");
   }
   end(job, now + settings_.absent_interval);
@@ -135,7 +135,7 @@ void AddressAssigner::choose(BusIndex bus, bool is_first, port::Instant now) {
 
 void AddressAssigner::give_up(Job& job, std::string_view why, port::Instant now) {
   if (std::exchange(job.unwilling, job.serial) != job.serial) {
-    log_.write(port::Level::warning, TextLine() << "node " << job.serial << " did not take "
+    log_.write(port::Level::warning, TextLine() << "node " << job.serial.value << " did not take "
                                                 << poller_.name(job.unit_index) << ": " << why
                                                 << "; it stays at 247, and is asked to again");
   }

@@ -29,7 +29,7 @@ class AddressAssigner {
   void update_settings(const PollSettings& settings) { settings_ = settings; }
 
   // This node answered at the default unit.
-  void on_newcomer(BusIndex bus, std::uint32_t serial, port::Instant now);
+  void on_newcomer(BusIndex bus, Serial serial, port::Instant now);
 
   // As a RequestSource has them.
   port::Instant due(BusIndex bus) const;
@@ -37,21 +37,21 @@ class AddressAssigner {
   // Returns the unit where the node answers now, or none while there is no such.
   UnitIndex done(BusIndex bus, const port::BusAnswer& answer, port::Instant now);
   // Whom done() spoke of.
-  std::uint32_t last_serial(BusIndex bus) const { return jobs_[bus.value].last_serial; }
+  Serial last_serial(BusIndex bus) const { return jobs_[bus.value].last_serial; }
 
  private:
   enum class Step : std::uint8_t { none, look, write, verify };
   struct Job {
     Step step = Step::none;
     port::Instant due = port::never;
-    std::uint32_t serial = no_serial;
+    Serial serial;
     UnitIndex unit_index;          // the new one
     port::Instant unit_used_at{};  // as it was when the unit was chosen
     std::uint8_t verified = 0;     // so often in vain
-    std::uint32_t last_serial = no_serial;
-    port::Instant retry_at{};             // with the same node as last time
-    bool is_full = false;                 // and said so
-    std::uint32_t unwilling = no_serial;  // who did not take a unit, and that was said
+    Serial last_serial;
+    port::Instant retry_at{};  // with the same node as last time
+    bool is_full = false;      // and said so
+    Serial unwilling;          // who did not take a unit, and that was said
     AssignmentRegisters registers{};
   };
 

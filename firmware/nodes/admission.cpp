@@ -25,7 +25,7 @@ Admission::Admission(const PollSettings& settings, const FeatureTable& features,
       log_(log),
       conflicts_(poller.unit_count()) {}
 
-NodeRecord* Admission::admit(UnitIndex unit, std::uint32_t serial, port::Instant now) {
+NodeRecord* Admission::admit(UnitIndex unit, Serial serial, port::Instant now) {
   UnitConflict& conflict = conflicts_[unit.value];
   NodeRecord* const here = nodes_.at(unit);
   if (here != nullptr && here->serial == serial) {
@@ -56,22 +56,22 @@ NodeRecord* Admission::admit(UnitIndex unit, std::uint32_t serial, port::Instant
   NodeRecord* node = nodes_.find(serial);
   if (node == nullptr) {
     node = add(serial, now);
-    if (node == nullptr) return disbelieve(unit, IdentityConflict::no_room, no_serial);
+    if (node == nullptr) return disbelieve(unit, IdentityConflict::no_room, Serial::none());
   } else if (!node->unit_index.is_none()) {
     if (conflict.conflict == IdentityConflict::same_serial || node->heard_at > conflict.since) {
       return disbelieve(unit, IdentityConflict::same_serial, serial);
     }
     if (!has_gone(*node, now)) return nullptr;
-    log_.write(port::Level::info, TextLine() << "node " << serial << " went from "
+    log_.write(port::Level::info, TextLine() << "node " << serial.value << " went from "
                                              << poller_.name(node->unit_index) << " to "
                                              << poller_.name(unit));
   }
   if (here != nullptr) {
     log_.write(port::Level::info, TextLine()
-                                      << poller_.name(unit) << ": node " << serial
-                                      << " is there now, node " << here->serial << " is not");
+                                      << poller_.name(unit) << ": node " << serial.value
+                                      << " is there now, node " << here->serial.value << " is not");
   }
-  conflict.displaced = here == nullptr ? no_serial : here->serial;
+  conflict.displaced = here == nullptr ? Serial::none() : here->serial;
   nodes_.assign_unit(*node, unit);
   clear(conflict);
   return node;
@@ -92,7 +92,7 @@ bool Admission::has_gone(const NodeRecord& node, port::Instant now) const {
 }
 
 // Who answers comes before who is missing.
-NodeRecord* Admission::add(std::uint32_t serial, port::Instant now) {
+NodeRecord* Admission::add(Serial serial, port::Instant now) {
   if (NodeRecord* const node = nodes_.add(serial, now); node != nullptr) return node;
   NodeRecord* longest = nullptr;
   for (NodeRecord& node : nodes_.records()) {
@@ -101,16 +101,16 @@ NodeRecord* Admission::add(std::uint32_t serial, port::Instant now) {
   }
   if (longest == nullptr) return nullptr;
   log_.write(port::Level::warning,
-             TextLine() << "node " << longest->serial
+             TextLine() << "node " << longest->serial.value
                         << " is no longer missed, though it did not come back: there is no room to "
                            "know node "
-                        << serial << " too; dismiss those that are missing by a reload");
+                        << serial.value << " too; dismiss those that are missing by a reload");
   nodes_.release(*longest);
   changed_ = true;
   return nodes_.add(serial, now);
 }
 
-NodeRecord* Admission::disbelieve(UnitIndex unit, IdentityConflict why, std::uint32_t other) {
+NodeRecord* Admission::disbelieve(UnitIndex unit, IdentityConflict why, Serial other) {
   UnitConflict& conflict = conflicts_[unit.value];
   if (std::exchange(conflict.conflict, why) == why) return nullptr;
   changed_ = true;
@@ -120,21 +120,21 @@ NodeRecord* Admission::disbelieve(UnitIndex unit, IdentityConflict why, std::uin
     case IdentityConflict::waiting:
       break;
     case IdentityConflict::same_serial:
-      line << "two nodes with serial " << conflict.serial << ": "
+      line << "two nodes with serial " << conflict.serial.value << ": "
            << poller_.name(nodes_.find(other)->unit_index) << " and " << poller_.name(unit)
            << "; the second is ignored, give it a serial of its own";
       break;
     case IdentityConflict::same_unit:
-      line << "two nodes answer as " << poller_.name(unit) << ": serials " << other << " and "
-           << conflict.serial << "; the second is ignored, give it a unit of its own";
+      line << "two nodes answer as " << poller_.name(unit) << ": serials " << other.value << " and "
+           << conflict.serial.value << "; the second is ignored, give it a unit of its own";
       break;
     case IdentityConflict::swapped_words:
-      line << poller_.name(unit) << ": answers with serial " << conflict.serial << ", which is "
-           << other
+      line << poller_.name(unit) << ": answers with serial " << conflict.serial.value
+           << ", which is " << other.value
            << " with its words swapped; set `word_order` of the bus (ABCD <-> CDAB, BADC <-> DCBA)";
       break;
     case IdentityConflict::no_room:
-      line << poller_.name(unit) << ": no room to know node " << conflict.serial
+      line << poller_.name(unit) << ": no room to know node " << conflict.serial.value
            << " too; too many nodes without a unit, wait for them to leave";
       break;
   }
@@ -144,7 +144,7 @@ NodeRecord* Admission::disbelieve(UnitIndex unit, IdentityConflict why, std::uin
 
 void Admission::clear(UnitConflict& conflict) {
   changed_ = changed_ || conflict.is_alarm();
-  const std::uint32_t displaced = conflict.displaced;
+  const Serial displaced = conflict.displaced;
   conflict = {};
   conflict.displaced = displaced;
 }

@@ -21,12 +21,12 @@ namespace etcm::firmware {
 
 // What is conflicting at a unit.
 struct UnitConflict {
-  std::uint32_t serial = no_serial;  // that is not believed
+  Serial serial;  // that is not believed
   IdentityConflict conflict = IdentityConflict::none;
   std::uint8_t sightings = 0;  // of it in a row
   port::Instant since{};
   port::Instant seen_at{};
-  std::uint32_t displaced = no_serial;  // the node that was at this unit before the present one
+  Serial displaced;  // the node that was at this unit before the present one
 
   bool is_alarm() const { return conflict > IdentityConflict::waiting; }
 };
@@ -40,7 +40,7 @@ class Admission {
   void update_settings(const PollSettings& settings) { settings_ = settings; }
 
   // The record of the node that answered; null when it is not believed, at least not yet.
-  NodeRecord* admit(UnitIndex unit, std::uint32_t serial, port::Instant now);
+  NodeRecord* admit(UnitIndex unit, Serial serial, port::Instant now);
 
   // Forgets conflicts that nobody has given reason for lately.
   void sweep(port::Instant now);
@@ -52,12 +52,12 @@ class Admission {
 
  private:
   // Whether a feature ends at this serial.
-  bool is_named(std::uint32_t serial) const { return !features_.ending_at(serial).empty(); }
+  bool is_named(Serial serial) const { return !features_.ending_at(serial).empty(); }
   bool has_gone(const NodeRecord& node, port::Instant now) const;
   // A record for a node that is not known; null where there is no room for it.
-  NodeRecord* add(std::uint32_t serial, port::Instant now);
+  NodeRecord* add(Serial serial, port::Instant now);
   // Null, always; says why when that is news. `other`: the serial that is believed.
-  NodeRecord* disbelieve(UnitIndex unit, IdentityConflict conflict, std::uint32_t other);
+  NodeRecord* disbelieve(UnitIndex unit, IdentityConflict conflict, Serial other);
   void clear(UnitConflict& conflict);
 
   PollSettings settings_;

@@ -50,7 +50,7 @@ void Presence::hear_unit(UnitIndex unit, port::Instant now) {
 void Presence::hear_node(NodeRecord& node, const NodeReading& reading, port::Instant now) {
   if (std::exchange(node.is_missing, false)) {
     changed_ = true;
-    log_.write(port::Level::info, TextLine() << "node " << node.serial
+    log_.write(port::Level::info, TextLine() << "node " << node.serial.value
                                              << " is back: it answers again, after "
                                              << whole_seconds(now - node.heard_at) << " s");
   }
@@ -90,7 +90,7 @@ void Presence::dismiss_missing() {
   for (NodeRecord& node : nodes_.records()) {
     // One that the mesh cannot do without stays known.
     if (!node.is_missing || node.is_placed()) continue;
-    log_.write(port::Level::info, TextLine() << "node " << node.serial
+    log_.write(port::Level::info, TextLine() << "node " << node.serial.value
                                              << " is no longer missed: dismissed by the reload");
     nodes_.release(node);
     changed_ = true;
@@ -109,7 +109,7 @@ void Presence::tell_missing(port::Instant now) {
   TextLine line;
   line << count << (count == 1 ? " node is" : " nodes are")
        << " missing since before the restart: " << (count == 1 ? "" : "the longest ") << "node "
-       << first->serial << ", " << last_place_of(*first, poller_) << ", silent for "
+       << first->serial.value << ", " << last_place_of(*first, poller_) << ", silent for "
        << whole_seconds(now - first->heard_at) << " s at least";
   log_.write(port::Level::warning, line);
 }
@@ -142,7 +142,7 @@ void Presence::lose(NodeRecord& node, port::Instant now, std::uint32_t generatio
   if (!node.has_asked_to_leave() && !std::exchange(node.is_missing, true)) {
     changed_ = true;
     log_.write(port::Level::warning,
-               TextLine() << "node " << node.serial
+               TextLine() << "node " << node.serial.value
                           << " is missing: " << last_place_of(node, poller_) << ", silent for "
                           << whole_seconds(now - node.heard_at)
                           << " s; it counts as missing until it answers, or a reload dismisses "

@@ -76,7 +76,7 @@ void MeshRestorer::assign_vertices(const SavedState& saved, std::span<NodeRecord
   for (std::size_t i = 0; i < saved.anchors.size(); ++i) {
     const VertexId id{static_cast<IdValue>(nodes.size() + i + 1)};
     kept_.anchors().find(saved.anchors[i])->vertex = id;
-    kept_.set_serial(id, no_serial);
+    kept_.set_serial(id, Serial::none());
   }
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
     kept_.features().activate(numbers_[i], FeatureId{static_cast<IdValue>(i)});

@@ -72,7 +72,7 @@ Position take_position(Reader& reader) {
 
 SavedNode take_node(Reader& reader, std::uint8_t& flags) {
   SavedNode node;
-  node.serial = reader.take<std::uint32_t>();
+  node.serial = Serial{reader.take<std::uint32_t>()};
   node.position = take_position(reader);
   node.age_ms = reader.take<std::uint32_t>();
   node.bus = reader.take<std::uint16_t>();
@@ -97,9 +97,9 @@ std::string judge(const SavedState& state) {
   std::vector<SavedNode> known = state.nodes;
   for (const SavedMissing& each : state.missing) known.push_back(each.node);
   for (const SavedNode& node : known) {
-    if (node.serial == no_serial) return "a node has no serial";
+    if (node.serial.is_none()) return "a node has no serial";
     if (node.bus != no_saved_bus && node.bus >= state.buses.size()) {
-      return "node " + std::to_string(node.serial) + " is on a bus it does not name";
+      return "node " + std::to_string(node.serial.value) + " is on a bus it does not name";
     }
   }
   if (has_twins(known, [](const SavedNode& node) { return node.serial; })) {
@@ -226,7 +226,7 @@ void StateWriter::add(const SavedNode& node) {
 }
 
 void StateWriter::put_node(const SavedNode& node, std::uint8_t flags) {
-  put_content(node.serial);
+  put_content(node.serial.value);
   put_content(node.position.x);
   put_content(node.position.y);
   put(node.age_ms);

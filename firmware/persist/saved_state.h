@@ -38,7 +38,7 @@ inline std::string_view saved_bus_name(std::string_view name) {
 }
 
 struct SavedNode {
-  std::uint32_t serial = 0;
+  Serial serial{};
   Position position{};               // where the mesh has it
   std::uint32_t age_ms = 0;          // of the position
   std::uint16_t bus = no_saved_bus;  // in the order of SavedState::buses

@@ -56,7 +56,7 @@ void StateTransfer::write(StateWriter& writer, port::Instant now) {
   std::uint32_t number = 0;
   for (std::uint32_t value = 1; value < mesh.vertex_id_end(); ++value) {
     const VertexId id{static_cast<IdValue>(value)};
-    if (mesh.kind(id) != VertexKind::node || kept.serial_of(id) == no_serial) continue;
+    if (mesh.kind(id) != VertexKind::node || kept.serial_of(id).is_none()) continue;
     number_by_vertex_[value] = number++;
     const NodeRecord* const record = nodes_.find(kept.serial_of(id));
     SavedNode node = record == nullptr ? SavedNode{} : saved_node(*record, now);

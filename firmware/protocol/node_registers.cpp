@@ -50,10 +50,10 @@ NodeRegisters reorder(const NodeRegisters& registers, WordOrder order) {
   return ordered;
 }
 
-AssignmentRegisters encode_assignment(ModbusAddress unit, std::uint32_t serial, WordOrder order) {
+AssignmentRegisters encode_assignment(ModbusAddress unit, Serial serial, WordOrder order) {
   AssignmentRegisters registers{};
   registers[at_new_unit] = unit.value;
-  store_u32(registers, at_serial_match, serial);
+  store_u32(registers, at_serial_match, serial.value);
   registers[at_commit] = node_magic;
   reorder_bytes(registers, order);
   reorder_words(registers, at_serial_match, order);
@@ -61,24 +61,23 @@ AssignmentRegisters encode_assignment(ModbusAddress unit, std::uint32_t serial, 
 }
 
 std::optional<ModbusAddress> decode_assignment(std::span<const std::uint16_t> values,
-                                               std::uint32_t serial) {
+                                               Serial serial) {
   if (values.size() != assignment_register_count || values[at_commit] != node_magic ||
-      load_u32(values, at_serial_match) != serial || values[at_new_unit] < 1 ||
+      load_u32(values, at_serial_match) != serial.value || values[at_new_unit] < 1 ||
       values[at_new_unit] > default_unit.value) {
     return std::nullopt;
   }
   return ModbusAddress{static_cast<std::uint8_t>(values[at_new_unit])};
 }
 
-std::size_t encode_configuration(std::uint32_t generation,
-                                 std::span<const std::uint32_t> neighbours, WordOrder order,
-                                 std::span<std::uint16_t> out) {
+std::size_t encode_configuration(std::uint32_t generation, std::span<const Serial> neighbours,
+                                 WordOrder order, std::span<std::uint16_t> out) {
   const std::size_t count = configuration_head_count + 2 * neighbours.size();
   const auto registers = out.first(count);
   store_u32(registers, 0, generation);
   registers[2] = static_cast<std::uint16_t>(neighbours.size());
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
-    store_u32(registers, configuration_head_count + 2 * i, neighbours[i]);
+    store_u32(registers, configuration_head_count + 2 * i, neighbours[i].value);
   }
   reorder_bytes(registers, order);
   reorder_words(registers, 0, order);
@@ -100,12 +99,12 @@ ReadingFault decode_node(std::span<const std::uint16_t> received, WordOrder orde
   if (registers[at_magic] != node_magic) return ReadingFault::wrong_magic;
   if (registers[at_version] != version_and_length) return ReadingFault::wrong_version;
   if (registers[at_sequence_before] != registers[at_sequence_after]) return ReadingFault::torn;
-  const NodeReading found{.serial = load_u32(registers, at_serial),
+  const NodeReading found{.serial = Serial{load_u32(registers, at_serial)},
                           .position = {.x = static_cast<std::int32_t>(load_u32(registers, at_x)),
                                        .y = static_cast<std::int32_t>(load_u32(registers, at_y))},
                           .status = registers[at_status],
                           .boot_count = registers[at_boot_count]};
-  if (found.serial == no_serial) return ReadingFault::bad_serial;
+  if (found.serial.is_none()) return ReadingFault::bad_serial;
   if ((found.status & node_status::fix_valid) != 0 && !in_range(found.position)) {
     return ReadingFault::bad_position;
   }
@@ -117,7 +116,7 @@ NodeRegisters encode_node(const NodeReading& reading, std::uint16_t sequence) {
   NodeRegisters registers{};
   registers[at_magic] = node_magic;
   registers[at_version] = version_and_length;
-  store_u32(registers, at_serial, reading.serial);
+  store_u32(registers, at_serial, reading.serial.value);
   registers[at_sequence_before] = sequence;
   store_u32(registers, at_x, static_cast<std::uint32_t>(reading.position.x));
   store_u32(registers, at_y, static_cast<std::uint32_t>(reading.position.y));

@@ -12,6 +12,7 @@
 
 #include "etcm/types.h"
 #include "firmware/protocol/modbus_address.h"
+#include "firmware/protocol/serial.h"
 
 namespace etcm::firmware {
 
@@ -39,9 +40,6 @@ inline constexpr std::uint16_t configuration_neighbours_max = 120;
 inline constexpr std::uint16_t configuration_register_count =
     configuration_head_count + 2 * configuration_neighbours_max;
 
-// No node has this serial.
-inline constexpr std::uint32_t no_serial = 0xffffffff;
-
 namespace node_status {
 inline constexpr std::uint16_t fix_valid = 1u << 0;
 inline constexpr std::uint16_t moving = 1u << 1;
@@ -52,7 +50,7 @@ inline constexpr std::uint16_t leaving = 1u << 5;  // wants to be taken out of t
 }  // namespace node_status
 
 struct NodeReading {
-  std::uint32_t serial = no_serial;
+  Serial serial;
   Position position;
   std::uint16_t status = 0;
   std::uint16_t boot_count = 0;
@@ -74,7 +72,9 @@ enum class ReadingFault : std::uint8_t {
 enum class WordOrder : std::uint8_t { abcd, badc, cdab, dcba };
 
 // A serial as it reads when the words are taken in the wrong order.
-constexpr std::uint32_t swap_words(std::uint32_t value) { return value << 16 | value >> 16; }
+constexpr Serial swap_words(Serial serial) {
+  return Serial{serial.value << 16 | serial.value >> 16};
+}
 
 using NodeRegisters = std::array<std::uint16_t, node_register_count>;
 
@@ -88,17 +88,16 @@ NodeRegisters encode_node(const NodeReading& reading, std::uint16_t sequence);
 using AssignmentRegisters = std::array<std::uint16_t, assignment_register_count>;
 
 // The node with this serial shall answer at `unit` from now on.
-AssignmentRegisters encode_assignment(ModbusAddress unit, std::uint32_t serial, WordOrder order);
+AssignmentRegisters encode_assignment(ModbusAddress unit, Serial serial, WordOrder order);
 
 // The same on the node's side: the new unit, where the values are for the node with this serial.
 std::optional<ModbusAddress> decode_assignment(std::span<const std::uint16_t> values,
-                                               std::uint32_t serial);
+                                               Serial serial);
 
 // What a node is told of the mesh; returns the count of registers written to the front of `out`.
 // REQUIRES: at most configuration_neighbours_max neighbours; `out` has room for them.
-std::size_t encode_configuration(std::uint32_t generation,
-                                 std::span<const std::uint32_t> neighbours, WordOrder order,
-                                 std::span<std::uint16_t> out);
+std::size_t encode_configuration(std::uint32_t generation, std::span<const Serial> neighbours,
+                                 WordOrder order, std::span<std::uint16_t> out);
 
 // From one order to ABCD and back.
 NodeRegisters reorder(const NodeRegisters& registers, WordOrder order);

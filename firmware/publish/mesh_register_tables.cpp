@@ -15,6 +15,8 @@ constexpr std::uint32_t fraction(std::int64_t coordinate) {
   return static_cast<std::uint32_t>(coordinate & (subunits_per_unit - 1));
 }
 
+constexpr std::uint32_t register_of(Serial serial) { return serial.is_none() ? 0 : serial.value; }
+
 constexpr std::uint32_t flag(bool is_set, std::uint32_t bits) { return is_set ? bits : 0u; }
 
 // Rows follow each other without a gap.
@@ -187,7 +189,8 @@ constexpr auto vertex_table = in_sequence(std::to_array<RegisterRow<SnapshotVert
      }},
     {"degree", 1, "count of neighbours",
      [](const SnapshotVertex& vertex) { return std::uint32_t{vertex.degree}; }},
-    {"serial", 2, "of a node; else 0", [](const SnapshotVertex& vertex) { return vertex.serial; }},
+    {"serial", 2, "of a node; else 0",
+     [](const SnapshotVertex& vertex) { return register_of(vertex.serial); }},
     {"feature", 2, "number of the feature a Steiner vertex stands on, from 1 as configured; else 0",
      [](const SnapshotVertex& vertex) { return vertex.feature; }},
     {"x", 2, "int32, whole units (rounded down)",
@@ -283,7 +286,7 @@ constexpr auto quarantined_table = in_sequence(std::to_array<RegisterRow<Snapsho
     {"reason", 1, "see below",
      [](const SnapshotQuarantined& entry) { return std::uint32_t{entry.reason}; }},
     {"serial", 2, "of a node or a doubtful answer; else 0",
-     [](const SnapshotQuarantined& entry) { return entry.serial; }},
+     [](const SnapshotQuarantined& entry) { return register_of(entry.serial); }},
     {"feature", 2, "number of a feature, from 1 as configured; else 0",
      [](const SnapshotQuarantined& entry) { return entry.feature; }},
     {"bus", 1, "of the unit that answers, from 1 as configured; 0: not known",

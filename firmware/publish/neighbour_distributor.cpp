@@ -17,10 +17,10 @@ constexpr std::uint8_t illegal_function = 1;
 constexpr std::uint8_t illegal_address = 2;
 
 // Different for different lists, as good as always.
-std::uint64_t fingerprint_of(std::span<const std::uint32_t> serials) {
+std::uint64_t fingerprint_of(std::span<const Serial> serials) {
   std::uint64_t value = 0x9e3779b97f4a7c15u + serials.size();
-  for (const std::uint32_t serial : serials) {
-    value = (value ^ serial) * 0xbf58476d1ce4e5b9u;
+  for (const Serial serial : serials) {
+    value = (value ^ serial.value) * 0xbf58476d1ce4e5b9u;
     value ^= value >> 29;
   }
   return value;
@@ -205,7 +205,7 @@ void NeighbourDistributor::fail(DeliveredConfig& told, const port::BusAnswer& an
       (answer.exception == illegal_function || answer.exception == illegal_address)) {
     told.is_rejected = true;
     log_.write(port::Level::info, TextLine()
-                                      << "node " << told.serial
+                                      << "node " << told.serial.value
                                       << " has no registers for its neighbours: exception "
                                       << answer.exception << "; it is not written until it boots");
     return;
@@ -214,7 +214,7 @@ void NeighbourDistributor::fail(DeliveredConfig& told, const port::BusAnswer& an
   told.retry_at = now + settings_.absent_interval;
   if (told.tries == tries_max) {
     log_.write(port::Level::warning,
-               TextLine() << "node " << told.serial
+               TextLine() << "node " << told.serial.value
                           << " was not told its neighbours: " << to_string(answer.result)
                           << ", three times; tried again when they change");
   }

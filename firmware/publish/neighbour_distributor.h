@@ -42,8 +42,8 @@ class NeighbourDistributor {
  private:
   // What a node was told, by its slot in the node table.
   struct DeliveredConfig {
-    std::uint32_t serial = no_serial;  // whose slot it was
-    std::uint32_t row = no_row;        // of who has the slot, in the snapshot
+    Serial serial;               // whose slot it was
+    std::uint32_t row = no_row;  // of who has the slot, in the snapshot
     std::uint16_t boot_count = 0;
     bool is_written = false;   // and confirmed: `fingerprint`
     bool is_rejected = false;  // it knows no such registers
@@ -77,7 +77,7 @@ class NeighbourDistributor {
   const Snapshot& snapshot_;
   port::Log& log_;
   NeighbourList neighbours_;
-  std::span<const std::uint32_t> list_;  // of the node checked last
+  std::span<const Serial> list_;  // of the node checked last
   std::vector<DeliveredConfig> delivered_;
   std::vector<Job> jobs_;  // by bus
 };

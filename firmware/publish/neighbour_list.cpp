@@ -5,7 +5,7 @@
 
 namespace etcm::firmware {
 
-std::span<const std::uint32_t> NeighbourList::of(const Snapshot& snapshot, std::uint32_t row) {
+std::span<const Serial> NeighbourList::of(const Snapshot& snapshot, std::uint32_t row) {
   list_.clear();
   for (const SnapshotNeighbour& neighbour : neighbours_of(snapshot, row)) {
     std::uint32_t from = row;

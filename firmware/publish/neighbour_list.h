@@ -20,10 +20,10 @@ class NeighbourList {
 
   // Of the node in this row. Ascending, each once; good until the next call. O(degree, and the
   // length of the features that leave the node).
-  std::span<const std::uint32_t> of(const Snapshot& snapshot, std::uint32_t row);
+  std::span<const Serial> of(const Snapshot& snapshot, std::uint32_t row);
 
  private:
-  std::vector<std::uint32_t> list_;
+  std::vector<Serial> list_;
 };
 
 }  // namespace etcm::firmware

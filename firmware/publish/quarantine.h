@@ -15,11 +15,11 @@
 namespace etcm::firmware {
 
 struct QuarantineEntry {
-  std::uint32_t serial = no_serial;  // of a node; no_serial: it is a feature or an anchor
-  std::uint32_t feature = 0;         // its number, counted from 1 as configured; 0: it is none
-  UnitIndex unit_index{};            // where the node answers, if that is known
-  Position position{};               // where the node or the anchor cannot be, if it is one
-  Rejection rejection{};             // none: it did not come so far
+  Serial serial{};            // of a node; none: it is a feature or an anchor
+  std::uint32_t feature = 0;  // its number, counted from 1 as configured; 0: it is none
+  UnitIndex unit_index{};     // where the node answers, if that is known
+  Position position{};        // where the node or the anchor cannot be, if it is one
+  Rejection rejection{};      // none: it did not come so far
   IdentityConflict conflict = IdentityConflict::none;  // about who the node is
   port::Instant since{};
 };

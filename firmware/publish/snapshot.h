@@ -7,6 +7,7 @@
 
 #include "etcm/mesh.h"
 #include "firmware/polling/indices.h"
+#include "firmware/protocol/serial.h"
 #include "firmware/publish/mesh_analysis.h"
 #include "firmware/site/feature_end.h"
 #include "firmware/site/rejection.h"
@@ -28,7 +29,7 @@ struct SnapshotVertex {
   bool lacks_fix = false;     // stale although its node answers
   bool is_anchor = false;     // a fixed point of the site; to the mesh it is a node
   Rejection rejection{};      // of a node: why the mesh does not have it where it is now
-  std::uint32_t serial = 0;   // of a node that is no anchor
+  Serial serial{};            // of a node that is no anchor
   UnitIndex unit_index{};     // that answers for a node; none: it is sought
   std::uint32_t feature = 0;  // a Steiner vertex stands on it; counted from 1 as configured
   Point point;
@@ -48,7 +49,7 @@ struct SnapshotNeighbour {
 
 // A node that is known and not in the mesh.
 struct SnapshotUnplacedNode {
-  std::uint32_t serial = 0;
+  Serial serial{};
   UnitIndex unit_index{};
   bool is_missing = false;  // its unit is then where it answered last
   bool has_position = false;
@@ -69,7 +70,7 @@ enum class QuarantineKind : std::uint8_t { none, node, feature, anchor, answer }
 struct SnapshotQuarantined {
   QuarantineKind kind = QuarantineKind::none;
   std::uint16_t reason = 0;   // its code (quarantine_reason.h)
-  std::uint32_t serial = 0;   // of a node, or of a conflicting answer
+  Serial serial{};            // of a node, or of a conflicting answer
   std::uint32_t feature = 0;  // its number, from 1 as configured
   std::uint16_t bus = 0;      // of the unit that answers, from 1 as configured; 0: not known
   std::uint16_t address = 0;  // of that unit

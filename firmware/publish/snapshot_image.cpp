@@ -62,7 +62,7 @@ void SnapshotImager::add_vertex(const Snapshot& snapshot, std::uint32_t row) {
   image_->vertices.push_back({vertex.point, !is_node, is_node ? 0 : -1});
   // Neither text is too long for a string without memory of its own.
   const bool has_serial = is_node && !vertex.is_anchor;
-  image_->attributes.push_back(has_serial ? std::to_string(vertex.serial) : "-1");
+  image_->attributes.push_back(has_serial ? std::to_string(vertex.serial.value) : "-1");
 }
 
 // Those to nodes with a higher index, and their Steiner vertices.

@@ -110,7 +110,7 @@ void SnapshotTaker::copy_mesh(const KeptMesh& kept) {
     if (vertex.kind == VertexKind::none) continue;
     vertex.point = mesh.point(id);
     if (vertex.kind == VertexKind::node) {
-      vertex.is_anchor = kept.serial_of(id) == no_serial;
+      vertex.is_anchor = kept.serial_of(id).is_none();
       if (!vertex.is_anchor) vertex.serial = kept.serial_of(id);
     } else {
       vertex.feature = kept.features().number_of(mesh.feature_of(id)) + 1;
@@ -199,10 +199,10 @@ void SnapshotTaker::look_at_quarantine(const Poller& poller,
     SnapshotQuarantined& listed = snapshot_.quarantine.emplace_back();
     listed.kind = entry.conflict != IdentityConflict::none ? QuarantineKind::answer
                   : entry.feature != 0                     ? QuarantineKind::feature
-                  : entry.serial != no_serial              ? QuarantineKind::node
+                  : !entry.serial.is_none()                ? QuarantineKind::node
                                                            : QuarantineKind::anchor;
     listed.reason = reason_code(entry.rejection, entry.conflict);
-    listed.serial = entry.serial == no_serial ? 0 : entry.serial;
+    listed.serial = entry.serial;
     listed.feature = entry.feature;
     if (!entry.unit_index.is_none()) {
       listed.bus = static_cast<std::uint16_t>(poller.bus_of(entry.unit_index).value + 1);

@@ -34,19 +34,18 @@ NodeRecord* NodeTable::at(UnitIndex unit) {
   return by_unit_[unit.value] == no_slot ? nullptr : &records_[by_unit_[unit.value]];
 }
 
-std::vector<NodeTable::Entry>::iterator NodeTable::lower_bound(std::uint32_t serial) {
-  return std::lower_bound(
-      by_serial_.begin(), by_serial_.end(), serial,
-      [](const Entry& entry, std::uint32_t wanted) { return entry.serial < wanted; });
+std::vector<NodeTable::Entry>::iterator NodeTable::lower_bound(Serial serial) {
+  return std::lower_bound(by_serial_.begin(), by_serial_.end(), serial,
+                          [](const Entry& entry, Serial wanted) { return entry.serial < wanted; });
 }
 
-NodeRecord* NodeTable::find(std::uint32_t serial) {
+NodeRecord* NodeTable::find(Serial serial) {
   const auto found = lower_bound(serial);
   if (found == by_serial_.end() || found->serial != serial) return nullptr;
   return &records_[found->slot];
 }
 
-NodeRecord* NodeTable::add(std::uint32_t serial, port::Instant now) {
+NodeRecord* NodeTable::add(Serial serial, port::Instant now) {
   if (free_.empty()) return nullptr;
   const std::uint32_t slot = free_.back();
   free_.pop_back();

@@ -15,9 +15,9 @@
 namespace etcm::firmware {
 
 struct NodeRecord {
-  std::uint32_t serial = no_serial;  // no_serial: the record is free
-  UnitIndex unit_index;              // where it answers; none: it was there once, and is sought
-  UnitIndex last_unit;               // where it answered last; none: on none there is now
+  Serial serial;         // none: the record is free
+  UnitIndex unit_index;  // where it answers; none: it was there once, and is sought
+  UnitIndex last_unit;   // where it answered last; none: on none there is now
   port::Instant known_since{};
   port::Instant heard_at{};
   port::Duration heard{};  // the same, as the clock of its bus showed it (silence_clock.h)
@@ -40,7 +40,7 @@ struct NodeRecord {
   std::uint32_t rejected_epoch = 0;
   port::Instant rejected_since{};
 
-  bool is_known() const { return serial != no_serial; }
+  bool is_known() const { return !serial.is_none(); }
   bool is_placed() const { return !vertex.is_none(); }
   bool is_quarantined() const { return !rejection.is_none(); }
   bool has_position() const { return positioned_at != port::Instant{}; }
@@ -78,10 +78,10 @@ class NodeTable {
   std::span<const NodeRecord> records() const { return records_; }
 
   // The record of a serial, or null.
-  NodeRecord* find(std::uint32_t serial);
+  NodeRecord* find(Serial serial);
 
   // A record for a serial that has none, at no unit; null when all are in use.
-  NodeRecord* add(std::uint32_t serial, port::Instant now);
+  NodeRecord* add(Serial serial, port::Instant now);
   // The node answers at this unit from now on. Whoever was known there is at none.
   void assign_unit(NodeRecord& node, UnitIndex unit);
   // It answers at no unit any more; the one it had is free for others.
@@ -91,10 +91,10 @@ class NodeTable {
  private:
   static constexpr std::uint32_t no_slot = 0xffffffff;
   struct Entry {
-    std::uint32_t serial;
+    Serial serial;
     std::uint32_t slot;
   };
-  std::vector<Entry>::iterator lower_bound(std::uint32_t serial);
+  std::vector<Entry>::iterator lower_bound(Serial serial);
 
   std::vector<NodeRecord> records_;
   std::vector<std::uint32_t> free_;     // slots

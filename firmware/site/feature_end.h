@@ -5,6 +5,7 @@
 #include <string>
 
 #include "etcm/types.h"
+#include "firmware/protocol/serial.h"
 
 namespace etcm::firmware {
 
@@ -12,7 +13,7 @@ namespace etcm::firmware {
 // of the site known by its place.
 struct FeatureEnd {
   constexpr FeatureEnd() = default;
-  constexpr FeatureEnd(std::uint32_t node) : serial(node) {}  // NOLINT: a serial is an end
+  constexpr FeatureEnd(Serial node) : serial(node) {}  // NOLINT: a serial is an end
   static constexpr FeatureEnd anchor(Position position) {
     FeatureEnd end;
     end.is_anchor = true;
@@ -22,7 +23,7 @@ struct FeatureEnd {
 
   // Different for different ends; nodes come before anchors.
   constexpr std::uint64_t key() const {
-    if (!is_anchor) return serial;
+    if (!is_anchor) return serial.value;
     const auto part = [](std::int32_t value) { return static_cast<std::uint32_t>(value); };
     return std::uint64_t{1} << 63 | std::uint64_t{part(position.x) & 0x7fffffffu} << 32 |
            part(position.y);
@@ -32,8 +33,8 @@ struct FeatureEnd {
   }
 
   bool is_anchor = false;
-  std::uint32_t serial = 0;  // of a node
-  Position position;         // of an anchor
+  Serial serial;      // of a node
+  Position position;  // of an anchor
 };
 
 // "1001" or "(100, 200)".

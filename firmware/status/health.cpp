@@ -37,7 +37,8 @@ bool is_nobody_missing(const StatusSources& sources, TextWriter& reason) {
   }
   if (first == nullptr) return true;
   const Poller& poller = sources.gateway.poller();
-  reason << count << (count == 1 ? " node is" : " nodes are") << " missing: node " << first->serial;
+  reason << count << (count == 1 ? " node is" : " nodes are") << " missing: node "
+         << first->serial.value;
   if (!first->last_unit.is_none()) {
     reason << ", unit " << poller.address_of(first->last_unit).value << " of "
            << bus_label(poller, poller.bus_of(first->last_unit));

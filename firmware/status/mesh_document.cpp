@@ -47,7 +47,7 @@ void write_end(const FeatureEnd& end, TextWriter& piece) {
   if (end.is_anchor) {
     piece << "[" << end.position.x << "," << end.position.y << "]";
   } else {
-    piece << end.serial;
+    piece << end.serial.value;
   }
 }
 
@@ -199,7 +199,7 @@ void MeshDocument::write_vertex_head(const SnapshotVertex& vertex, std::uint32_t
   if (vertex.is_anchor) {
     piece << "\"kind\":\"anchor\"";
   } else if (vertex.kind == VertexKind::node) {
-    piece << "\"kind\":\"node\",\"serial\":" << vertex.serial;
+    piece << "\"kind\":\"node\",\"serial\":" << vertex.serial.value;
     write_unit(vertex.unit_index, piece);
     piece << ",\"in_mesh\":true,\"stale\":";
     piece.yes_or_no(vertex.stale);
@@ -221,7 +221,7 @@ void MeshDocument::write_unplaced_node(Cursor& cursor, TextWriter& piece) const 
   } else {
     piece << "null";
   }
-  piece << ",\"properties\":{\"kind\":\"node\",\"serial\":" << node.serial;
+  piece << ",\"properties\":{\"kind\":\"node\",\"serial\":" << node.serial.value;
   write_unit(node.unit_index, piece);
   piece << ",\"in_mesh\":false";
   if (node.is_missing) piece << ",\"missing\":true";

@@ -165,9 +165,8 @@ void write_unit_answer_max(const Context& context, std::uint32_t index, TextWrit
   piece.seconds(context.poller().counters(unit).answer_time_max) << "\n";
 }
 
-void write_node(const Context& context, std::uint32_t serial, port::Instant since,
-                TextWriter& piece) {
-  piece << context.name << "{serial=\"" << serial << "\"} ";
+void write_node(const Context& context, Serial serial, port::Instant since, TextWriter& piece) {
+  piece << context.name << "{serial=\"" << serial.value << "\"} ";
   piece.seconds(context.asked_at - since) << "\n";
 }
 

@@ -123,7 +123,7 @@ void StatusDocument::write_missing(Cursor& cursor, port::Instant asked_at,
     }
     const NodeRecord& node = nodes[cursor.item++];
     if (!node.is_missing) continue;
-    piece << cursor.separator() << "{\"serial\":" << node.serial
+    piece << cursor.separator() << "{\"serial\":" << node.serial.value
           << ",\"since_ms\":" << (asked_at - node.heard_at) / 1ms;
     write_unit(node.last_unit, piece);
     piece << "}";
@@ -148,7 +148,7 @@ void StatusDocument::write_quarantine(Cursor& cursor, port::Instant asked_at,
   }
   const QuarantineEntry& entry = entries[cursor.item++];
   piece << cursor.separator() << "{\"since_ms\":" << (asked_at - entry.since) / 1ms;
-  if (entry.serial != no_serial) piece << ",\"serial\":" << entry.serial;
+  if (!entry.serial.is_none()) piece << ",\"serial\":" << entry.serial.value;
   if (entry.feature != 0) piece << ",\"feature\":" << entry.feature;
   write_unit(entry.unit_index, piece);
   piece << ",\"why\":";
@@ -214,7 +214,7 @@ bool AgesDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWriter
         }
         const NodeRecord& node = nodes[cursor.item++];
         if (!node.is_known() || !node.has_position()) continue;
-        piece << cursor.separator() << "[" << node.serial << ","
+        piece << cursor.separator() << "[" << node.serial.value << ","
               << (asked_at - node.positioned_at) / 1ms << "]";
       }
       return true;

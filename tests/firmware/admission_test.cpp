@@ -11,7 +11,8 @@ using namespace std::chrono_literals;
 class NodesBySerial : public testing::Test {
  protected:
   void put(std::uint8_t unit, std::uint32_t serial, Position position) {
-    rig_.bus.set(unit, {.serial = serial, .position = position, .status = node_status::fix_valid});
+    rig_.bus.set(
+        unit, {.serial = Serial{serial}, .position = position, .status = node_status::fix_valid});
   }
   std::vector<QuarantineEntry> quarantine() const {
     const auto list = rig_.gateway->quarantine();
@@ -91,7 +92,7 @@ TEST_F(NodesBySerial, TwoNodesWithOneSerialAreAnAlarmNotAFlipFlop) {
   EXPECT_EQ(rig_.log.count("two nodes with serial 7: unit 1 of yard and unit 2 of yard"), 1u);
   EXPECT_EQ(rig_.log.lines.size(), 2u) << logged();
   ASSERT_EQ(quarantine().size(), 1u);
-  EXPECT_EQ(quarantine()[0].serial, 7u);
+  EXPECT_EQ(quarantine()[0].serial, Serial{7u});
   EXPECT_EQ(quarantine()[0].unit_index, UnitIndex{1});
   EXPECT_EQ(quarantine()[0].conflict, IdentityConflict::same_serial);
   EXPECT_EQ(rig_.server.header("quarantined_count"), 1u);
@@ -132,7 +133,7 @@ TEST_F(NodesBySerial, TwoNodesAtOneUnitAreAnAlarmNotAFlipFlop) {
 
 TEST_F(NodesBySerial, ASwappedSerialIsNotBelievedAndSaidOnce) {
   seat_seven();
-  put(1, swap_words(7), {50, 0});
+  put(1, swap_words(Serial{7}).value, {50, 0});
   rig_.run(2s);
   EXPECT_EQ(rig_.mesh.position(VertexId{1}), (Position{0, 0}));
   EXPECT_EQ(rig_.log.count("which is 7 with its words swapped; set `word_order`"), 1u) << logged();
@@ -144,12 +145,12 @@ TEST_F(NodesBySerial, NodesOnSeveralBusesChangeTheirBus) {
   rig_.settings.buses[1].name = "quay";
   rig_.start_with({&rig_.bus, &quay});
   put(1, 7, {0, 0});
-  quay.set(1, {.serial = 8, .position = {100, 0}, .status = node_status::fix_valid});
+  quay.set(1, {.serial = Serial{8}, .position = {100, 0}, .status = node_status::fix_valid});
   rig_.run(1s);
   EXPECT_EQ(rig_.mesh.node_count(), 2u);
   // The whole bus goes, so nobody can say that the node is not there any more; it is not heard.
   rig_.bus.link_up = false;
-  quay.set(2, {.serial = 7, .position = {0, 0}, .status = node_status::fix_valid});
+  quay.set(2, {.serial = Serial{7}, .position = {0, 0}, .status = node_status::fix_valid});
   rig_.run(2s);
   EXPECT_EQ(rig_.log.count("node 7 went from unit 1 of yard to unit 2 of quay"), 1u) << logged();
   EXPECT_EQ(rig_.log.count("left"), 0u);

@@ -157,8 +157,8 @@ TEST(Analyst, KeepsTheDomainWhereACornerOfItIsANodeThatIsAway) {
   Rig rig;
   rig.settings.domain = square(0, 100);
   rig.settings.analysis.sensing_range = 72;
-  draw(rig.settings, {line(1001, at(100, 0)), line(at(100, 0), at(100, 100)),
-                      line(at(100, 100), at(0, 100)), line(at(0, 100), 1001)});
+  draw(rig.settings, {line(Serial{1001}, at(100, 0)), line(at(100, 0), at(100, 100)),
+                      line(at(100, 100), at(0, 100)), line(at(0, 100), Serial{1001})});
   rig.put(2, 50, 50);
   rig.run(1s);
   EXPECT_EQ(rig.server.header("features_active"), 2u);
@@ -175,8 +175,8 @@ TEST(Analyst, KeepsTheDomainWhereACornerOfItIsANodeThatIsAway) {
 TEST(Analyst, TakesAHoleOutOfWhatFeaturesEncloseOnceItIsWhole) {
   Rig rig;
   std::vector<FeatureSettings> features = lines_along({ring(0, 100), ring(40, 60)});
-  features.back().from = 1005;
-  features[6].to = 1005;
+  features.back().from = Serial{1005};
+  features[6].to = Serial{1005};
   draw(rig.settings, features);
   rig.settings.domain = {{}, ring(40, 60)};
   rig.settings.analysis.sensing_range = 14;
@@ -206,7 +206,7 @@ TEST(Analyst, TakesAHoleOutOfWhatFeaturesEncloseOnceItIsWhole) {
 
 TEST(Analyst, WatchesTheEndOfAFeatureFromTheNodeOnIt) {
   Rig rig;
-  draw(rig.settings, {line(1001, at(100, 0)), line(at(100, 0), at(150, 0))});
+  draw(rig.settings, {line(Serial{1001}, at(100, 0)), line(at(100, 0), at(150, 0))});
   rig.settings.analysis.sensing_range = 99;
   rig.put(1, 0, 0);
   rig.run(1s);

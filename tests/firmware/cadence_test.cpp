@@ -53,7 +53,7 @@ TEST_F(Cadence, AShortStallMovesNothing) {
 }
 
 TEST_F(Cadence, ATornReadKeepsItsTime) {
-  NodeRegisters torn = encode_node({.serial = 1007, .position = {5, 5}}, 7);
+  NodeRegisters torn = encode_node({.serial = Serial{1007}, .position = {5, 5}}, 7);
   torn.back() = 8;
   rig_.bus.set_registers(7, torn);
   const std::uint32_t before = asked(7);

@@ -100,7 +100,7 @@ class Device final : public port::FrameConnection {
       size = port::write_exception(pdu, request.pdu[0], behind_.exception);
     } else {
       const NodeRegisters registers = encode_node(
-          {.serial = request.unit, .position = {}, .status = node_status::fix_valid}, 1);
+          {.serial = Serial{request.unit}, .position = {}, .status = node_status::fix_valid}, 1);
       size = replies_.to_read(request.pdu, node_register_first, registers, pdu);
     }
     listener().on_frame({.transaction = request.transaction,

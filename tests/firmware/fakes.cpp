@@ -186,7 +186,7 @@ void Rig::update_settings() {
 }
 
 void Rig::put(std::uint8_t unit, std::int32_t x, std::int32_t y, std::uint16_t status) {
-  bus.set(unit, {.serial = 1000u + unit, .position = {x, y}, .status = status});
+  bus.set(unit, {.serial = Serial{1000u + unit}, .position = {x, y}, .status = status});
 }
 
 void Rig::put_square() {
@@ -203,11 +203,12 @@ TwoBuses::TwoBuses() {
 }
 
 void TwoBuses::put_other(std::uint8_t unit, std::int32_t x, std::int32_t y) {
-  other.set(unit, {.serial = 2000u + unit, .position = {x, y}, .status = node_status::fix_valid});
+  other.set(unit,
+            {.serial = Serial{2000u + unit}, .position = {x, y}, .status = node_status::fix_valid});
 }
 
 FeatureSettings feature(std::uint32_t from, std::uint32_t to) {
-  return {.from = from, .to = to, .name = {}, .source = "site.toml:1"};
+  return {.from = Serial{from}, .to = Serial{to}, .name = {}, .source = "site.toml:1"};
 }
 
 }  // namespace etcm::firmware

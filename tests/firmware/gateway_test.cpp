@@ -232,8 +232,8 @@ TEST(Gateway, ATornReadIsRepeatedAtOnceAndNeverBecomesAPosition) {
   Rig rig;
   rig.put(1, 0, 0);
   rig.run(500ms);
-  NodeRegisters torn =
-      encode_node({.serial = 1001, .position = {99, 99}, .status = node_status::fix_valid}, 1);
+  NodeRegisters torn = encode_node(
+      {.serial = Serial{1001}, .position = {99, 99}, .status = node_status::fix_valid}, 1);
   torn[11] = 2;
   rig.bus.set_registers(1, torn);
   const std::uint32_t before = rig.bus.reads[1];
@@ -250,8 +250,8 @@ struct BadAnswer {
 };
 
 NodeRegisters spoilt(std::size_t index, std::uint16_t value) {
-  NodeRegisters registers =
-      encode_node({.serial = 1001, .position = {99, 99}, .status = node_status::fix_valid}, 1);
+  NodeRegisters registers = encode_node(
+      {.serial = Serial{1001}, .position = {99, 99}, .status = node_status::fix_valid}, 1);
   registers[index] = value;
   return registers;
 }
@@ -358,8 +358,9 @@ TEST(Gateway, AfterALostLinkAllAreAskedWithinAPoll) {
 
 TEST(Gateway, AWrongWordOrderShowsAgainstASerialOfTheConfiguration) {
   Rig rig({feature(1001, 1002)});
-  rig.bus.set(1,
-              {.serial = swap_words(1001), .position = {1, 2}, .status = node_status::fix_valid});
+  rig.bus.set(
+      1,
+      {.serial = swap_words(Serial{1001}), .position = {1, 2}, .status = node_status::fix_valid});
   rig.run(2s);
   EXPECT_EQ(rig.mesh.node_count(), 0u);
   EXPECT_EQ(rig.log.count("which is 1001 with its words swapped; set `word_order`"), 1u);
@@ -370,7 +371,8 @@ TEST(Gateway, TheWordOrderOfABusIsHeeded) {
   rig.settings.buses[0].word_order = WordOrder::dcba;
   rig.bus.set_registers(
       1,
-      reorder(encode_node({.serial = 7, .position = {-5, 6}, .status = node_status::fix_valid}, 1),
+      reorder(encode_node(
+                  {.serial = Serial{7}, .position = {-5, 6}, .status = node_status::fix_valid}, 1),
               WordOrder::dcba));
   rig.put(2, 0, 0);  // ABCD
   rig.run(1s);

@@ -13,7 +13,8 @@ using namespace std::chrono_literals;
 class Joining : public testing::Test {
  protected:
   void put(std::uint8_t unit, std::uint32_t serial, Position position = {5, 6}) {
-    rig_.bus.set(unit, {.serial = serial, .position = position, .status = node_status::fix_valid});
+    rig_.bus.set(
+        unit, {.serial = Serial{serial}, .position = position, .status = node_status::fix_valid});
   }
   BusSettings& bus() { return rig_.settings.buses[0]; }
   std::string logged() const { return testing::PrintToString(rig_.log.lines); }
@@ -50,7 +51,7 @@ TEST_F(Joining, AUnitThatAConverterFindsEmptyIsFree) {
     for (std::uint8_t unit = 10; unit <= 12; ++unit) {
       rig.bus.set_result(unit, port::BusResult::exception, exception);
     }
-    rig.bus.set(247, {.serial = 77, .position = {5, 6}, .status = node_status::fix_valid});
+    rig.bus.set(247, {.serial = Serial{77}, .position = {5, 6}, .status = node_status::fix_valid});
     rig.run(2s);
     EXPECT_EQ(rig.bus.written.size(), 1u) << int{exception};
     EXPECT_EQ(rig.log.count("no unit is free"), 0u);
@@ -134,7 +135,7 @@ TEST_F(Joining, SoIsOneWhoseNodeIsOnlyKnownFromBeforeARestart) {
     rig->settings.buses[0].units = {};
     rig->settings.buses[0].assign = {{.first = 10, .last = 11}};
   }
-  before.bus.set(10, {.serial = 1, .position = {0, 0}, .status = node_status::fix_valid});
+  before.bus.set(10, {.serial = Serial{1}, .position = {0, 0}, .status = node_status::fix_valid});
   before.run(2s);
   rig_.settings.buses[0].units = {{.first = 1, .last = 1}};
   put(1, 3, {5, 9});

@@ -95,7 +95,7 @@ class LateLine final : public port::RtuLine {
     }
     const std::int64_t ms = asked.time_since_epoch() / 1ms;
     const NodeRegisters registers =
-        encode_node({.serial = unit,
+        encode_node({.serial = Serial{unit},
                      .position = {.x = static_cast<std::int32_t>(ms % position_max),
                                   .y = static_cast<std::int32_t>(ms / position_max)},
                      .status = node_status::fix_valid},
@@ -201,7 +201,7 @@ class LateSite final : public ReadingListener {
     const port::Instant asked{
         (std::int64_t{reading.position.y} * position_max + reading.position.x) * 1ms};
     EXPECT_LE(now - asked, limit + on_the_line + 1ms) << "unit " << int{unit};
-    EXPECT_EQ(reading.serial, unit);
+    EXPECT_EQ(reading.serial, Serial{unit});
     ++readings[unit];
     return true;
   }

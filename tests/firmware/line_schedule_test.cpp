@@ -79,7 +79,7 @@ class SimulatedLine final : public ReadingListener {
   }
 
   bool on_reading(UnitIndex, const NodeReading& reading, port::Instant now) override {
-    port::Instant& read_at = read_at_[reading.serial];
+    port::Instant& read_at = read_at_[reading.serial.value];
     if (counts_) gaps_.push_back(now - read_at);
     read_at = now;
     ++readings_;
@@ -158,8 +158,8 @@ class SimulatedLine final : public ReadingListener {
 
   void say_answer() {
     std::array<std::uint8_t, port::rtu_frame_bytes_max> frame;
-    const NodeRegisters registers =
-        encode_node({.serial = speaker_, .position = {}, .status = node_status::fix_valid}, 1);
+    const NodeRegisters registers = encode_node(
+        {.serial = Serial{speaker_}, .position = {}, .status = node_status::fix_valid}, 1);
     const std::array<std::uint8_t, 5> request{function_, 0, 0, 0, node_register_count};
     const std::size_t pdu = replies_.to_read(request, node_register_first, registers,
                                              std::span(frame).subspan(port::rtu_unit_bytes));

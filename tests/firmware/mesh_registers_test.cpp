@@ -15,7 +15,7 @@ namespace {
 TEST(NodeMap, ComesBackAsItWentOut) {
   for (const Position position :
        {Position{0, 0}, Position{-1, 1}, Position{position_max, -position_max}}) {
-    const NodeReading sent{.serial = 0xdeadbeef,
+    const NodeReading sent{.serial = Serial{0xdeadbeef},
                            .position = position,
                            .status = node_status::fix_valid | node_status::relay,
                            .boot_count = 65535};
@@ -30,26 +30,27 @@ TEST(NodeMap, ComesBackAsItWentOut) {
 
 TEST(NodeMap, HasTheLayoutOfTheTable) {
   const NodeRegisters registers = encode_node(
-      {.serial = 0x00010002, .position = {-2, 0x00030004}, .status = 5, .boot_count = 6}, 9);
+      {.serial = Serial{0x00010002}, .position = {-2, 0x00030004}, .status = 5, .boot_count = 6},
+      9);
   EXPECT_EQ(registers, (NodeRegisters{0x4554, 0x010c, 1, 2, 9, 0xffff, 0xfffe, 3, 4, 5, 6, 9}));
 }
 
 TEST(NodeMap, AFaultLeavesTheReadingAlone) {
-  NodeReading reading{.serial = 42, .position = {}};
-  NodeRegisters registers = encode_node({.serial = 7, .position = {}}, 1);
+  NodeReading reading{.serial = Serial{42}, .position = {}};
+  NodeRegisters registers = encode_node({.serial = Serial{7}, .position = {}}, 1);
   registers[11] = 2;
   EXPECT_EQ(decode_node(registers, WordOrder::abcd, reading), ReadingFault::torn);
-  EXPECT_EQ(reading.serial, 42u);
+  EXPECT_EQ(reading.serial, Serial{42u});
   EXPECT_EQ(decode_node(std::span(registers).first(11), WordOrder::abcd, reading),
             ReadingFault::wrong_length);
-  EXPECT_EQ(
-      decode_node(encode_node({.serial = no_serial, .position = {}}, 1), WordOrder::abcd, reading),
-      ReadingFault::bad_serial);
+  EXPECT_EQ(decode_node(encode_node({.serial = Serial::none(), .position = {}}, 1), WordOrder::abcd,
+                        reading),
+            ReadingFault::bad_serial);
 }
 
 TEST(NodeMap, APositionOutOfRangeIsNoFaultWithoutAFix) {
   NodeReading reading;
-  EXPECT_EQ(decode_node(encode_node({.serial = 1, .position = {position_max + 1, 0}}, 1),
+  EXPECT_EQ(decode_node(encode_node({.serial = Serial{1}, .position = {position_max + 1, 0}}, 1),
                         WordOrder::abcd, reading),
             ReadingFault::none);
 }
@@ -66,7 +67,7 @@ TEST_P(NodeWordOrder, IsReadAsItIsAndShowsWhenItIsTakenForAnother) {
   const OrderCase& sent = GetParam();
   NodeReading found;
   ASSERT_EQ(decode_node(sent.registers, sent.order, found), ReadingFault::none);
-  EXPECT_EQ(found.serial, 0x00010002u);
+  EXPECT_EQ(found.serial, Serial{0x00010002u});
   EXPECT_EQ(found.position, (Position{0x0304, -2}));
   EXPECT_EQ(reorder(reorder(sent.registers, sent.order), sent.order), sent.registers);
   const bool is_byte_swapped = sent.registers[0] != node_magic;
@@ -79,7 +80,7 @@ TEST_P(NodeWordOrder, IsReadAsItIsAndShowsWhenItIsTakenForAnother) {
     if (takes_swapped != is_byte_swapped) {
       EXPECT_EQ(fault, ReadingFault::swapped_bytes);
     } else if (fault == ReadingFault::none) {
-      EXPECT_EQ(reading.serial, swap_words(0x00010002));
+      EXPECT_EQ(reading.serial, swap_words(Serial{0x00010002}));
     }
   }
 }
@@ -161,7 +162,7 @@ TEST(MeshMap, ComesBackByTheDocumentedRule) {
   for (std::uint32_t row = 0; row < vertices; ++row) {
     snapshot.vertices.push_back({.kind = VertexKind::node,
                                  .stale = row == 3,
-                                 .serial = 70000 + row,
+                                 .serial = Serial{70000 + row},
                                  .point = to_point({-static_cast<int>(row), 5}),
                                  .first_neighbour = row,
                                  .degree = 1});
@@ -207,7 +208,7 @@ TEST(MeshMap, ListsComeBackByTheDocumentedRule) {
     snapshot.analysis.long_links.push_back({10 + i, 20 + i});
     snapshot.quarantine.push_back({.kind = QuarantineKind::anchor,
                                    .reason = 10,
-                                   .serial = i,
+                                   .serial = Serial{i},
                                    .bus = 2,
                                    .address = 3,
                                    .position = {-4, static_cast<int>(i)},

@@ -43,8 +43,8 @@ TEST(Missing, ComesBackAtAnotherUnitOrBus) {
   rig.bus.silence(2);
   rig.run(10s);
   EXPECT_EQ(rig.server.header("missing_count"), 2u);
-  rig.other.set(9, {.serial = 1001, .position = {0, 0}, .status = node_status::fix_valid});
-  rig.bus.set(15, {.serial = 1002, .position = {100, 0}, .status = node_status::fix_valid});
+  rig.other.set(9, {.serial = Serial{1001}, .position = {0, 0}, .status = node_status::fix_valid});
+  rig.bus.set(15, {.serial = Serial{1002}, .position = {100, 0}, .status = node_status::fix_valid});
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("state"), 0u) << logged(rig);
   EXPECT_EQ(rig.server.header("node_count"), 5u);
@@ -57,7 +57,7 @@ TEST(Missing, IsNotWhoMovesToAnotherUnitOrBus) {
   rig.put_other(1, 300, 7);
   rig.run(1s);
   rig.bus.silence(1);
-  rig.other.set(9, {.serial = 1001, .position = {0, 0}, .status = node_status::fix_valid});
+  rig.other.set(9, {.serial = Serial{1001}, .position = {0, 0}, .status = node_status::fix_valid});
   rig.run(10s);
   expect_nobody_left(rig);
   EXPECT_EQ(rig.server.header("state"), 0u);
@@ -71,7 +71,7 @@ TEST(Missing, IsWhoWasReplacedAndIsNowhere) {
   Rig rig;
   rig.put_square();
   rig.run(1s);
-  rig.bus.set(1, {.serial = 77, .position = {1, 1}, .status = node_status::fix_valid});
+  rig.bus.set(1, {.serial = Serial{77}, .position = {1, 1}, .status = node_status::fix_valid});
   rig.run(10s);
   EXPECT_EQ(rig.log.count("node 1001 is missing: unit 1 of yard"), 1u) << logged(rig);
   EXPECT_EQ(rig.server.header("node_count"), 4u);
@@ -84,7 +84,7 @@ TEST(Missing, FreesItsUnitForAnotherNodeAtOnce) {
   rig.run(1s);
   rig.bus.silence(1);
   rig.run(10s);
-  rig.bus.set(1, {.serial = 77, .position = {1, 1}, .status = node_status::fix_valid});
+  rig.bus.set(1, {.serial = Serial{77}, .position = {1, 1}, .status = node_status::fix_valid});
   rig.run(500ms);
   EXPECT_EQ(rig.log.count("node 77 joined"), 1u) << logged(rig);
   EXPECT_EQ(rig.server.header("missing_count"), 1u);
@@ -210,7 +210,7 @@ TEST(Missing, GivesWayToThoseWhoAnswerWhereThereIsNoRoom) {
   const auto known = static_cast<std::uint32_t>(20 + 5 + 16);
   rig.put(2, 50, 50);
   for (std::uint32_t serial = 1; serial < known; ++serial) {
-    rig.bus.set(1, {.serial = serial,
+    rig.bus.set(1, {.serial = Serial{serial},
                     .position = {static_cast<std::int32_t>(serial), 0},
                     .status = node_status::fix_valid});
     rig.run(5s);
@@ -218,7 +218,8 @@ TEST(Missing, GivesWayToThoseWhoAnswerWhereThereIsNoRoom) {
   EXPECT_EQ(rig.server.header("missing_count"), known - 2);
   EXPECT_EQ(rig.log.count("is no longer missed"), 0u);
   for (std::uint32_t serial = 101; serial <= 103; ++serial) {
-    rig.bus.set(1, {.serial = serial, .position = {-5, 0}, .status = node_status::fix_valid});
+    rig.bus.set(1,
+                {.serial = Serial{serial}, .position = {-5, 0}, .status = node_status::fix_valid});
     rig.run(5s);
     EXPECT_EQ(rig.log.count("node " + std::to_string(serial) + " joined"), 1u);
   }

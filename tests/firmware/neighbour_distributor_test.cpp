@@ -19,7 +19,7 @@ class WritingBack : public testing::Test {
   WritingBack() { rig_.settings.write_back.is_enabled = true; }
 
   void put(std::uint8_t unit, Position position, std::uint16_t boot_count = 0) {
-    rig_.bus.set(unit, {.serial = 1000u + unit,
+    rig_.bus.set(unit, {.serial = Serial{1000u + unit},
                         .position = position,
                         .status = node_status::fix_valid,
                         .boot_count = boot_count});
@@ -84,13 +84,13 @@ TEST_F(WritingBack, AGenerationThatANodeIsToldHasBeenPublished) {
       if (generation != snapshot.generation) continue;
       const auto row = std::find_if(
           snapshot.vertices.begin(), snapshot.vertices.end(), [&](const SnapshotVertex& vertex) {
-            return vertex.kind == VertexKind::node && vertex.serial == 1000u + written.unit;
+            return vertex.kind == VertexKind::node && vertex.serial == Serial{1000u + written.unit};
           });
       ASSERT_NE(row, snapshot.vertices.end());
       Serials expected;
       for (const SnapshotNeighbour& neighbour :
            neighbours_of(snapshot, static_cast<std::uint32_t>(row - snapshot.vertices.begin()))) {
-        expected.push_back(snapshot.vertices[neighbour.row].serial);
+        expected.push_back(snapshot.vertices[neighbour.row].serial.value);
       }
       std::sort(expected.begin(), expected.end());
       ASSERT_EQ(told(written.unit).neighbours, expected);
@@ -201,7 +201,7 @@ TEST_F(WritingBack, ANodeThatLeftIsToldThatItHasNoNeighbours) {
   put(1, {0, 0});
   put(2, {100, 0});
   rig_.run(1s);
-  rig_.bus.set(1, {.serial = 1001,
+  rig_.bus.set(1, {.serial = Serial{1001},
                    .position = {0, 0},
                    .status = node_status::fix_valid | node_status::leaving});
   rig_.run(1s);
@@ -212,7 +212,7 @@ TEST_F(WritingBack, ANodeThatLeftIsToldThatItHasNoNeighbours) {
 
 TEST_F(WritingBack, TheWordOrderOfTheBusIsHeeded) {
   std::array<std::uint16_t, configuration_register_count> registers{};
-  const Serials neighbours{0x01020304};
+  const std::array neighbours{Serial{0x01020304}};
   EXPECT_EQ(encode_configuration(0x0a0b0c0d, neighbours, WordOrder::cdab, registers), 5u);
   EXPECT_EQ(registers[0], 0x0c0d);
   EXPECT_EQ(registers[2], 1);
@@ -263,10 +263,10 @@ TEST(NeighbourList, AlongAFeatureTheNextNodeIsTheNeighbour) {
   NeighbourList list(100);
   for (std::uint32_t row = 0; row < snapshot.vertices.size(); ++row) {
     if (snapshot.vertices[row].kind != VertexKind::node) continue;
-    const std::uint32_t serial = snapshot.vertices[row].serial;
+    const std::uint32_t serial = snapshot.vertices[row].serial.value;
     const auto all = list.of(snapshot, row);
     const auto contains = [&](std::uint32_t other) {
-      return std::find(all.begin(), all.end(), other) != all.end();
+      return std::find(all.begin(), all.end(), Serial{other}) != all.end();
     };
     EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
     EXPECT_EQ(std::adjacent_find(all.begin(), all.end()), all.end());
@@ -275,9 +275,9 @@ TEST(NeighbourList, AlongAFeatureTheNextNodeIsTheNeighbour) {
     if (serial <= 1002) {
       EXPECT_TRUE(contains(2003 - serial));
     }
-    for (const std::uint32_t other : all) {
-      EXPECT_GE(other, 1001u);
-      EXPECT_LE(other, 1005u);
+    for (const Serial other : all) {
+      EXPECT_GE(other, Serial{1001});
+      EXPECT_LE(other, Serial{1005});
     }
   }
 }

@@ -44,7 +44,7 @@ TEST_F(PollCounters, AnAnswerOfNoNodeIsUnbelieved) {
 }
 
 TEST_F(PollCounters, TornReadsAreCountedEachTime) {
-  NodeRegisters torn = encode_node({.serial = 1001, .position = {5, 5}}, 7);
+  NodeRegisters torn = encode_node({.serial = Serial{1001}, .position = {5, 5}}, 7);
   torn.back() = 8;
   rig_.bus.set_registers(1, torn);
   rig_.run(1s);

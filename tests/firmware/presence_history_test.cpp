@@ -70,7 +70,7 @@ class History {
 
   void plug_in(std::uint8_t bus, std::uint8_t unit) {
     node(bus, unit).is_plugged_in = true;
-    buses_[bus].set(unit, {.serial = 1000u * (bus + 1u) + unit,
+    buses_[bus].set(unit, {.serial = Serial{1000u * (bus + 1u) + unit},
                            .position = {100 * bus + unit * unit, 7 * unit},
                            .status = node_status::fix_valid});
   }
@@ -112,10 +112,10 @@ class History {
   void check() {
     for (const NodeRecord& record : rig_.gateway->nodes().records()) {
       if (!record.is_missing) continue;
-      const std::uint32_t bus = record.serial / 1000 - 1;
-      const Node& each = nodes_[bus][record.serial % 1000 - 1];
-      EXPECT_LE(each.heard, asked_within) << record.serial;
-      EXPECT_GT(each.silence + 500ms, rig_.settings.poll.leave_after) << record.serial;
+      const std::uint32_t bus = record.serial.value / 1000 - 1;
+      const Node& each = nodes_[bus][record.serial.value % 1000 - 1];
+      EXPECT_LE(each.heard, asked_within) << record.serial.value;
+      EXPECT_GT(each.silence + 500ms, rig_.settings.poll.leave_after) << record.serial.value;
     }
   }
 

@@ -22,14 +22,14 @@ Snapshot snapshot_of(std::uint32_t generation) {
   Snapshot snapshot{.generation = generation, .vertices = {}, .neighbours = {}};
   for (std::uint32_t row = 0; row < vertices; ++row) {
     snapshot.vertices.push_back(
-        {.kind = VertexKind::node, .serial = 1000 * generation + row, .point = {}});
+        {.kind = VertexKind::node, .serial = Serial{1000 * generation + row}, .point = {}});
     snapshot.neighbours.push_back({.row = 1000 * generation + row});
   }
   for (std::uint32_t i = 0; i < capacity.holes; ++i) {
     snapshot.analysis.holes.push_back({.point = {}, .distance = 1000 * generation + i});
   }
   for (std::uint32_t i = 0; i < capacity.quarantined; ++i) {
-    snapshot.quarantine.push_back({.serial = 1000 * generation + i});
+    snapshot.quarantine.push_back({.serial = Serial{1000 * generation + i}});
   }
   return snapshot;
 }

@@ -88,7 +88,7 @@ TEST_F(Reload, AWrongOneChangesNothingAndIsNamed) {
     EXPECT_FALSE(reload_with(text));
     EXPECT_EQ(settings_.poll.interval, 100ms);
     ASSERT_EQ(settings_.features.size(), 1u);
-    EXPECT_EQ(settings_.features[0].to, FeatureEnd(2));
+    EXPECT_EQ(settings_.features[0].to, FeatureEnd(Serial{2}));
     EXPECT_GE(log_.lines.size(), 2u);
     EXPECT_TRUE(log_.lines.front().starts_with(folder_.path(""))) << log_.lines.front();
     EXPECT_EQ(log_.count("is not taken over, the old one stays"), 1u);

@@ -191,7 +191,7 @@ TEST_F(Restart, KeepsTheNodeThatNowAnswersElsewhere) {
   before->put(2, 50, 0);
   before->run(2s);
   const auto after = rig_of({});
-  after->bus.set(7, {.serial = 1001, .position = {0, 0}, .status = node_status::fix_valid});
+  after->bus.set(7, {.serial = Serial{1001}, .position = {0, 0}, .status = node_status::fix_valid});
   after->put(2, 50, 0);
   after->start();
   after->gateway->restore(after->clock.now());

@@ -115,7 +115,7 @@ to = 2
   EXPECT_EQ(settings.files->folder, folder_ / "out");
   EXPECT_EQ(settings.files->name, "plan");
   EXPECT_EQ(settings.files->interval, 2s);
-  EXPECT_EQ(settings.features[0].from, 4000000000u);
+  EXPECT_EQ(settings.features[0].from, Serial{4000000000});
   EXPECT_EQ(settings.features[0].source, path_ + ":36");
 }
 

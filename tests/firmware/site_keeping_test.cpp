@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 
 TEST(SiteKeeping, AnchorsAndTheirFeaturesAreThereBeforeAnyNode) {
   Rig rig;
-  draw(rig.settings, {line(at(0, 0), at(100, 0)), line(at(100, 0), 1001, "mast line")});
+  draw(rig.settings, {line(at(0, 0), at(100, 0)), line(at(100, 0), Serial{1001}, "mast line")});
   rig.run(200ms);
   EXPECT_EQ(rig.server.header("node_count"), 0u);
   EXPECT_EQ(rig.server.header("features_active"), 1u);
@@ -30,7 +30,8 @@ TEST(SiteKeeping, AnchorsAndTheirFeaturesAreThereBeforeAnyNode) {
 
 // A wall with a corner at (100, 0); a cable from node 2 to node 1.
 void draw_wall(Rig& rig) {
-  draw(rig.settings, {line(at(0, 0), at(100, 0)), line(at(100, 0), at(100, 90)), line(1002, 1001)});
+  draw(rig.settings, {line(at(0, 0), at(100, 0)), line(at(100, 0), at(100, 90)),
+                      line(Serial{1002}, Serial{1001})});
   rig.put(2, 10, 60);
 }
 
@@ -130,7 +131,7 @@ TEST(SiteKeeping, ANodeKeepsItsPlaceWhenTheAnchorIsTakenOffTheDrawing) {
   draw_wall(rig);
   rig.put(1, 100, 0);
   rig.run(500ms);
-  draw(rig.settings, {line(1002, 1001)});
+  draw(rig.settings, {line(Serial{1002}, Serial{1001})});
   rig.update_settings();
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("node_count"), 2u);
@@ -220,16 +221,16 @@ TEST(SiteKeeping, ANodeThatWentAstrayStillLeaves) {
 
 TEST(SiteKeeping, AnotherSiteIsTakenOverWhileItRuns) {
   Rig rig;
-  draw(rig.settings,
-       {line(at(0, 0), at(100, 0)), line(at(100, 0), at(100, 100)), line(1001, 1002)});
+  draw(rig.settings, {line(at(0, 0), at(100, 0)), line(at(100, 0), at(100, 100)),
+                      line(Serial{1001}, Serial{1002})});
   for (std::uint8_t unit = 1; unit <= 4; ++unit) rig.put(unit, 20 * unit, 30 + 7 * unit * unit);
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("features_active"), 3u);
   const std::uint32_t before = rig.gateway->generation();
 
   // One stays (drawn the other way round), two go, two come; one anchor goes, one comes.
-  draw(rig.settings,
-       {line(1003, 1004), line(at(100, 0), at(0, 0)), line(at(0, 0), at(-50, 70)), line(1002, 9)});
+  draw(rig.settings, {line(Serial{1003}, Serial{1004}), line(at(100, 0), at(0, 0)),
+                      line(at(0, 0), at(-50, 70)), line(Serial{1002}, Serial{9})});
   rig.update_settings();
   rig.run(500ms);
   EXPECT_GT(rig.gateway->generation(), before);
@@ -244,8 +245,9 @@ TEST(SiteKeeping, TheMeshIsTheOneOfTheNewSiteAlone) {
   Rig rig;
   Rig fresh;
   const std::vector<FeatureSettings> features = {line(at(0, 0), at(90, 10)),
-                                                 line(1001, at(90, 10))};
-  draw(rig.settings, {line(at(5, 5), at(60, 60)), line(1001, 1002), line(at(60, 60), 1003)});
+                                                 line(Serial{1001}, at(90, 10))};
+  draw(rig.settings, {line(at(5, 5), at(60, 60)), line(Serial{1001}, Serial{1002}),
+                      line(at(60, 60), Serial{1003})});
   draw(fresh.settings, features);
   for (Rig* one : {&rig, &fresh}) {
     for (std::uint8_t unit = 1; unit <= 4; ++unit) one->put(unit, 21 * unit, 40 + 5 * unit * unit);
@@ -261,7 +263,7 @@ TEST(SiteKeeping, ASmallerDomainPutsNodesOutAndALargerOneBackIn) {
   Rig rig;
   rig.put(1, 10, 10);
   rig.put(2, 500, 10);
-  rig.settings.features = {line(1001, 1002)};
+  rig.settings.features = {line(Serial{1001}, Serial{1002})};
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("features_active"), 1u);
   rig.settings.domain = square(0, 100);
@@ -302,7 +304,7 @@ TEST(SiteKeeping, AnAnchorTheMeshCannotSpareGoesWhenItCan) {
   Rig rig;
   // The two lines between nodes cross at the anchor, and only there may they.
   rig.settings.anchors = {{.position = {50, 50}, .source = "site.geojson:1"}};
-  rig.settings.features = {line(1001, 1003), line(1002, 1004)};
+  rig.settings.features = {line(Serial{1001}, Serial{1003}), line(Serial{1002}, Serial{1004})};
   rig.put_square();
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("features_active"), 2u);
@@ -413,7 +415,7 @@ TEST(SiteKeeping, RefusedFeaturesAreNotTriedAtEachMove) {
   SiteKeeper site(kept, nodes, clock, log);
   NodePlacement placement(kept, site, nodes, settings.domain, clock, log);
   const auto join = [&](std::uint32_t serial, std::int32_t x, std::int32_t y) {
-    NodeRecord* const node = nodes.add(serial, clock.now());
+    NodeRecord* const node = nodes.add(Serial{serial}, clock.now());
     node->position = {x, y};
     placement.join(*node, 1);
     return node;

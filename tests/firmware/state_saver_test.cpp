@@ -31,19 +31,19 @@ Settings settings_with_state() {
 void write_all(StateWriter& writer) {
   writer.add_bus("yard");
   writer.add_bus("gate");
-  writer.add(
-      SavedNode{.serial = 1001, .position = {-5, 7}, .age_ms = 123456, .bus = 0, .address = 7});
-  writer.add(
-      SavedNode{.serial = 0xfffffffe, .position = {9, -9}, .age_ms = 0, .bus = 1, .address = 1});
-  writer.add(SavedNode{.serial = 3, .position = {0, 0}});
+  writer.add(SavedNode{
+      .serial = Serial{1001}, .position = {-5, 7}, .age_ms = 123456, .bus = 0, .address = 7});
+  writer.add(SavedNode{
+      .serial = Serial{0xfffffffe}, .position = {9, -9}, .age_ms = 0, .bus = 1, .address = 1});
+  writer.add(SavedNode{.serial = Serial{3}, .position = {0, 0}});
   writer.add(Position{position_max, -position_max});
   writer.add(SavedFeature{.from = 0, .to = 3});
   writer.add(SteinerPlace{.feature = 0, .point = {-(std::int64_t{1} << 51), 77}});
   writer.add(SavedMissing{
-      .node = {.serial = 17, .position = {4, -4}, .age_ms = 99'000, .bus = 1, .address = 9},
+      .node = {.serial = Serial{17}, .position = {4, -4}, .age_ms = 99'000, .bus = 1, .address = 9},
       .has_position = true,
       .silence_s = 5'000'000});
-  writer.add(SavedMissing{.node = {.serial = 18}, .silence_s = 31});
+  writer.add(SavedMissing{.node = {.serial = Serial{18}}, .silence_s = 31});
 }
 
 std::vector<std::byte> example() {
@@ -62,7 +62,7 @@ TEST(SavedStateForm, SaysAgainWhatWasWritten) {
   EXPECT_EQ(state.mesh_hash, 0x0123456789abcdefu);
   EXPECT_EQ(state.buses, (std::vector<std::string>{"yard", "gate"}));
   ASSERT_EQ(state.nodes.size(), 3u);
-  EXPECT_EQ(state.nodes[0].serial, 1001u);
+  EXPECT_EQ(state.nodes[0].serial, Serial{1001u});
   EXPECT_EQ(state.nodes[0].position, (Position{-5, 7}));
   EXPECT_EQ(state.nodes[0].age_ms, 123456u);
   EXPECT_EQ(state.nodes[0].address, 7);
@@ -74,7 +74,7 @@ TEST(SavedStateForm, SaysAgainWhatWasWritten) {
   ASSERT_EQ(state.steiner.size(), 1u);
   EXPECT_EQ(state.steiner[0].point, (Point{-(std::int64_t{1} << 51), 77}));
   ASSERT_EQ(state.missing.size(), 2u);
-  EXPECT_EQ(state.missing[0].node.serial, 17u);
+  EXPECT_EQ(state.missing[0].node.serial, Serial{17u});
   EXPECT_EQ(state.missing[0].node.position, (Position{4, -4}));
   EXPECT_EQ(state.missing[0].node.age_ms, 99'000u);
   EXPECT_EQ(state.missing[0].node.bus, 1);
@@ -94,7 +94,7 @@ TEST(SavedStateForm, ReadsForm1) {
   ASSERT_EQ(decode_state(bytes, state), "");
   EXPECT_EQ(state.generation, 41u);
   ASSERT_EQ(state.nodes.size(), 3u);
-  EXPECT_EQ(state.nodes[0].serial, 1001u);
+  EXPECT_EQ(state.nodes[0].serial, Serial{1001u});
   ASSERT_EQ(state.steiner.size(), 1u);
   EXPECT_EQ(state.steiner[0].point, (Point{-(std::int64_t{1} << 51), 77}));
   EXPECT_TRUE(state.missing.empty());
@@ -169,21 +169,21 @@ TEST(SavedStateForm, RefusesWhatContradictsItself) {
   writer.begin(7, 7, 0);
   EXPECT_EQ(decode_state(writer.finish(), state), "its generations contradict each other");
   writer.begin(7, 8, 0);
-  writer.add(SavedNode{.serial = 5});
-  writer.add(SavedNode{.serial = 5});
+  writer.add(SavedNode{.serial = Serial{5}});
+  writer.add(SavedNode{.serial = Serial{5}});
   EXPECT_EQ(decode_state(writer.finish(), state), "two nodes have one serial");
   writer.begin(7, 8, 0);
-  writer.add(SavedNode{.serial = 5});
-  writer.add(SavedMissing{.node = {.serial = 5}});
+  writer.add(SavedNode{.serial = Serial{5}});
+  writer.add(SavedMissing{.node = {.serial = Serial{5}}});
   EXPECT_EQ(decode_state(writer.finish(), state), "two nodes have one serial");
   writer.begin(7, 8, 0);
-  writer.add(SavedMissing{.node = {.serial = 5, .bus = 0}});
+  writer.add(SavedMissing{.node = {.serial = Serial{5}, .bus = 0}});
   EXPECT_EQ(decode_state(writer.finish(), state), "node 5 is on a bus it does not name");
   writer.begin(7, 8, 0);
-  writer.add(SavedNode{.serial = 5, .bus = 0});
+  writer.add(SavedNode{.serial = Serial{5}, .bus = 0});
   EXPECT_EQ(decode_state(writer.finish(), state), "node 5 is on a bus it does not name");
   writer.begin(7, 8, 0);
-  writer.add(SavedNode{.serial = no_serial});
+  writer.add(SavedNode{.serial = Serial::none()});
   EXPECT_EQ(decode_state(writer.finish(), state), "a node has no serial");
   writer.begin(7, 8, 0);
   writer.add(SavedFeature{.from = 0, .to = 0});
@@ -198,7 +198,7 @@ TEST(SavedStateForm, FitsWhatASettingAllows) {
   const test::AllocationWatch watch;
   writer.begin(1, 2, 0);
   for (const BusSettings& bus : settings.buses) writer.add_bus(bus.name);
-  for (std::uint32_t i = 0; i < 50; ++i) writer.add(SavedNode{.serial = i});
+  for (std::uint32_t i = 0; i < 50; ++i) writer.add(SavedNode{.serial = Serial{i}});
   for (std::uint32_t i = 0; i < 10; ++i) writer.add(SavedFeature{.from = i, .to = i + 1});
   for (std::uint32_t i = 0; i < 50; ++i) writer.add(SteinerPlace{});
   const std::uint32_t known = roster_capacity(count_units(settings));
@@ -215,7 +215,7 @@ class StateSaverTest : public testing::Test {
     if (!saver_.is_due(clock_.now())) return;
     StateWriter& writer = saver_.begin(generation_, static_cast<std::uint64_t>(x));
     writer.add_bus("yard");
-    writer.add(SavedNode{.serial = 1, .position = {x, 0}});
+    writer.add(SavedNode{.serial = Serial{1}, .position = {x, 0}});
     saver_.save(clock_.now());
   }
   SavedState saved() const {

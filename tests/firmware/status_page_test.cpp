@@ -86,7 +86,7 @@ class StatusPageTest : public testing::Test {
     rig_.put(5, 50, 40);
   }
 
-  Rig rig_{{{.from = 1001, .to = 1003, .source = "site.toml:1"}}};
+  Rig rig_{{{.from = Serial{1001}, .to = Serial{1003}, .source = "site.toml:1"}}};
   RecentEvents events_{rig_.clock, rig_.log};
   port::ServiceCounters masters_;
   port::ServiceCounters readers_;

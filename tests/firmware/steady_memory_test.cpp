@@ -70,7 +70,7 @@ class QuietBus final : public port::NodeBus {
 
   void put(std::uint8_t unit, Position position, std::uint16_t status = node_status::fix_valid) {
     registers_[unit] =
-        encode_node({.serial = 1000u + unit, .position = position, .status = status}, 7);
+        encode_node({.serial = Serial{1000u + unit}, .position = position, .status = status}, 7);
     answers_[unit] = true;
   }
   void silence(std::uint8_t unit) { answers_[unit] = false; }
@@ -127,8 +127,10 @@ Settings settings() {
   bus.outstanding_max = 8;
   settings.buses = {bus};
   for (std::uint32_t i = 1; i + 7 <= unit_count; i += 6) {
-    settings.features.push_back(
-        {.from = 1000 + i, .to = 1000 + i + 6, .name = {}, .source = "site.toml:12"});
+    settings.features.push_back({.from = Serial{1000 + i},
+                                 .to = Serial{1000 + i + 6},
+                                 .name = {},
+                                 .source = "site.toml:12"});
   }
   return settings;
 }

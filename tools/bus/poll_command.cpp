@@ -58,7 +58,7 @@ std::string table_of(const std::vector<Row>& rows, port::Instant now, const char
       const auto tenths = (now - row.answered_at) / std::chrono::milliseconds(100);
       size = std::snprintf(
           line.data(), line.size(), "%4u  %10u  %10d  %10d  %4lld.%lld s  %10s  %10s", row.unit,
-          row.reading.serial, row.reading.position.x, row.reading.position.y,
+          row.reading.serial.value, row.reading.position.x, row.reading.position.y,
           static_cast<long long>(tenths / 10), static_cast<long long>(tenths % 10),
           milliseconds_text(row.took).c_str(), milliseconds_text(row.took_max).c_str());
     } else {

@@ -42,10 +42,11 @@ std::string json_of(const Found& found) {
                      ",\"server_id\":" + json_text(found.who.server_id) + ",\"node\":";
   if (found.node.is_node()) {
     const firmware::NodeReading& node = found.node.reading;
-    text +=
-        "{\"serial\":" + std::to_string(node.serial) + ",\"x\":" + std::to_string(node.position.x) +
-        ",\"y\":" + std::to_string(node.position.y) + ",\"status\":" + std::to_string(node.status) +
-        ",\"boots\":" + std::to_string(node.boot_count) + "}";
+    text += "{\"serial\":" + std::to_string(node.serial.value) +
+            ",\"x\":" + std::to_string(node.position.x) +
+            ",\"y\":" + std::to_string(node.position.y) +
+            ",\"status\":" + std::to_string(node.status) +
+            ",\"boots\":" + std::to_string(node.boot_count) + "}";
   } else {
     text += "null";
   }
@@ -89,7 +90,7 @@ void print_row(const Found& found) {
   std::string serial = "-", place = "-", what = to_string(found.who);
   if (found.node.is_node()) {
     const firmware::NodeReading& node = found.node.reading;
-    serial = std::to_string(node.serial);
+    serial = std::to_string(node.serial.value);
     place = (node.status & firmware::node_status::fix_valid) != 0
                 ? std::to_string(node.position.x) + ", " + std::to_string(node.position.y)
                 : "no fix";

@@ -38,7 +38,7 @@ std::uint16_t ordered_bytes(std::uint16_t value, WordOrder order) {
 }
 
 std::uint32_t ordered_words(std::uint32_t value, WordOrder order) {
-  return swaps_words(order) ? firmware::swap_words(value) : value;
+  return swaps_words(order) ? value << 16 | value >> 16 : value;
 }
 
 // The whole text as a number of this type.

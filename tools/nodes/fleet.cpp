@@ -29,7 +29,7 @@ Fleet::Fleet(const Script& script) : events_(script.events) {
   for (const std::uint32_t serial : script.serials) {
     const auto number = static_cast<std::uint32_t>(nodes_.size());
     Node node;
-    node.reading.serial = serial;
+    node.reading.serial = firmware::Serial{serial};
     node.port = number / units_per_port;
     node.unit = static_cast<std::uint8_t>(number % units_per_port + 1);
     nodes_.push_back(node);
@@ -114,7 +114,7 @@ Position Fleet::position_of(const Node& node) const {
   position.x += static_cast<std::int32_t>(node.drift.x * ms / 1000);
   position.y += static_cast<std::int32_t>(node.drift.y * ms / 1000);
   if (node.jitter > 0) {
-    const std::uint32_t chance = mix(node.reading.serial, time_ms_ / jitter_ms);
+    const std::uint32_t chance = mix(node.reading.serial.value, time_ms_ / jitter_ms);
     const std::uint32_t width = 2u * node.jitter + 1u;
     position.x += static_cast<std::int32_t>((chance & 0xffff) % width) - node.jitter;
     position.y += static_cast<std::int32_t>((chance >> 16) % width) - node.jitter;
@@ -154,8 +154,8 @@ std::size_t Fleet::answer(std::uint32_t port, std::uint8_t unit,
   std::uint32_t speakers = 0;
   for (const std::uint32_t node : nodes) {
     if (!nodes_[node].answers) continue;
-    const bool is_heard =
-        present == 1 || is_write || mix(nodes_[node].reading.serial, there.questions) % 2 == 0;
+    const bool is_heard = present == 1 || is_write ||
+                          mix(nodes_[node].reading.serial.value, there.questions) % 2 == 0;
     if (!is_heard) continue;
     std::array<std::uint8_t, port::pdu_bytes_max> bytes;
     const std::size_t count = answer_of(node, request, bytes);
