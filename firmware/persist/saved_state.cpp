@@ -9,7 +9,7 @@ namespace etcm::firmware {
 
 namespace {
 
-enum Kind : std::size_t { buses, nodes, anchors, features, steiner, missing, kinds };
+enum Section : std::size_t { buses, nodes, anchors, features, steiner, missing, kinds };
 
 constexpr std::size_t counts_at = 20;
 constexpr std::size_t head_size = counts_at + kinds * 4;
@@ -131,12 +131,12 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
   const std::size_t counted = version == oldest_version ? kinds_of_oldest : kinds;
   for (std::size_t kind = 0; kind < counted; ++kind) counts[kind] = reader.take<std::uint32_t>();
 
-  const auto each = [&](Kind kind, std::size_t size_least, auto take) {
-    if (!reader.has(counts[kind], size_least)) {
+  const auto each = [&](Section section, std::size_t size_least, auto take) {
+    if (!reader.has(counts[section], size_least)) {
       static_cast<void>(reader.take_bytes(reader.left() + 1));
       return;
     }
-    for (std::uint32_t i = 0; i < counts[kind] && !reader.is_cut_off(); ++i) take();
+    for (std::uint32_t i = 0; i < counts[section] && !reader.is_cut_off(); ++i) take();
   };
   each(buses, 1, [&] {
     const auto name = reader.take_bytes(reader.take<std::uint8_t>());

@@ -22,7 +22,7 @@ namespace {
 using namespace std::chrono_literals;
 
 // As the settings have it where they say nothing else.
-constexpr port::Duration timeout = 200ms;
+constexpr port::Duration answer_timeout = 200ms;
 // 29 bytes and two silences at 19200 baud.
 constexpr port::Duration on_the_line = 21ms;
 
@@ -136,7 +136,7 @@ class Interruptions final : public RequestSource {
   }
   void on_request_done(BusIndex, const port::BusAnswer& answer, port::Instant now) override {
     if (answer.result != port::BusResult::ok) return;
-    EXPECT_LE(now - line_.answers_asked_at[answer.unit], timeout + on_the_line)
+    EXPECT_LE(now - line_.answers_asked_at[answer.unit], answer_timeout + on_the_line)
         << "unit " << int{answer.unit};
     ++answered;
   }
@@ -150,7 +150,7 @@ class Interruptions final : public RequestSource {
   std::array<std::uint16_t, 2> written_{};
 };
 
-struct Site {
+struct LateUnitsOnABus {
   std::uint8_t first = 1;
   std::uint8_t units = 1;  // the last one
   port::Duration interval = 1s;
@@ -160,7 +160,7 @@ struct Site {
 
 class LateSite final : public ReadingListener {
  public:
-  LateSite(const Site& site, Latency latency)
+  LateSite(const LateUnitsOnABus& site, Latency latency)
       : line(serial_, std::move(latency)),
         readings(site.units + 1u),
         requests(site.units, line),
@@ -169,7 +169,7 @@ class LateSite final : public ReadingListener {
         settings_{.name = "yard",
                   .link = serial_,
                   .units = {{.first = site.first, .last = site.units}},
-                  .timeout = timeout,
+                  .timeout = answer_timeout,
                   .unit_timeouts = site.unit_timeouts,
                   .quiet = 50ms,
                   .outstanding_max = 1,
@@ -301,7 +301,7 @@ struct Pattern {
   Latency (*latency)();
 };
 
-constexpr port::Duration latest = timeout + port::late_answer_max;
+constexpr port::Duration latest = answer_timeout + port::late_answer_max;
 
 port::Duration up_to(port::Duration most, std::minstd_rand& random) {
   return std::chrono::milliseconds(random() % static_cast<std::uint32_t>(most / 1ms + 1));
@@ -311,7 +311,7 @@ port::Duration up_to(port::Duration most, std::minstd_rand& random) {
 class LateUnits : public testing::TestWithParam<std::tuple<Pattern, int>> {
  protected:
   static constexpr std::uint8_t units = 9;
-  static Site site(bool is_interrupted) {
+  static LateUnitsOnABus site(bool is_interrupted) {
     return {.units = units,
             .interval = std::get<1>(GetParam()) * 1ms,
             .is_interrupted = is_interrupted};
@@ -333,7 +333,7 @@ TEST_P(LateUnits, NeverHaveAnAnswerBelievedThatIsNotToTheQuestion) {
 
 // Then all the time is theirs.
 TEST_P(LateUnits, NorWhereNobodyElseIsOnTheLine) {
-  Site alone = LateUnits::site(true);
+  LateUnitsOnABus alone = LateUnits::site(true);
   alone.units = 3;
   LateSite site(alone, latency());
   site.run(60'000 / test::thinning_if_slow);
@@ -349,7 +349,7 @@ TEST_P(LateUnits, NorBetweenErrandsAndWrites) {
 // polls of their own.
 TEST_P(LateUnits, CostTheOthersNoMoreThanDeadOnesDo) {
   LateSite with(LateUnits::site(false), latency());
-  Site only_others = LateUnits::site(false);
+  LateUnitsOnABus only_others = LateUnits::site(false);
   only_others.first = 4;
   only_others.units = units - 1;
   LateSite without(only_others, latency());
