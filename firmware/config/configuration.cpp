@@ -35,7 +35,7 @@ void check_room(const std::string& path, const Settings& settings,
                 std::vector<std::string>& mistakes) {
   if (settings.features.size() > settings.mesh.features_max) {
     mistakes.push_back(path + ": the site has " + std::to_string(settings.features.size()) +
-                       " stretches of features, and features_max in [mesh] is " +
+                       " segments of features, and features_max in [mesh] is " +
                        std::to_string(settings.mesh.features_max) + "; set it to twice as many");
   }
   if (settings.anchors.size() >= settings.mesh.vertices_max) {

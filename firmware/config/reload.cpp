@@ -131,7 +131,7 @@ std::shared_ptr<const Settings> reload(const std::string& path, const Settings& 
   }
   log.write(port::Level::info,
             path + " is read again: " + std::to_string(settings->features.size()) +
-                " stretches of features, " + std::to_string(settings->anchors.size()) + " anchors");
+                " segments of features, " + std::to_string(settings->anchors.size()) + " anchors");
   return settings;
 }
 

@@ -63,7 +63,7 @@ constexpr Key mesh_keys[] = {
      required("1000"), restart,
      "nodes, anchors and Steiner vertices together; twice the nodes is plenty for most sites"},
     {"features_max", count<&Settings::mesh, &MeshConfig::features_max>(0, features_limit),
-     standard("0"), restart, "one for each stretch of a feature between the nodes on it"},
+     standard("0"), restart, "one for each segment of a feature, from one node on it to the next"},
     {"steiner_max", count<&Settings::mesh, &MeshConfig::steiner_max>(0, vertices_limit),
      standard("0"), restart, "most Steiner vertices; 0: as room allows"},
     {"steps_max", count<&Settings::mesh, &MeshConfig::steps_max>(0, any_count), standard("0"),

@@ -8,8 +8,8 @@
 
 namespace etcm::firmware {
 
-// Adds the lines to the features: a stretch from each vertex to the next, to a node where the file
-// says that one stands there, to an anchor elsewhere. Vertices at one place are one, and a stretch
+// Adds the lines to the features: a segment from each vertex to the next, to a node where the file
+// says that one stands there, to an anchor elsewhere. Vertices at one place are one, and a segment
 // that several lines share is drawn once. Polygons that are the domain or a hole bound it, and are
 // lines too. Each feature of the file gives at most one mistake; throws files::InputError for a
 // file that cannot be read as JSON.

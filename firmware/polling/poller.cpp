@@ -92,7 +92,7 @@ bool Poller::ask_next(BusIndex number, port::Instant now) {
 port::RegisterRead Poller::read_of(UnitIndex unit) const {
   const BusSchedule& schedule = schedule_of(unit);
   const ModbusAddress address = address_of(unit);
-  return {.unit = address.value,
+  return {.address = address.value,
           .first = node_register_first,
           .count = node_register_count,
           .timeout = schedule.timeout(address),
@@ -101,7 +101,7 @@ port::RegisterRead Poller::read_of(UnitIndex unit) const {
 }
 
 port::Instant Poller::read_free_at(UnitIndex unit) const {
-  return buses_[bus_of(unit).value].bus->read_free_at({.unit = address_of(unit).value,
+  return buses_[bus_of(unit).value].bus->read_free_at({.address = address_of(unit).value,
                                                        .first = node_register_first,
                                                        .count = node_register_count,
                                                        .spare = stranger_register_spare},
@@ -243,7 +243,7 @@ bool Poller::start_request(BusIndex number, port::Instant now) {
   ++bus.under_way;
   const port::Duration timeout = timeout_of(bus.schedule.settings(), request.address);
   if (request.read_count > 0) {
-    bus.bus->start_read({.unit = request.address.value,
+    bus.bus->start_read({.address = request.address.value,
                          .first = request.first,
                          .count = request.read_count,
                          .timeout = timeout,
@@ -251,7 +251,7 @@ bool Poller::start_request(BusIndex number, port::Instant now) {
                          .spare = request.spare},
                         now);
   } else {
-    bus.bus->start_write({.unit = request.address.value,
+    bus.bus->start_write({.address = request.address.value,
                           .first = request.first,
                           .values = request.values,
                           .timeout = timeout,

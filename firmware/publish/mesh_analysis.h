@@ -46,7 +46,7 @@ struct MeshAnalysis {
   std::uint32_t parts_alone = 0;  // into which it falls at radio_range
   std::uint32_t parts_with_relays = 0;
   std::uint32_t long_link_count = 0;  // between devices that are neighbours
-  std::uint32_t relay_count = 0;      // Steiner vertices, anchors, and more on long pieces
+  std::uint32_t relay_count = 0;      // Steiner vertices, anchors, and more on long subsegments
   std::vector<LongLink> long_links;
   std::vector<ProposedRelay> relays;
 

@@ -104,7 +104,7 @@ constexpr auto header_table = in_sequence(std::to_array<RegisterRow<HeaderSource
      "nodes that are neighbours among the nodes alone and farther apart than radio_range",
      [](const HeaderSource& source) { return source.snapshot.analysis.long_link_count; }},
     {"relay_count", 2,
-     "relays proposed: Steiner vertices, anchors, and more where pieces of features are longer "
+     "relays proposed: Steiner vertices, anchors, and more where subsegments are longer "
      "than "
      "radio_range",
      [](const HeaderSource& source) { return source.snapshot.analysis.relay_count; }},
@@ -115,7 +115,7 @@ constexpr auto header_table = in_sequence(std::to_array<RegisterRow<HeaderSource
      "worst around; 0: all is seen, or there is no node",
      [](const HeaderSource& source) { return source.snapshot.analysis.hole_count; }},
     {"gap_count", 2,
-     "barrier gaps: stretches of features that the nodes on the feature do not see whole",
+     "barrier gaps: segments of features that the nodes on the feature do not see whole",
      [](const HeaderSource& source) { return source.snapshot.analysis.gap_count; }},
     {"unwatched_gap_count", 2,
      "of these, those where nodes beside the feature do not see all of it either",

@@ -23,7 +23,7 @@ constexpr auto reasons = std::to_array<QuarantineReason>({
     {22, Status::steiner_budget, IdentityConflict::none, "steiner_max is reached"},
     {23, Status::step_limit, IdentityConflict::none, "steps_max is reached"},
     {24, Status::grid_exhausted, IdentityConflict::none,
-     "a stretch of a feature is too short to be split"},
+     "a subsegment of a feature is too short to be split"},
     {30, Status::ok, IdentityConflict::same_serial, "another node has this serial"},
     {31, Status::ok, IdentityConflict::same_unit, "another node answers at this unit"},
     {32, Status::ok, IdentityConflict::swapped_words, "a known serial with its words swapped"},

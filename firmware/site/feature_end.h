@@ -9,7 +9,7 @@
 
 namespace etcm::firmware {
 
-// Where a stretch of a feature ends: at a node, known by its serial, or at an anchor, a fixed point
+// Where a segment of a feature ends: at a node, known by its serial, or at an anchor, a fixed point
 // of the site known by its place.
 struct FeatureEnd {
   constexpr FeatureEnd() = default;

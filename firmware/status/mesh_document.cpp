@@ -151,7 +151,7 @@ void MeshDocument::write_relay(Cursor& cursor, TextWriter& piece) const {
   if (cursor.item >= all.size()) return cursor.next_section();
   const ProposedRelay& relay = all[cursor.item++];
   if (relay.row != no_row && snapshot_.vertices[relay.row].kind == VertexKind::steiner) return;
-  write_place_head(relay.point, piece);
+  write_position_head(relay.point, piece);
   piece << "\"kind\":\"relay\",\"feature\":" << relay.feature << "}}";
 }
 
@@ -159,11 +159,11 @@ void MeshDocument::write_hole(Cursor& cursor, TextWriter& piece) const {
   const auto& all = snapshot_.analysis.holes;
   if (cursor.item >= all.size()) return cursor.next_section();
   const CoverageHole& hole = all[cursor.item++];
-  write_place_head(hole.point, piece);
+  write_position_head(hole.point, piece);
   piece << "\"kind\":\"hole\",\"distance\":" << hole.distance << "}}";
 }
 
-void MeshDocument::write_place_head(Point place, TextWriter& piece) const {
+void MeshDocument::write_position_head(Point place, TextWriter& piece) const {
   piece << ",\n{\"type\":\"Feature\",\"geometry\":{\"type\":\"Point\",\"coordinates\":";
   write_point(place, piece);
   piece << "},\"properties\":{";

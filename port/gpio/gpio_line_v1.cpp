@@ -4,7 +4,7 @@
 #include <ctime>
 
 #include "gpio/gpio_line.h"
-#include "gpio/line_place.h"
+#include "gpio/chip_offset.h"
 
 namespace etcm::port {
 

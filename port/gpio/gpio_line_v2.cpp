@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gpio/gpio_line.h"
-#include "gpio/line_place.h"
+#include "gpio/chip_offset.h"
 
 namespace etcm::port {
 

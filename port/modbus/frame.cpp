@@ -52,18 +52,18 @@ FrameReader::Next FrameReader::next(Frame& frame) {
   const std::size_t whole = mbap_header_bytes - 1 + length;
   if (held.size() < whole) return Next::incomplete;
   frame = {.transaction = load(held, 0),
-           .unit = held[6],
+           .address = held[6],
            .pdu = held.subspan(mbap_header_bytes, length - 1u)};
   begin_ += whole;
   return Next::frame;
 }
 
 std::size_t write_header(std::span<std::uint8_t> frame, std::uint16_t transaction,
-                         std::uint8_t unit, std::size_t pdu_bytes) {
+                         std::uint8_t address, std::size_t pdu_bytes) {
   store(frame, 0, transaction);
   store(frame, 2, 0);
   store(frame, 4, static_cast<std::uint16_t>(pdu_bytes + 1));
-  frame[6] = unit;
+  frame[6] = address;
   return mbap_header_bytes + pdu_bytes;
 }
 

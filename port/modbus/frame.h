@@ -25,7 +25,7 @@ inline constexpr std::size_t frame_bytes_max = mbap_header_bytes + pdu_bytes_max
 
 struct Frame {
   std::uint16_t transaction = 0;
-  std::uint8_t unit = 0;
+  std::uint8_t address = 0;
   std::span<const std::uint8_t> pdu;  // into the FrameReader, until its next call
 };
 
@@ -56,7 +56,7 @@ class FrameReader {
 // Writes the MBAP header before a PDU that already stands at frame[mbap_header_bytes]; returns the
 // length of the whole frame.
 std::size_t write_header(std::span<std::uint8_t> frame, std::uint16_t transaction,
-                         std::uint8_t unit, std::size_t pdu_bytes);
+                         std::uint8_t address, std::size_t pdu_bytes);
 
 struct RegisterRange {
   std::uint16_t first = 0;

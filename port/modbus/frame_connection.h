@@ -36,7 +36,7 @@ class FrameConnection {
 
   // Sends a PDU that stands at frame[mbap_header_bytes]; on_lost() may be called at once. REQUIRES:
   // up.
-  virtual void send(std::span<std::uint8_t> frame, std::uint16_t transaction, std::uint8_t unit,
+  virtual void send(std::span<std::uint8_t> frame, std::uint16_t transaction, std::uint8_t address,
                     std::size_t pdu_bytes) = 0;
 
   // With nothing under way: whatever has come is the start of an answer that is too late, and its

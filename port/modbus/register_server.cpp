@@ -43,7 +43,7 @@ void RegisterServer::exhausted(const char* why) {
                                 "[server] and [http]");
 }
 
-std::size_t RegisterServer::answer(std::size_t client, std::uint8_t unit,
+std::size_t RegisterServer::answer(std::size_t client, std::uint8_t address,
                                    std::span<const std::uint8_t> request,
                                    std::span<std::uint8_t> answer) {
   if (const std::size_t size = write_identity_answer(answer, request, identity_)) return size;
@@ -52,7 +52,7 @@ std::size_t RegisterServer::answer(std::size_t client, std::uint8_t unit,
   if (!range) return write_exception(answer, request[0], exception);
 
   // Masters address "the device itself" as 0 or 255 on TCP.
-  const std::uint32_t page = unit == 0 || unit == MODBUS_TCP_SLAVE ? 0u : unit - 1u;
+  const std::uint32_t page = address == 0 || address == MODBUS_TCP_SLAVE ? 0u : address - 1u;
   if (page == 0 && range->first == 0) pinned_[client] = image_;
   const RegisterImage& image = *pinned_[client];
   const std::size_t begin =

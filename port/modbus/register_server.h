@@ -34,7 +34,8 @@ class RegisterServer final : public MeshServer, private RequestHandler {
   void rejected(const SocketAddress& peer, bool is_full) override;
   void displaced(const SocketAddress& peer) override;
   void exhausted(const char* why) override;
-  std::size_t answer(std::size_t client, std::uint8_t unit, std::span<const std::uint8_t> request,
+  std::size_t answer(std::size_t client, std::uint8_t address,
+                     std::span<const std::uint8_t> request,
                      std::span<std::uint8_t> answer) override;
 
   const Identity identity_;

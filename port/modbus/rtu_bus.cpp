@@ -23,7 +23,7 @@ RtuBus::RtuBus(RtuLine& line, Log& log, const RtuBusOptions& options)
 RtuBus::~RtuBus() { set_send_enable(false); }
 
 RtuBus::Ways RtuBus::ways_of(const RegisterRead& read) const {
-  const bool has_both = !units_[read.unit].has_no_holding;
+  const bool has_both = !units_[read.address].has_no_holding;
   Ways found;
   for (std::uint16_t left_out = 0; left_out <= read.spare && left_out < read.count; ++left_out) {
     const RegisterRange range{.first = static_cast<std::uint16_t>(read.first + left_out),
@@ -40,7 +40,7 @@ RtuBus::Ways RtuBus::ways_of(const RegisterRead& read) const {
 // Whole ones first; of these one that no answer could come to, however late, or the one asked
 // longest ago.
 std::optional<RtuQuestion> RtuBus::best_way(const RegisterRead& read, Instant now) const {
-  const OwedAnswers& owed = units_[read.unit].owed;
+  const OwedAnswers& owed = units_[read.address].owed;
   const Ways all = ways_of(read);
   std::optional<RtuQuestion> best;
   const auto rank = [&](const RtuQuestion& way) {
@@ -54,9 +54,9 @@ std::optional<RtuQuestion> RtuBus::best_way(const RegisterRead& read, Instant no
 }
 
 Instant RtuBus::read_free_at(const RegisterRead& read, Instant now) const {
-  const OwedAnswers& owed = units_[read.unit].owed;
+  const OwedAnswers& owed = units_[read.address].owed;
   const Ways all = ways_of(read);
-  const Duration apart = latest_of(units_[read.unit]) / static_cast<std::int64_t>(all.count);
+  const Duration apart = latest_of(units_[read.address]) / static_cast<std::int64_t>(all.count);
   std::size_t owed_count = 0;
   Instant asked_last{}, free_first = never;
   for (const RtuQuestion& way : std::span(all.ways).first(all.count)) {
@@ -72,7 +72,7 @@ Instant RtuBus::read_free_at(const RegisterRead& read, Instant now) const {
 }
 
 void RtuBus::start_read(const RegisterRead& read, Instant now) {
-  Request request{.address = read.unit, .question = {}, .ticket = read.ticket};
+  Request request{.address = read.address, .question = {}, .ticket = read.ticket};
   const std::optional<RtuQuestion> way = best_way(read, now);
   if (!way) return refuse(request);
   request.question = *way;
@@ -85,11 +85,11 @@ void RtuBus::start_read(const RegisterRead& read, Instant now) {
 
 void RtuBus::start_write(const RegisterWrite& write, Instant now) {
   const auto count = static_cast<std::uint16_t>(write.values.size());
-  const Request request{.address = write.unit,
+  const Request request{.address = write.address,
                         .question = {.function = write_holding_registers,
                                      .range = {.first = write.first, .count = count}},
                         .ticket = write.ticket};
-  if (units_[write.unit].owed.free_at(request.question) > now) return refuse(request);
+  if (units_[write.address].owed.free_at(request.question) > now) return refuse(request);
   std::array<std::uint8_t, rtu_frame_bytes_max> frame;
   const std::size_t pdu =
       write_write_request(std::span(frame).subspan(rtu_unit_bytes), write.first, write.values);
@@ -158,13 +158,13 @@ Instant RtuBus::next_deadline() const {
 // Looks through what has arrived since the last time.
 void RtuBus::listen(Instant now) {
   while (const auto found = line_.next_answer()) {
-    if (phase_ == Phase::waiting && found->unit == request_.address &&
+    if (phase_ == Phase::waiting && found->address == request_.address &&
         (found->pdu[0] & 0x7f) == request_.question.function) {
       settle(*found, now);
       if (phase_ != Phase::waiting) return be_silent(now + silence_, now + silence_);
     }
     const bool is_late = note_late(*found, now);
-    if (is_late && phase_ == Phase::silent && found->unit == request_.address) {
+    if (is_late && phase_ == Phase::silent && found->address == request_.address) {
       // What the silence was for has passed.
       silent_until_ = silent_at_latest_ = now + silence_;
     }
@@ -214,13 +214,13 @@ void RtuBus::settle_exception(std::uint8_t exception, Instant now) {
 
 // Whether this is what a unit still owed. It tells how slow that unit can be.
 bool RtuBus::note_late(const RtuAnswer& found, Instant now) {
-  UnitState& unit = units_[found.unit];
+  UnitState& unit = units_[found.address];
   const std::optional<Instant> asked_at = unit.owed.take(found.pdu, now);
   if (!asked_at) return false;
   const Duration lateness = now - *asked_at;
   unit.latest = std::max(unit.latest, lateness);
   unit.lateness = std::max(unit.lateness, lateness);
-  report_late(found.unit, lateness);
+  report_late(found.address, lateness);
   return true;
 }
 
@@ -263,7 +263,7 @@ void RtuBus::give_up(Instant now) {
 void RtuBus::complete(BusResult result) {
   has_answer_ = true;
   answer_ = {
-      .unit = request_.address, .ticket = request_.ticket, .result = result, .registers = {}};
+      .address = request_.address, .ticket = request_.ticket, .result = result, .registers = {}};
   phase_ = Phase::idle;
 }
 

@@ -60,8 +60,8 @@ class RtuBus final : public NodeBus {
 
   bool ready() const override { return phase_ == Phase::idle && !has_answer_; }
   Instant read_free_at(const RegisterRead& read, Instant now) const override;
-  Instant write_free_at(std::uint8_t unit) const override {
-    return units_[unit].owed.owed_until(write_holding_registers);
+  Instant write_free_at(std::uint8_t address) const override {
+    return units_[address].owed.owed_until(write_holding_registers);
   }
   void start_read(const RegisterRead& read, Instant now) override;
   void start_write(const RegisterWrite& write, Instant now) override;
@@ -112,7 +112,7 @@ class RtuBus final : public NodeBus {
   void settle(const RtuAnswer& found, Instant now);
   void settle_exception(std::uint8_t exception, Instant now);
   bool note_late(const RtuAnswer& found, Instant now);
-  void report_late(std::uint8_t unit, Duration lateness);
+  void report_late(std::uint8_t address, Duration lateness);
   void owe(Instant now);
   void refuse(const Request& request);
   void give_up(Instant now);

@@ -84,8 +84,8 @@ bool is_rtu_frame(std::span<const std::uint8_t> bytes) {
   return rtu_checksum(bytes) == 0;
 }
 
-std::size_t wrap_rtu(std::span<std::uint8_t> frame, std::uint8_t unit, std::size_t pdu_bytes) {
-  frame[0] = unit;
+std::size_t wrap_rtu(std::span<std::uint8_t> frame, std::uint8_t address, std::size_t pdu_bytes) {
+  frame[0] = address;
   const std::size_t checked = rtu_unit_bytes + pdu_bytes;
   const std::uint16_t checksum = rtu_checksum(frame.first(checked));
   frame[checked] = static_cast<std::uint8_t>(checksum & 0xff);
@@ -100,7 +100,7 @@ std::optional<RtuAnswer> find_rtu_answer(std::span<const std::uint8_t> bytes, st
     const std::size_t size = rtu_unit_bytes + pdu + rtu_checksum_bytes;
     if (pdu == 0 || size > rest.size() || !is_rtu_frame(rest.first(size))) continue;
     return RtuAnswer{
-        .unit = rest[0], .pdu = rest.subspan(rtu_unit_bytes, pdu), .end = begin + size};
+        .address = rest[0], .pdu = rest.subspan(rtu_unit_bytes, pdu), .end = begin + size};
   }
   return std::nullopt;
 }

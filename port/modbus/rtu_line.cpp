@@ -5,9 +5,9 @@
 
 namespace etcm::port {
 
-bool RtuLine::send(std::span<std::uint8_t> frame, std::uint8_t unit, std::size_t pdu_bytes,
+bool RtuLine::send(std::span<std::uint8_t> frame, std::uint8_t address, std::size_t pdu_bytes,
                    std::string& why) {
-  return write(frame.first(wrap_rtu(frame, unit, pdu_bytes)), why);
+  return write(frame.first(wrap_rtu(frame, address, pdu_bytes)), why);
 }
 
 bool RtuLine::take_news() { return std::exchange(has_news_, false); }

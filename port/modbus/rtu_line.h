@@ -31,7 +31,7 @@ class RtuLine {
 
   // Sends a PDU that stands at frame[rtu_unit_bytes]. False where the line does not take it, with
   // the reason.
-  bool send(std::span<std::uint8_t> frame, std::uint8_t unit, std::size_t pdu_bytes,
+  bool send(std::span<std::uint8_t> frame, std::uint8_t address, std::size_t pdu_bytes,
             std::string& why);
 
   // Whether bytes came since the last call.

@@ -40,7 +40,7 @@ void TcpBus::start_read(const RegisterRead& read, Instant now) {
   const RegisterRange range{.first = read.first, .count = read.count};
   const std::size_t pdu =
       write_read_request(std::span(frame).subspan(mbap_header_bytes), read_input_registers, range);
-  send({.unit = read.unit,
+  send({.address = read.address,
         .function = read_input_registers,
         .range = range,
         .ticket = read.ticket,
@@ -52,7 +52,7 @@ void TcpBus::start_write(const RegisterWrite& write, Instant now) {
   std::array<std::uint8_t, frame_bytes_max> frame;
   const std::size_t pdu =
       write_write_request(std::span(frame).subspan(mbap_header_bytes), write.first, write.values);
-  send({.unit = write.unit,
+  send({.address = write.address,
         .function = write_holding_registers,
         .range = {.first = write.first, .count = static_cast<std::uint16_t>(write.values.size())},
         .ticket = write.ticket,
@@ -72,7 +72,7 @@ void TcpBus::send(TcpRequest request, std::span<std::uint8_t> frame, std::size_t
   if (connection_.state() != FrameConnection::State::up) {
     return on_lost("connection closed by the other side");
   }
-  connection_.send(frame, request.transaction, request.unit, pdu_bytes);
+  connection_.send(frame, request.transaction, request.address, pdu_bytes);
 }
 
 void TcpBus::advance(Instant now) {
@@ -98,7 +98,7 @@ void TcpBus::give_up_silent(Instant now) {
 bool TcpBus::take_answer(BusAnswer& answer) {
   if (completed_count_ == 0) return false;
   const Completed& oldest = completed_[completed_begin_];
-  answer = {.unit = oldest.unit,
+  answer = {.address = oldest.address,
             .ticket = oldest.ticket,
             .result = oldest.result,
             .exception = oldest.exception,
@@ -137,7 +137,7 @@ void TcpBus::on_frame(const Frame& frame) {
 }
 
 void TcpBus::settle(const TcpRequest& request, const Frame& frame) {
-  if (frame.unit != request.unit) return complete(request, BusResult::bad_answer);
+  if (frame.address != request.address) return complete(request, BusResult::bad_answer);
   Completed& answer = place();
   if (request.function == write_holding_registers) {
     switch (parse_write_answer(frame.pdu, request.range, answer.exception)) {
@@ -167,7 +167,7 @@ TcpBus::Completed& TcpBus::place() {
 
 void TcpBus::complete(const TcpRequest& request, BusResult result) {
   Completed& answer = place();
-  answer.unit = request.unit;
+  answer.address = request.address;
   answer.ticket = request.ticket;
   answer.result = result;
   const bool has_registers = result == BusResult::ok && request.function == read_input_registers;
@@ -180,14 +180,14 @@ void TcpBus::complete(const TcpRequest& request, BusResult result) {
 
 // Again where it is slower than the timeout that was named.
 void TcpBus::report_late(const LateTransaction& late) {
-  if (late.latency <= advised_[late.unit]) return;
+  if (late.latency <= advised_[late.address]) return;
   constexpr Duration step = std::chrono::milliseconds(100);
   const Duration advised = (late.latency + late.latency / 4 + step - Duration(1)) / step * step;
-  advised_[late.unit] = advised;
+  advised_[late.address] = advised;
   const auto in_ms = [](Duration time) {
     return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(time).count());
   };
-  const std::string address = std::to_string(late.unit);
+  const std::string address = std::to_string(late.address);
   const std::string what =
       late.has_come
           ? " was answered for too late, after " + in_ms(late.latency) + " ms"

@@ -58,7 +58,7 @@ class TcpBus final : public NodeBus, private FrameConnection::Listener {
 
  private:
   struct Completed {
-    std::uint8_t unit = 0;
+    std::uint8_t address = 0;
     std::uint32_t ticket = 0;
     BusResult result = BusResult::ok;
     std::uint8_t exception = 0;

@@ -18,8 +18,8 @@ void TcpConnection::connect(const SocketAddress& address) {
 }
 
 void TcpConnection::send(std::span<std::uint8_t> frame, std::uint16_t transaction,
-                         std::uint8_t unit, std::size_t pdu_bytes) {
-  const std::size_t size = write_header(frame, transaction, unit, pdu_bytes);
+                         std::uint8_t address, std::size_t pdu_bytes) {
+  const std::size_t size = write_header(frame, transaction, address, pdu_bytes);
   // A few requests always fit the socket's buffer, unless the peer has stopped reading altogether;
   // then the connection is as good as gone.
   const ssize_t sent = ::send(socket_.get(), frame.data(), size, MSG_NOSIGNAL);

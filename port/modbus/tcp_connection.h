@@ -17,7 +17,7 @@ class TcpConnection final : public FrameConnection, private EventHandler {
 
   State state() const override { return state_; }
   void connect(const SocketAddress& address) override;
-  void send(std::span<std::uint8_t> frame, std::uint16_t transaction, std::uint8_t unit,
+  void send(std::span<std::uint8_t> frame, std::uint16_t transaction, std::uint8_t address,
             std::size_t pdu_bytes) override;
   void discard() override;
   void close() override;

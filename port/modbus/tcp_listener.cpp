@@ -69,9 +69,9 @@ class TcpListener::Client final : private EventHandler {
       ++listener_.counters_.requests;
       has_asked_ = true;
       const std::span<std::uint8_t> out = std::span(unsent_).subspan(unsent_end_, frame_bytes_max);
-      const std::size_t pdu = listener_.handler_.answer(index_, request.unit, request.pdu,
+      const std::size_t pdu = listener_.handler_.answer(index_, request.address, request.pdu,
                                                         out.subspan(mbap_header_bytes));
-      if (pdu > 0) unsent_end_ += write_header(out, request.transaction, request.unit, pdu);
+      if (pdu > 0) unsent_end_ += write_header(out, request.transaction, request.address, pdu);
     }
     if (next == FrameReader::Next::broken) ++listener_.counters_.rejected;
     return next != FrameReader::Next::broken;

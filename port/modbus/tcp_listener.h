@@ -34,7 +34,7 @@ class RequestHandler {
 
   // Writes the answer to a request of at least one byte into `answer` (pdu_bytes_max bytes) and
   // returns its length; 0 to stay silent, as a unit that is not there does.
-  virtual std::size_t answer(std::size_t client, std::uint8_t unit,
+  virtual std::size_t answer(std::size_t client, std::uint8_t address,
                              std::span<const std::uint8_t> request,
                              std::span<std::uint8_t> answer) = 0;
 

@@ -34,7 +34,7 @@ bool TransactionQueue::has_room() const { return taken_count() < window_; }
 
 Duration TransactionQueue::patience(const TcpRequest& request) const {
   const Duration of_line = slow_count_ < slow_units_of_a_line ? Duration{} : least_patience_;
-  return std::max({request.timeout, patience_[request.unit], of_line});
+  return std::max({request.timeout, patience_[request.address], of_line});
 }
 
 Instant TransactionQueue::deadline(const Entry& entry, bool is_silent) const {
@@ -106,7 +106,7 @@ void TransactionQueue::overtake(std::size_t index, Instant now, bool is_in_time)
     if (!blocks(entry)) continue;
     if (entry.head_at < first_head) {
       first_head = entry.head_at;
-      first = entry.request.unit;
+      first = entry.request.address;
     }
     entry.is_overtaken = true;
     if (entry.state == State::held) entry.state = State::remembered;
@@ -116,18 +116,18 @@ void TransactionQueue::overtake(std::size_t index, Instant now, bool is_in_time)
     is_proven_ = false;
     hold_ = Duration{};
   } else {
-    note_late({.unit = first, .has_come = false, .latency = now - first_head});
+    note_late({.address = first, .has_come = false, .latency = now - first_head});
     prove(now - first_head);
   }
 }
 
 void TransactionQueue::learn(const Entry& late, Duration latency) {
-  Duration& learned = patience_[late.request.unit];
+  Duration& learned = patience_[late.request.address];
   const Duration needed = std::min(latency + latency / 4, learned_patience_max);
   if (learned == Duration{}) ++slow_count_;
   learned = std::max(learned, needed);
   least_patience_ = slow_count_ == 1 ? learned : std::min(least_patience_, learned);
-  note_late({.unit = late.request.unit, .has_come = true, .latency = latency});
+  note_late({.address = late.request.address, .has_come = true, .latency = latency});
   if (!late.is_overtaken) prove(latency);
 }
 

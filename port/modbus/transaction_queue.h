@@ -33,7 +33,7 @@ inline constexpr std::uint32_t slow_units_of_a_line = 3;
 
 struct TcpRequest {
   std::uint16_t transaction = 0;
-  std::uint8_t unit = 0;
+  std::uint8_t address = 0;
   std::uint8_t function = 0;
   RegisterRange range{};
   std::uint32_t ticket = 0;
@@ -43,7 +43,7 @@ struct TcpRequest {
 
 // An answer that came after the wait for it, or never and held up the others.
 struct LateTransaction {
-  std::uint8_t unit = 0;
+  std::uint8_t address = 0;
   bool has_come = true;
   Duration latency{};  // since it was the first of those that wait
 };

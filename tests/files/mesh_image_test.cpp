@@ -46,12 +46,12 @@ TEST(MeshImage, CarriesMarkersAndAttributes) {
   const double between = std::stod(image.attributes.back());
   EXPECT_GT(between, 1);
   EXPECT_LT(between, 3);
-  for (const ImageSubsegment& piece : image.subsegments) {
-    EXPECT_TRUE(piece.is_edge);
-    EXPECT_EQ(piece.marker, graph.features[piece.feature].marker);
-    const ImageEdge& edge = image.edges[find_edge(image, piece.from, piece.to)];
+  for (const ImageSubsegment& subsegment : image.subsegments) {
+    EXPECT_TRUE(subsegment.is_edge);
+    EXPECT_EQ(subsegment.marker, graph.features[subsegment.feature].marker);
+    const ImageEdge& edge = image.edges[find_edge(image, subsegment.from, subsegment.to)];
     EXPECT_TRUE(edge.is_constrained);
-    EXPECT_EQ(edge.marker, piece.marker == 0 ? 1 : piece.marker);
+    EXPECT_EQ(edge.marker, subsegment.marker == 0 ? 1 : subsegment.marker);
   }
   // The hole is the quadrilateral 5 6 7 8: no triangle has two opposite corners of it.
   for (const auto& corner : image.triangles) {

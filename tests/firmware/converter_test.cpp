@@ -42,7 +42,8 @@ class Device final : public port::FrameConnection {
   void send(std::span<std::uint8_t> frame, std::uint16_t transaction, std::uint8_t unit,
             std::size_t pdu_bytes) override {
     const auto pdu = frame.subspan(port::mbap_header_bytes, pdu_bytes);
-    waiting_.push_back({.transaction = transaction, .unit = unit, .pdu = {pdu.begin(), pdu.end()}});
+    waiting_.push_back(
+        {.transaction = transaction, .address = unit, .pdu = {pdu.begin(), pdu.end()}});
     requests[unit] += 1;
     if (!behind_.is_one_line || waiting_.size() == 1) begin(waiting_.back(), now_);
     longest_queue = std::max(longest_queue, waiting_.size());
@@ -80,7 +81,7 @@ class Device final : public port::FrameConnection {
  private:
   struct Request {
     std::uint16_t transaction = 0;
-    std::uint8_t unit = 0;
+    std::uint8_t address = 0;
     std::vector<std::uint8_t> pdu;
     port::Instant done_at = port::never;
   };
@@ -90,21 +91,21 @@ class Device final : public port::FrameConnection {
            std::find(behind_.dead.begin(), behind_.dead.end(), unit) != behind_.dead.end();
   }
   void begin(Request& request, port::Instant now) {
-    request.done_at = now + (is_dead(request.unit) ? behind_.hold : behind_.exchange);
+    request.done_at = now + (is_dead(request.address) ? behind_.hold : behind_.exchange);
   }
   void answer(const Request& request) {
     std::array<std::uint8_t, port::pdu_bytes_max> pdu;
     std::size_t size = 0;
-    if (is_dead(request.unit)) {
+    if (is_dead(request.address)) {
       if (behind_.exception == 0) return;
       size = port::write_exception(pdu, request.pdu[0], behind_.exception);
     } else {
       const NodeRegisters registers = encode_node(
-          {.serial = Serial{request.unit}, .position = {}, .status = node_status::fix_valid}, 1);
+          {.serial = Serial{request.address}, .position = {}, .status = node_status::fix_valid}, 1);
       size = replies_.to_read(request.pdu, node_register_first, registers, pdu);
     }
     listener().on_frame({.transaction = request.transaction,
-                         .unit = request.unit,
+                         .address = request.address,
                          .pdu = std::span(pdu).first(size)});
   }
 

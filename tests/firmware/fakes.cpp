@@ -18,10 +18,10 @@ std::size_t RecordingLog::count(const std::string& part) const {
 }
 
 void ScriptedBus::start_read(const port::RegisterRead& read, port::Instant now) {
-  ++reads[read.unit];
-  timeouts[read.unit] = read.timeout;
-  const Request request{.unit = read.unit, .ticket = read.ticket, .is_write = false};
-  if (units_.contains(read.unit)) {
+  ++reads[read.address];
+  timeouts[read.address] = read.timeout;
+  const Request request{.address = read.address, .ticket = read.ticket, .is_write = false};
+  if (units_.contains(read.address)) {
     done_.push_back(request);
   } else {
     waiting_.push_back({.request = request, .deadline = now + read.timeout});
@@ -29,8 +29,8 @@ void ScriptedBus::start_read(const port::RegisterRead& read, port::Instant now) 
 }
 
 void ScriptedBus::start_write(const port::RegisterWrite& write, port::Instant now) {
-  ++writes[write.unit];
-  const Request request{.unit = write.unit, .ticket = write.ticket, .is_write = true};
+  ++writes[write.address];
+  const Request request{.address = write.address, .ticket = write.ticket, .is_write = true};
   if (take_in(write)) {
     done_.push_back(request);
   } else {
@@ -40,7 +40,7 @@ void ScriptedBus::start_write(const port::RegisterWrite& write, port::Instant no
 
 // Whether the unit says anything to it.
 bool ScriptedBus::take_in(const port::RegisterWrite& write) {
-  const auto found = units_.find(write.unit);
+  const auto found = units_.find(write.address);
   if (found == units_.end() || found->second.to_writes == port::BusResult::timeout) return false;
   if (found->second.to_writes != port::BusResult::ok) return true;
   if (write.first == assignment_register_first) {
@@ -50,7 +50,7 @@ bool ScriptedBus::take_in(const port::RegisterWrite& write) {
     units_.erase(found);
     units_[static_cast<std::uint8_t>(write.values[0])] = moved;
   }
-  written.push_back({.unit = write.unit,
+  written.push_back({.address = write.address,
                      .first = write.first,
                      .values = {write.values.begin(), write.values.end()}});
   return true;
@@ -69,7 +69,7 @@ void ScriptedBus::advance(port::Instant now) {
 bool ScriptedBus::take_answer(port::BusAnswer& answer) {
   if (is_stuck) return false;
   if (!timed_out_.empty()) {
-    answer = {.unit = timed_out_.front().unit,
+    answer = {.address = timed_out_.front().address,
               .ticket = timed_out_.front().ticket,
               .result = port::BusResult::timeout,
               .silence = silence_after_timeout,
@@ -81,9 +81,9 @@ bool ScriptedBus::take_answer(port::BusAnswer& answer) {
   if (done_.empty()) return false;
   const Request request = done_.front();
   done_.pop_front();
-  const auto found = units_.find(request.unit);
+  const auto found = units_.find(request.address);
   if (found == units_.end() && !request.is_write) {  // it has gone elsewhere meanwhile
-    answer = {.unit = request.unit,
+    answer = {.address = request.address,
               .ticket = request.ticket,
               .result = port::BusResult::timeout,
               .registers = {}};
@@ -91,7 +91,7 @@ bool ScriptedBus::take_answer(port::BusAnswer& answer) {
   }
   const Unit script = found == units_.end() ? Unit{} : found->second;
   handed_ = script.registers;
-  answer = {.unit = request.unit, .ticket = request.ticket, .registers = {}};
+  answer = {.address = request.address, .ticket = request.ticket, .registers = {}};
   if (request.is_write) {
     answer.result = script.to_writes;
     answer.exception = script.exception_to_writes;

@@ -62,7 +62,7 @@ class ScriptedBus final : public port::NodeBus {
   std::map<std::uint8_t, port::Duration> timeouts;  // of the last read, by unit
   std::map<std::uint8_t, std::uint32_t> writes;     // by unit, also in vain
   struct Written {
-    std::uint8_t unit;
+    std::uint8_t address;
     std::uint16_t first;
     std::vector<std::uint16_t> values;
   };
@@ -77,7 +77,7 @@ class ScriptedBus final : public port::NodeBus {
     std::uint8_t exception_to_writes = 0;
   };
   struct Request {
-    std::uint8_t unit;
+    std::uint8_t address;
     std::uint32_t ticket;
     bool is_write;
   };

@@ -32,7 +32,7 @@ TEST_F(Joining, ANodeAtTheDefaultUnitIsGivenTheFirstFreeOne) {
   EXPECT_EQ(rig_.log.count("joined"), 2u) << logged();
   EXPECT_EQ(rig_.log.count("left"), 0u);
   ASSERT_EQ(rig_.bus.written.size(), 1u);
-  EXPECT_EQ(rig_.bus.written[0].unit, 247);
+  EXPECT_EQ(rig_.bus.written[0].address, 247);
   EXPECT_EQ(rig_.bus.written[0].first, 100);
   EXPECT_EQ(rig_.bus.written[0].values, (std::vector<std::uint16_t>{11, 0, 77, 0x4554}));
   // It is polled there, and its silence at the default unit is no news.

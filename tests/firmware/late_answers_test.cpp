@@ -136,8 +136,8 @@ class Interruptions final : public RequestSource {
   }
   void on_request_done(BusIndex, const port::BusAnswer& answer, port::Instant now) override {
     if (answer.result != port::BusResult::ok) return;
-    EXPECT_LE(now - line_.answers_asked_at[answer.unit], answer_timeout + on_the_line)
-        << "unit " << int{answer.unit};
+    EXPECT_LE(now - line_.answers_asked_at[answer.address], answer_timeout + on_the_line)
+        << "unit " << int{answer.address};
     ++answered;
   }
   std::uint32_t answered = 0;

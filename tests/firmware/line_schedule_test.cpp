@@ -28,7 +28,7 @@ class ObservedBus final : public port::NodeBus {
   explicit ObservedBus(port::NodeBus& bus) : bus_(bus) {}
   bool ready() const override { return bus_.ready(); }
   void start_read(const port::RegisterRead& read, port::Instant now) override {
-    asked = read.unit;
+    asked = read.address;
     bus_.start_read(read, now);
   }
   void start_write(const port::RegisterWrite& write, port::Instant now) override {

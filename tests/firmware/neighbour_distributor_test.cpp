@@ -33,7 +33,7 @@ class WritingBack : public testing::Test {
   DeliveredConfig told(std::uint8_t unit) const {
     std::vector<std::uint16_t> registers(configuration_register_count);
     for (const ScriptedBus::Written& written : rig_.bus.written) {
-      if (written.unit != unit) continue;
+      if (written.address != unit) continue;
       std::copy(written.values.begin(), written.values.end(),
                 registers.begin() + written.first - configuration_register_first);
     }
@@ -82,10 +82,11 @@ TEST_F(WritingBack, AGenerationThatANodeIsToldHasBeenPublished) {
       const Snapshot& snapshot = rig_.gateway->snapshot();
       // A step publishes last: what it wrote is of that generation, or of the one before.
       if (generation != snapshot.generation) continue;
-      const auto row = std::find_if(
-          snapshot.vertices.begin(), snapshot.vertices.end(), [&](const SnapshotVertex& vertex) {
-            return vertex.kind == VertexKind::node && vertex.serial == Serial{1000u + written.unit};
-          });
+      const auto row = std::find_if(snapshot.vertices.begin(), snapshot.vertices.end(),
+                                    [&](const SnapshotVertex& vertex) {
+                                      return vertex.kind == VertexKind::node &&
+                                             vertex.serial == Serial{1000u + written.address};
+                                    });
       ASSERT_NE(row, snapshot.vertices.end());
       Serials expected;
       for (const SnapshotNeighbour& neighbour :
@@ -93,7 +94,7 @@ TEST_F(WritingBack, AGenerationThatANodeIsToldHasBeenPublished) {
         expected.push_back(snapshot.vertices[neighbour.row].serial.value);
       }
       std::sort(expected.begin(), expected.end());
-      ASSERT_EQ(told(written.unit).neighbours, expected);
+      ASSERT_EQ(told(written.address).neighbours, expected);
     }
   }
   EXPECT_GT(checked, 50u);
@@ -113,7 +114,7 @@ TEST_F(WritingBack, OnlyThoseWhoseNeighboursChangedAreWrittenAgain) {
   put(6, {60, 60});
   rig_.run(1s);
   Serials units;
-  for (const ScriptedBus::Written& written : rig_.bus.written) units.push_back(written.unit);
+  for (const ScriptedBus::Written& written : rig_.bus.written) units.push_back(written.address);
   std::sort(units.begin(), units.end());
   EXPECT_EQ(units, (Serials{1, 2, 3, 6}));
 }
@@ -134,7 +135,7 @@ TEST_F(WritingBack, ANodeThatBootedIsToldAgain) {
   put(1, {0, 0}, 1);
   rig_.run(1s);
   ASSERT_EQ(rig_.bus.written.size(), 1u);
-  EXPECT_EQ(rig_.bus.written[0].unit, 1);
+  EXPECT_EQ(rig_.bus.written[0].address, 1);
 }
 
 TEST_F(WritingBack, ANodeThatDoesNotConfirmIsTriedThreeTimesThenWhenThingsChange) {
@@ -187,7 +188,7 @@ TEST_F(WritingBack, AListThatIsLongerThanAWriteComesBeforeItsHead) {
   EXPECT_EQ(told(1).neighbours.back(), 1100u);
   std::vector<ScriptedBus::Written> of_hub;
   for (const ScriptedBus::Written& written : rig_.bus.written) {
-    if (written.unit == 1) of_hub.push_back(written);
+    if (written.address == 1) of_hub.push_back(written);
   }
   ASSERT_GE(of_hub.size(), 3u);
   EXPECT_EQ(of_hub.back().first, 200);

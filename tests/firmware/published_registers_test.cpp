@@ -50,7 +50,8 @@ class Master {
       bus_.advance(now_);
       return bus_.ready();
     }));
-    bus_.start_read({.unit = 1, .first = first, .count = count, .timeout = port::patience}, now_);
+    bus_.start_read({.address = 1, .first = first, .count = count, .timeout = port::patience},
+                    now_);
     port::BusAnswer answer;
     EXPECT_TRUE(port::turn_until(loop_, [&] { return bus_.take_answer(answer); }));
     EXPECT_EQ(answer.result, port::BusResult::ok);

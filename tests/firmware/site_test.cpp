@@ -35,7 +35,7 @@ class Site : public testing::Test {
     }
     return all;
   }
-  std::string stretches(const Settings& settings) const {
+  std::string segments(const Settings& settings) const {
     std::string all;
     for (const FeatureSettings& feature : settings.features) {
       all += to_string(feature.from) + "-" + to_string(feature.to) + " ";
@@ -70,7 +70,7 @@ TEST_F(Site, ALineBecomesAStretchBetweenEachTwoVertices) {
                     "{\"name\": \"north\\nwall\"}"),
            "unit = \"0.01\"");
   EXPECT_EQ(mistakes(), "");
-  EXPECT_EQ(stretches(settings), "(0, 0)-(1000, 25) (1000, 25)-(2000, -1000) ");
+  EXPECT_EQ(segments(settings), "(0, 0)-(1000, 25) (1000, 25)-(2000, -1000) ");
   EXPECT_EQ(settings.anchors.size(), 3u);
   EXPECT_EQ(settings.features[0].name, "north wall");
   EXPECT_EQ(settings.features[0].source, path_ + ":2");
@@ -83,7 +83,7 @@ TEST_F(Site, ANodeStandsWhereTheFileSaysSo) {
       geometry("LineString", "[[5, 5], [9, 0], [9, 9]]", "{\"serials\": [null, 70001, null]}") +
       "," + geometry("Point", "[5, 5]", "{\"serial\": 4294967294}"));
   EXPECT_EQ(mistakes(), "");
-  EXPECT_EQ(stretches(settings), "(0, 0)-4294967294 4294967294-70001 70001-(9, 9) ");
+  EXPECT_EQ(segments(settings), "(0, 0)-4294967294 4294967294-70001 70001-(9, 9) ");
   EXPECT_EQ(settings.anchors.size(), 2u);
 }
 
@@ -134,13 +134,13 @@ TEST_F(Site, CoordinatesBecomeUnitsExactly) {
   const std::string line = geometry("LineString", "[[569000.29, 7034000.5], [569001, 7034001]]");
   Settings settings = draw(line, "unit = \"0.01\"\norigin = [\"569000\", \"7034000.25\"]");
   EXPECT_EQ(mistakes(), "");
-  EXPECT_EQ(stretches(settings), "(29, 25)-(100, 75) ");
+  EXPECT_EQ(segments(settings), "(29, 25)-(100, 75) ");
   settings = draw(line, "unit = \"0.5\"\norigin = [569000, 7034000]\nround = true");
-  EXPECT_EQ(stretches(settings), "(1, 1)-(2, 2) ");
+  EXPECT_EQ(segments(settings), "(1, 1)-(2, 2) ");
   settings = draw(geometry("LineString", "[[-0.5, 0.5], [-0.4, 1.49]]"), "round = true");
-  EXPECT_EQ(stretches(settings), "(-1, 1)-(0, 1) ");
+  EXPECT_EQ(segments(settings), "(-1, 1)-(0, 1) ");
   settings = draw(geometry("LineString", "[[0.3048, 0], [3.048, 0]]"), "unit = \"0.3048\"");
-  EXPECT_EQ(stretches(settings), "(1, 0)-(10, 0) ");
+  EXPECT_EQ(segments(settings), "(1, 0)-(10, 0) ");
 }
 
 struct Wrong {
@@ -247,7 +247,7 @@ TEST_F(Site, APolyOfSerials) {
   const std::string nodes = "3 2 0 0\n1 0.5 0\n2 9 0\n3 0 9\n";
   Settings settings = read("site.poly", nodes + "2 0\n1 1 2\n2 2 3\n0\n");
   EXPECT_EQ(mistakes(), "");
-  EXPECT_EQ(stretches(settings), "1-2 2-3 ");
+  EXPECT_EQ(segments(settings), "1-2 2-3 ");
   EXPECT_TRUE(settings.anchors.empty());
   read("site.poly", nodes + "0\n1\n1 1 1\n");
   EXPECT_NE(mistakes().find("site.poly:7: holes need fixed points"), std::string::npos);
@@ -283,7 +283,7 @@ TEST_F(Site, TooLittleRoomIsSaidBeforeItIsNeeded) {
   for (int i = 1; i <= 51; ++i)
     line += ", [" + std::to_string(i) + ", " + std::to_string(i % 2) + "]";
   draw(geometry("LineString", line + "]"));
-  EXPECT_NE(mistakes().find("51 stretches of features, and features_max in [mesh] is 50"),
+  EXPECT_NE(mistakes().find("51 segments of features, and features_max in [mesh] is 50"),
             std::string::npos)
       << mistakes();
 }

@@ -47,9 +47,9 @@ Content content_of(const files::MeshImage& image) {
     EXPECT_EQ(edge.marker, edge.is_constrained ? 1 : 0);
     content.edges.insert({ends_of(image, edge.from, edge.to), edge.is_constrained});
   }
-  for (const files::ImageSubsegment& piece : image.subsegments) {
-    EXPECT_TRUE(piece.is_edge);
-    content.subsegments.insert(ends_of(image, piece.from, piece.to));
+  for (const files::ImageSubsegment& subsegment : image.subsegments) {
+    EXPECT_TRUE(subsegment.is_edge);
+    content.subsegments.insert(ends_of(image, subsegment.from, subsegment.to));
   }
   return content;
 }

@@ -46,22 +46,22 @@ class QuietBus final : public port::NodeBus {
  public:
   bool ready() const override { return count_ < queue_.size(); }
   void start_read(const port::RegisterRead& read, port::Instant now) override {
-    start(read.unit, read.ticket, now + read.timeout);
+    start(read.address, read.ticket, now + read.timeout);
   }
   void start_write(const port::RegisterWrite& write, port::Instant now) override {
-    start(write.unit, write.ticket, now + write.timeout);
+    start(write.address, write.ticket, now + write.timeout);
   }
   void advance(port::Instant now) override { now_ = now; }
   bool take_answer(port::BusAnswer& answer) override {
     for (std::size_t i = 0; i < count_; ++i) {
       const Request request = queue_[i];
-      const bool answers = answers_[request.unit];
+      const bool answers = answers_[request.address];
       if (!answers && request.deadline > now_) continue;
       queue_[i] = queue_[--count_];
-      answer = {.unit = request.unit,
+      answer = {.address = request.address,
                 .ticket = request.ticket,
                 .result = answers ? port::BusResult::ok : port::BusResult::timeout,
-                .registers = registers_[request.unit]};
+                .registers = registers_[request.address]};
       return true;
     }
     return false;
@@ -77,7 +77,7 @@ class QuietBus final : public port::NodeBus {
 
  private:
   struct Request {
-    std::uint8_t unit;
+    std::uint8_t address;
     std::uint32_t ticket;
     port::Instant deadline;
   };

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "gpio/debounce.h"
-#include "gpio/line_place.h"
+#include "gpio/chip_offset.h"
 #ifdef ETCM_WITH_GPIO
 #include "gpio/gpio_lines.h"
 #include "peer.h"

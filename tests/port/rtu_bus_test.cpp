@@ -83,7 +83,7 @@ class SerialBus : public testing::Test {
   // Sends a request and takes it at the other end; it must be for this function.
   void request(std::uint8_t unit, std::uint8_t function = read_input_registers) {
     become_ready();
-    bus().start_read({.unit = unit, .first = 0, .count = 2, .timeout = answer_timeout}, now_);
+    bus().start_read({.address = unit, .first = 0, .count = 2, .timeout = answer_timeout}, now_);
     EXPECT_EQ(take(rtu_read_request_bytes), rtu_of(unit, {function, 0, 0, 0, 2}));
   }
 
@@ -91,9 +91,12 @@ class SerialBus : public testing::Test {
   void write(std::uint8_t unit, std::uint16_t first = 200) {
     become_ready();
     const std::array<std::uint16_t, 2> values{7, 8};
-    bus().start_write(
-        {.unit = unit, .first = first, .values = values, .timeout = answer_timeout, .ticket = 99},
-        now_);
+    bus().start_write({.address = unit,
+                       .first = first,
+                       .values = values,
+                       .timeout = answer_timeout,
+                       .ticket = 99},
+                      now_);
     EXPECT_EQ(take(rtu_write_request_bytes(2)),
               rtu_of(unit, {16, 0, static_cast<std::uint8_t>(first), 0, 2, 4, 0, 7, 0, 8}));
   }
@@ -237,7 +240,7 @@ TEST_F(SerialBus, TheAnswerToTheFirstQuestionIsNotTakenForTheThirds) {
   pass(begin + 1300ms - now_);
   // Both ways to ask for these registers may still be answered: this is not sent.
   const RegisterRead third{
-      .unit = 7, .first = 0, .count = 2, .timeout = answer_timeout, .spare = 0};
+      .address = 7, .first = 0, .count = 2, .timeout = answer_timeout, .spare = 0};
   EXPECT_GT(bus().read_free_at(third, now_), now_);
   bus().start_read(third, now_);
   EXPECT_EQ(result(), BusResult::timeout);
@@ -258,7 +261,7 @@ TEST_F(SerialBus, WhatMayBeLeftOutIsAnotherWayToAsk) {
   request(7, read_holding_registers);
   EXPECT_EQ(wait_in_vain(), BusResult::timeout);
   become_ready();
-  bus().start_read({.unit = 7, .first = 0, .count = 2, .timeout = answer_timeout, .spare = 1},
+  bus().start_read({.address = 7, .first = 0, .count = 2, .timeout = answer_timeout, .spare = 1},
                    now_);
   EXPECT_EQ(take(rtu_read_request_bytes), rtu_of(7, {4, 0, 1, 0, 1}));
   say(two_registers(7, 1));
@@ -279,7 +282,8 @@ TEST_F(SerialBus, AnExceptionThatMayBeForAnEarlierQuestionSettlesNothing) {
   request(7, read_holding_registers);
   EXPECT_EQ(wait_in_vain(), BusResult::timeout);
   become_ready();
-  const RegisterRead read{.unit = 7, .first = 0, .count = 2, .timeout = answer_timeout, .spare = 1};
+  const RegisterRead read{
+      .address = 7, .first = 0, .count = 2, .timeout = answer_timeout, .spare = 1};
   bus().start_read(read, now_);
   take(rtu_read_request_bytes);
   say(rtu_of(7, {0x84, 2}));
@@ -299,7 +303,8 @@ TEST_F(SerialBus, AUnitThatTakesLongerThanFiveSecondsOwesItsAnswersForLonger) {
   EXPECT_EQ(wait_in_vain(), BusResult::timeout);
   pass(8s);
   say(two_registers(7, 1));
-  const RegisterRead read{.unit = 7, .first = 0, .count = 2, .timeout = answer_timeout, .spare = 0};
+  const RegisterRead read{
+      .address = 7, .first = 0, .count = 2, .timeout = answer_timeout, .spare = 0};
   request(7, read_holding_registers);
   EXPECT_EQ(wait_in_vain(), BusResult::timeout);
   pass(late_silence_max);
@@ -372,7 +377,7 @@ TEST_F(SerialBus, AUnitThatWasOnceVeryLateCostsTheOthersLittle) {
   Duration silences{};
   become_ready();
   for (int miss = 0; miss < 20; ++miss) {
-    const RegisterRead read{.unit = 7, .first = 0, .count = 2, .timeout = answer_timeout};
+    const RegisterRead read{.address = 7, .first = 0, .count = 2, .timeout = answer_timeout};
     pass(std::max(bus().read_free_at(read, now_) - now_, Duration{}));
     bus().start_read(read, now_);
     take(rtu_read_request_bytes);
@@ -397,7 +402,8 @@ TEST_F(SerialBus, WhatNeverWentOutIsThrownAway) {
   std::size_t sent = 0;
   for (; sent < 16384; sent += rtu_write_request_bytes(write_registers_max)) {
     become_ready();
-    bus().start_write({.unit = 7, .first = 200, .values = values, .timeout = answer_timeout}, now_);
+    bus().start_write({.address = 7, .first = 200, .values = values, .timeout = answer_timeout},
+                      now_);
     pass(1s);
     EXPECT_EQ(result(), BusResult::timeout);
   }
@@ -605,7 +611,8 @@ TEST_F(SerialBus, TheSameWriteWaitsUntilTheLastOneCannotBeAnsweredAnyMore) {
   EXPECT_LE(bus().write_free_at(8), now_);
   become_ready();
   const std::array<std::uint16_t, 2> values{7, 9};
-  bus().start_write({.unit = 7, .first = 200, .values = values, .timeout = answer_timeout}, now_);
+  bus().start_write({.address = 7, .first = 200, .values = values, .timeout = answer_timeout},
+                    now_);
   EXPECT_EQ(result(), BusResult::timeout) << "at once: it is not sent";
   pass(late_answer_max);
   EXPECT_LE(bus().write_free_at(7), now_);
@@ -683,7 +690,8 @@ TEST_F(SerialBus, ALineSwitchesTheTransceiverForAllBytesOfAWrite) {
 TEST_F(SerialBus, TheMostRegistersGoOutInOneFrame) {
   become_ready();
   std::array<std::uint16_t, write_registers_max> values{};
-  bus().start_write({.unit = 7, .first = 200, .values = values, .timeout = answer_timeout}, now_);
+  bus().start_write({.address = 7, .first = 200, .values = values, .timeout = answer_timeout},
+                    now_);
   const Bytes bytes = take(rtu_write_request_bytes(write_registers_max));
   EXPECT_EQ(bytes.size(), 255u);
   EXPECT_TRUE(is_rtu_frame(bytes));

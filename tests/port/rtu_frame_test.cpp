@@ -96,7 +96,7 @@ TEST(RtuFrame, EveryKindOfAnswerIsFoundBehindNoiseAndOnlyWhole) {
     }
     const auto found = find_rtu_answer(bytes);
     ASSERT_TRUE(found) << int{pdu[0]};
-    EXPECT_EQ(found->unit, 7);
+    EXPECT_EQ(found->address, 7);
     EXPECT_EQ(Bytes(found->pdu.begin(), found->pdu.end()), pdu);
     EXPECT_EQ(found->end, noise + frame.size());
   }

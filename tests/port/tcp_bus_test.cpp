@@ -42,7 +42,7 @@ class Bus : public testing::Test {
 
   // The transaction number of the request that arrives next.
   std::uint16_t request(std::uint8_t unit, Duration at_most = 50ms) {
-    bus_->start_read({.unit = unit, .first = 0, .count = 2, .timeout = at_most}, now_);
+    bus_->start_read({.address = unit, .first = 0, .count = 2, .timeout = at_most}, now_);
     Bytes bytes;
     EXPECT_TRUE(turn_until(loop_, [&] {
       receive_available(peer_.get(), bytes);
@@ -56,7 +56,7 @@ class Bus : public testing::Test {
   std::uint16_t write(std::uint8_t unit) {
     const std::array<std::uint16_t, 2> values{7, 8};
     bus_->start_write(
-        {.unit = unit, .first = 0x0102, .values = values, .timeout = 50ms, .ticket = 99}, now_);
+        {.address = unit, .first = 0x0102, .values = values, .timeout = 50ms, .ticket = 99}, now_);
     Bytes bytes;
     EXPECT_TRUE(turn_until(loop_, [&] {
       receive_available(peer_.get(), bytes);
@@ -121,7 +121,7 @@ TEST_F(Bus, ReadsRegisters) {
   connect();
   reply(request(7), 7, 42);
   const BusAnswer found = answer();
-  EXPECT_EQ(found.unit, 7);
+  EXPECT_EQ(found.address, 7);
   EXPECT_EQ(found.result, BusResult::ok);
   ASSERT_EQ(found.registers.size(), 2u);
   EXPECT_EQ(found.registers[1], 42);
@@ -150,7 +150,7 @@ TEST_F(Bus, ALateAnswerIsNotTakenForAnotherUnits) {
   reply(late, 7, 1);
   reply(next, 8, 2);
   const BusAnswer found = answer();
-  EXPECT_EQ(found.unit, 8);
+  EXPECT_EQ(found.address, 8);
   EXPECT_EQ(found.registers[0], 2);
 }
 
@@ -174,17 +174,17 @@ TEST_F(Bus, AnswersMayComeInAnyOrder) {
   const std::uint16_t second = request(8);
   EXPECT_FALSE(bus_->ready()) << "as many as it may have under way";
   reply(second, 8, 2);
-  EXPECT_EQ(answer().unit, 8);
+  EXPECT_EQ(answer().address, 8);
   EXPECT_TRUE(bus_->ready());
   reply(first, 7, 1);
-  EXPECT_EQ(answer().unit, 7);
+  EXPECT_EQ(answer().address, 7);
 }
 
 TEST_F(Bus, TheWrongUnitIsABadAnswer) {
   connect();
   reply(request(7), 8, 1);
   const BusAnswer found = answer();
-  EXPECT_EQ(found.unit, 7);
+  EXPECT_EQ(found.address, 7);
   EXPECT_EQ(found.result, BusResult::bad_answer);
 }
 
@@ -318,7 +318,7 @@ TEST_F(Bus, APeerThatStaysSilentIsConnectedEverMoreRarelyAndSaidOnce) {
 TEST_F(Bus, ABacklogIsNotWorkedOff) {
   connect();
   while (bus_->ready()) {
-    bus_->start_read({.unit = 7, .first = 0, .count = 2, .timeout = 50ms}, now_);
+    bus_->start_read({.address = 7, .first = 0, .count = 2, .timeout = 50ms}, now_);
     now_ += 50ms;
     bus_->advance(now_);
     EXPECT_EQ(answer().result, BusResult::timeout);
@@ -365,7 +365,7 @@ TEST_F(Bus, WritesRegisters) {
   connect();
   send_bytes(peer_.get(), frame_of(write(7), 7, {16, 1, 2, 0, 2}));
   const BusAnswer found = answer();
-  EXPECT_EQ(found.unit, 7);
+  EXPECT_EQ(found.address, 7);
   EXPECT_EQ(found.ticket, 99u);
   EXPECT_EQ(found.result, BusResult::ok);
   EXPECT_TRUE(found.registers.empty());

@@ -13,7 +13,8 @@ class Transactions : public testing::Test {
  protected:
   std::uint16_t send(std::uint8_t unit, Duration timeout = 200ms) {
     EXPECT_TRUE(queue_.has_room());
-    queue_.add({.transaction = ++last_, .unit = unit, .timeout = timeout, .sent_at = now_}, now_);
+    queue_.add({.transaction = ++last_, .address = unit, .timeout = timeout, .sent_at = now_},
+               now_);
     return last_;
   }
   bool answer(std::uint16_t transaction) { return queue_.answer(transaction).has_value(); }
@@ -23,7 +24,7 @@ class Transactions : public testing::Test {
     for (const Instant end = now_ + time; now_ < end;) {
       now_ = std::min(end, std::max(now_ + 1ms, queue_.next_deadline()));
       queue_.advance(now_);
-      while (const auto request = queue_.give_up(now_, false)) units.push_back(request->unit);
+      while (const auto request = queue_.give_up(now_, false)) units.push_back(request->address);
     }
     return units;
   }
@@ -82,7 +83,7 @@ TEST_F(Transactions, OneThatOvertakesTooLateShowsAConverterThatSaysNothing) {
   EXPECT_TRUE(queue_.is_one_line());
   const auto late = queue_.take_late();
   ASSERT_TRUE(late);
-  EXPECT_EQ(late->unit, 1);
+  EXPECT_EQ(late->address, 1);
   EXPECT_FALSE(late->has_come);
   EXPECT_EQ(late->latency, 1001ms);
 }
@@ -168,7 +169,7 @@ TEST_F(Transactions, WhenNothingComesAtAllEachHasItsTimeFromItsStart) {
   now_ += 200ms;
   queue_.advance(now_);
   Units units;
-  while (const auto request = queue_.give_up(now_, true)) units.push_back(request->unit);
+  while (const auto request = queue_.give_up(now_, true)) units.push_back(request->address);
   EXPECT_EQ(units, (Units{1, 2, 3}));
 }
 
@@ -178,7 +179,7 @@ TEST_F(Transactions, ALostConnectionGivesBackThoseThatWereWaitedFor) {
   send(3);
   EXPECT_TRUE(answer(second));
   Units units;
-  while (const auto request = queue_.abandon()) units.push_back(request->unit);
+  while (const auto request = queue_.abandon()) units.push_back(request->address);
   EXPECT_EQ(units, (Units{1, 3}));
   EXPECT_TRUE(queue_.is_empty());
 }

@@ -222,7 +222,7 @@ class Oracle {
       for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
         const Edge edge = undirected(chain[i], chain[i + 1]);
         if (!edges_.contains(edge) || !marked_.contains(edge) || !owned.insert(edge).second) {
-          return AssertionFailure() << "piece " << text(edge) << " of feature " << value
+          return AssertionFailure() << "subsegment " << text(edge) << " of feature " << value
                                     << " is no edge, not marked, or shared";
         }
         const Point a = mesh_.point(chain[i]);

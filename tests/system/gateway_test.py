@@ -208,7 +208,7 @@ class AgainstNodes(GatewayCase):
                                      head='[site]\nfile = "site.geojson"\n')
         self.wait_for_header(nodes=2, features=1, state=0)
         site("[[0,0],[90,0],[90,90]]", "[[0,0],[-20,40]]")
-        reread("is read again: 3 stretches")
+        reread("is read again: 3 segments")
         self.wait_for_header(nodes=2, features=3, state=0)
         for broken in ("[[0,0],[90,0.5]]", "[[0,0],[90,0]"):
             site(broken)

@@ -19,7 +19,7 @@ struct PollOptions {
 };
 
 struct Row {
-  std::uint8_t unit = 0;
+  std::uint8_t address = 0;
   std::uint32_t asked_count = 0;
   std::uint32_t error_count = 0;
   bool has_answered = false;
@@ -31,7 +31,7 @@ struct Row {
 };
 
 void ask(Master& master, Row& row, firmware::WordOrder order) {
-  const NodeAnswer answer = ask_node(master, row.unit, order);
+  const NodeAnswer answer = ask_node(master, row.address, order);
   ++row.asked_count;
   row.error_detail = trouble_text(answer);
   if (!answer.is_node()) {
@@ -57,13 +57,13 @@ std::string table_of(const std::vector<Row>& rows, port::Instant now, const char
     if (row.has_answered) {
       const auto tenths = (now - row.answered_at) / std::chrono::milliseconds(100);
       size = std::snprintf(
-          line.data(), line.size(), "%4u  %10u  %10d  %10d  %4lld.%lld s  %10s  %10s", row.unit,
+          line.data(), line.size(), "%4u  %10u  %10d  %10d  %4lld.%lld s  %10s  %10s", row.address,
           row.reading.serial.value, row.reading.position.x, row.reading.position.y,
           static_cast<long long>(tenths / 10), static_cast<long long>(tenths % 10),
           milliseconds_text(row.took).c_str(), milliseconds_text(row.took_max).c_str());
     } else {
       size = std::snprintf(line.data(), line.size(), "%4u  %10s  %10s  %10s  %8s  %10s  %10s",
-                           row.unit, "-", "-", "-", "-", "-", "-");
+                           row.address, "-", "-", "-", "-", "-", "-");
     }
     text.append(line.data(), static_cast<std::size_t>(size));
     size =
@@ -93,7 +93,7 @@ int poll(const PollOptions& options) {
   };
 
   std::vector<Row> rows(units.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].unit = units[i];
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].address = units[i];
   if (is_live) std::fputs("\033[2J", stdout);
   try {
     for (std::uint32_t round = 0; options.rounds == 0 || round < options.rounds; ++round) {

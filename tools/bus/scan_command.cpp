@@ -17,7 +17,7 @@ struct ScanOptions {
 };
 
 struct Found {
-  std::uint8_t unit = 0;
+  std::uint8_t address = 0;
   NodeAnswer node;
   port::Duration took{};
   Identification who;
@@ -34,7 +34,7 @@ std::string json_text(std::string_view text) {
 
 std::string json_of(const Found& found) {
   const auto microseconds = found.took / std::chrono::microseconds(1);
-  std::string text = "{\"unit\":" + std::to_string(found.unit) +
+  std::string text = "{\"unit\":" + std::to_string(found.address) +
                      ",\"answer_us\":" + std::to_string(microseconds) +
                      ",\"vendor\":" + json_text(found.who.vendor) +
                      ",\"product\":" + json_text(found.who.product) +
@@ -98,7 +98,7 @@ void print_row(const Found& found) {
     what += (what.empty() ? "" : "; ") + trouble_text(found.node);
   }
   const std::string took = found.took > port::Duration{} ? milliseconds_text(found.took) : "-";
-  std::printf("%4u  %10s  %-20s  %10s  %s\n", found.unit, serial.c_str(), place.c_str(),
+  std::printf("%4u  %10s  %-20s  %10s  %s\n", found.address, serial.c_str(), place.c_str(),
               took.c_str(), what.c_str());
   std::fflush(stdout);
 }
@@ -118,7 +118,7 @@ int scan(const ScanOptions& options) {
     try {
       for (const std::uint8_t unit : units) {
         progress.show(unit, asked_count, units.size(), found_count);
-        Found found{.unit = unit,
+        Found found{.address = unit,
                     .node = ask_patiently(master, unit, *order),
                     .took = master.took(),
                     .who = {}};

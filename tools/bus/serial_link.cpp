@@ -90,7 +90,7 @@ class SerialLink final : public Link {
     bool has_heard = false;
     while (true) {
       while (const auto found = line_.next_answer()) {
-        if (found->unit == unit && may_answer(found->pdu, question)) {
+        if (found->address == unit && may_answer(found->pdu, question)) {
           silent_until_ = last_heard_ + silence_;
           const bool is_exception = (found->pdu[0] & port::exception_bit) != 0;
           if (is_exception && owed.owed_until(question.function) > waiter_.now()) {
@@ -99,7 +99,7 @@ class SerialLink final : public Link {
           }
           return {.outcome = Outcome::answer, .pdu = found->pdu, .took = last_heard_ - sent_at};
         }
-        static_cast<void>(owed_[found->unit].take(found->pdu, waiter_.now()));
+        static_cast<void>(owed_[found->address].take(found->pdu, waiter_.now()));
         line_.drop(*found);
       }
       const port::Instant until =
@@ -130,7 +130,7 @@ class SerialLink final : public Link {
   // Notes what comes that nobody waits for.
   void take_late() {
     while (const auto found = line_.next_answer()) {
-      static_cast<void>(owed_[found->unit].take(found->pdu, waiter_.now()));
+      static_cast<void>(owed_[found->address].take(found->pdu, waiter_.now()));
       line_.drop(*found);
     }
   }

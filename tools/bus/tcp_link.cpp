@@ -77,7 +77,7 @@ class TcpLink final : public Link, private port::FrameConnection::Listener {
   void on_frame(const port::Frame& frame) override {
     if (frame.transaction != transaction_ || is_answered_) return;
     is_answered_ = true;
-    answer_unit_ = frame.unit;
+    answer_unit_ = frame.address;
     answer_bytes_ = frame.pdu.size();
     std::copy(frame.pdu.begin(), frame.pdu.end(), answer_.begin());
   }

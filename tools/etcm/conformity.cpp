@@ -57,16 +57,16 @@ class FeatureChains {
       : claim_(claim),
         used_(claim.image.subsegments.size(), false),
         reached_(claim.image.vertices.size(), false) {
-    const auto& pieces = claim.image.subsegments;
-    for (std::uint32_t i = 0; i < pieces.size(); ++i) {
-      ends_.push_back({pieces[i].from, pieces[i].to, i});
-      ends_.push_back({pieces[i].to, pieces[i].from, i});
+    const auto& subsegments = claim.image.subsegments;
+    for (std::uint32_t i = 0; i < subsegments.size(); ++i) {
+      ends_.push_back({subsegments[i].from, subsegments[i].to, i});
+      ends_.push_back({subsegments[i].to, subsegments[i].from, i});
     }
     std::sort(ends_.begin(), ends_.end());
   }
 
   Violation check() {
-    const auto& pieces = claim_.image.subsegments;
+    const auto& subsegments = claim_.image.subsegments;
     for (std::size_t i = 1; i < ends_.size(); ++i) {
       if (ends_[i][0] == ends_[i - 1][0] && ends_[i][1] == ends_[i - 1][1]) {
         return "subsegment " + claim_.edge(ends_[i][0], ends_[i][1]) + " is there twice";
@@ -75,13 +75,13 @@ class FeatureChains {
     for (std::size_t feature = 0; feature < claim_.graph.features.size(); ++feature) {
       if (Violation violation = follow(feature)) return violation;
     }
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
+    for (std::size_t i = 0; i < subsegments.size(); ++i) {
       if (!used_[i]) {
-        return "subsegment " + claim_.edge(pieces[i].from, pieces[i].to) +
+        return "subsegment " + claim_.edge(subsegments[i].from, subsegments[i].to) +
                " lies on no feature of the input";
       }
-      if (!pieces[i].is_edge) {
-        return "subsegment " + claim_.edge(pieces[i].from, pieces[i].to) + " is no edge";
+      if (!subsegments[i].is_edge) {
+        return "subsegment " + claim_.edge(subsegments[i].from, subsegments[i].to) + " is no edge";
       }
     }
     for (std::size_t i = claim_.grid.nodes.size(); i < reached_.size(); ++i) {
@@ -141,8 +141,8 @@ Violation check_edges(const Claim& claim) {
   const auto ends = [](std::uint32_t a, std::uint32_t b) {
     return Ends(std::min(a, b), std::max(a, b));
   };
-  for (const auto& piece : claim.image.subsegments) {
-    features.push_back(ends(piece.from, piece.to));
+  for (const auto& subsegment : claim.image.subsegments) {
+    features.push_back(ends(subsegment.from, subsegment.to));
   }
   all = features;
   for (const auto& corner : claim.image.triangles) {

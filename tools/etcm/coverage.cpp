@@ -129,13 +129,13 @@ class Triangles {
   Violation check_crossings() const {
     struct Extent {
       std::int64_t left, right, low, high;
-      std::size_t piece;
+      std::size_t subsegment;
     };
-    const auto& pieces = claim_.image.subsegments;
+    const auto& subsegments = claim_.image.subsegments;
     std::vector<Extent> extents;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      const Point& a = points_[pieces[i].from];
-      const Point& b = points_[pieces[i].to];
+    for (std::size_t i = 0; i < subsegments.size(); ++i) {
+      const Point& a = points_[subsegments[i].from];
+      const Point& b = points_[subsegments[i].to];
       extents.push_back(
           {std::min(a.x, b.x), std::max(a.x, b.x), std::min(a.y, b.y), std::max(a.y, b.y), i});
     }
@@ -146,8 +146,8 @@ class Triangles {
       std::erase_if(open, [&](const Extent& other) { return other.right < extent.left; });
       for (const Extent& other : open) {
         if (other.low > extent.high || other.high < extent.low) continue;
-        const auto& one = pieces[other.piece];
-        const auto& two = pieces[extent.piece];
+        const auto& one = subsegments[other.subsegment];
+        const auto& two = subsegments[extent.subsegment];
         if (cross(one, two)) {
           return "subsegments " + claim_.edge(one.from, one.to) + " and " +
                  claim_.edge(two.from, two.to) + " cross";
@@ -173,9 +173,9 @@ class Triangles {
     }
     if (triangles().empty() && claim_.grid.holes.empty()) return "the mesh has no triangles";
     std::set<DirectedEdge> allowed(hull.begin(), hull.end());
-    for (const auto& piece : claim_.image.subsegments) {
-      allowed.insert({piece.from, piece.to});
-      allowed.insert({piece.to, piece.from});
+    for (const auto& subsegment : claim_.image.subsegments) {
+      allowed.insert({subsegment.from, subsegment.to});
+      allowed.insert({subsegment.to, subsegment.from});
     }
     for (const DirectedEdge& edge : outline_) {
       if (!allowed.contains(edge)) {

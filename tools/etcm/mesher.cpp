@@ -79,9 +79,8 @@ Meshed build_mesh(const files::ConstraintGraph& graph, const files::GridGraph& g
 
 std::string describe_shortfall(const files::ConstraintGraph& graph, const ErrorDetail& error_detail,
                                std::uint32_t unresolved) {
-  std::string text =
-      std::to_string(unresolved) +
-      (unresolved == 1 ? " piece of a feature is no edge" : " pieces of features are no edges");
+  std::string text = std::to_string(unresolved) +
+                     (unresolved == 1 ? " subsegment is no edge" : " subsegments are no edges");
   if (!error_detail.feature.is_none() && error_detail.feature.value < graph.features.size()) {
     const std::size_t feature = error_detail.feature.value;
     text += ", first of " + files::feature_name(graph, feature) + " on line " +

@@ -25,11 +25,11 @@ std::string hex16(std::uint64_t value) {
 
 // The memory a MeshStorage needs that holds this mesh and nothing more.
 std::size_t bytes_of(const files::MeshImage& image) {
-  const auto stretches =
-      std::count_if(image.subsegments.begin(), image.subsegments.end(),
-                    [&](const auto& piece) { return !image.vertices[piece.to].is_steiner; });
+  const auto segments = std::count_if(
+      image.subsegments.begin(), image.subsegments.end(),
+      [&](const auto& subsegment) { return !image.vertices[subsegment.to].is_steiner; });
   return storage_bytes(static_cast<std::uint32_t>(image.vertices.size()),
-                       static_cast<std::uint32_t>(stretches));
+                       static_cast<std::uint32_t>(segments));
 }
 
 }  // namespace

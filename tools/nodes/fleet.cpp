@@ -31,12 +31,12 @@ Fleet::Fleet(const Script& script) : events_(script.events) {
     Node node;
     node.reading.serial = firmware::Serial{serial};
     node.port = number / units_per_port;
-    node.unit = static_cast<std::uint8_t>(number % units_per_port + 1);
+    node.address = static_cast<std::uint8_t>(number % units_per_port + 1);
     nodes_.push_back(node);
   }
   addresses_.resize(std::size_t{port_count()} * (units_per_port + 1));
   for (std::uint32_t number = 0; number < nodes_.size(); ++number) {
-    at(nodes_[number].port, nodes_[number].unit).nodes.push_back(number);
+    at(nodes_[number].port, nodes_[number].address).nodes.push_back(number);
   }
 }
 
@@ -102,8 +102,8 @@ void Fleet::happen(Node& node, const Event& event) {
 
 void Fleet::move_to(std::uint32_t number, std::uint8_t unit) {
   Node& node = nodes_[number];
-  std::erase(at(node.port, node.unit).nodes, number);
-  node.unit = unit;
+  std::erase(at(node.port, node.address).nodes, number);
+  node.address = unit;
   at(node.port, unit).nodes.push_back(number);
 }
 

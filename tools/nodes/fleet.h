@@ -51,7 +51,7 @@ class Fleet {
   struct Node {
     firmware::NodeReading reading;
     std::uint32_t port = 0;
-    std::uint8_t unit = 0;
+    std::uint8_t address = 0;
     std::uint16_t sequence = 0;
     bool answers = false;
     Fault fault;

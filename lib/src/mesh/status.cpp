@@ -41,7 +41,7 @@ Text text_of(Status status) noexcept {
     case Status::overlapping_features:
       return {"overlapping_features",
               "The feature would run along a part of another; split both at their nodes and keep "
-              "each stretch once."};
+              "each segment once."};
     case Status::crossing_features:
       return {"crossing_features",
               "The feature would cross or touch the inside of another; put a node where they "
@@ -65,7 +65,7 @@ Text text_of(Status status) noexcept {
               "The vertex capacity is used up by nodes and Steiner vertices; raise vertices_max."};
     case Status::out_of_features:
       return {"out_of_features",
-              "The feature capacity is used up, each stretch between nodes taking one place; raise "
+              "The feature capacity is used up, each segment from node to node taking one; raise "
               "features_max."};
     case Status::steiner_budget:
       return {"steiner_budget",
@@ -76,8 +76,8 @@ Text text_of(Status status) noexcept {
               "The call needs more steps than steps_max allows; raise it or rebuild at leisure."};
     case Status::grid_exhausted:
       return {"grid_exhausted",
-              "A piece of a feature is too short for a further grid point to split it; move the "
-              "crowded nodes apart or use a finer unit."};
+              "A subsegment is too short for a further grid point to split it; move the crowded "
+              "nodes apart or use a finer unit."};
   }
   return {"unknown_status", "The value is no status of this library."};
 }

@@ -63,15 +63,15 @@ class GeoJson {
   }
 
   void add_subsegment(std::size_t index) {
-    const ImageSubsegment& piece = image_.subsegments[index];
+    const ImageSubsegment& subsegment = image_.subsegments[index];
     open("LineString");
     text_ += '[';
-    place(piece.from);
+    place(subsegment.from);
     text_ += ',';
-    place(piece.to);
+    place(subsegment.to);
     text_ += ']';
-    close(piece.is_edge ? "subsegment" : "unresolved", index);
-    text_ += ",\"marker\":" + std::to_string(piece.marker) + "}}";
+    close(subsegment.is_edge ? "subsegment" : "unresolved", index);
+    text_ += ",\"marker\":" + std::to_string(subsegment.marker) + "}}";
   }
 
   void add_vertex(std::size_t index) {
@@ -122,9 +122,9 @@ std::string vtk_text(const MeshImage& image) {
             std::to_string(corner[2]) + "\n";
     add_cell("5\n", 0, 0);
   }
-  for (const ImageSubsegment& piece : image.subsegments) {
-    text += "2 " + std::to_string(piece.from) + " " + std::to_string(piece.to) + "\n";
-    add_cell("3\n", 1, piece.marker);
+  for (const ImageSubsegment& subsegment : image.subsegments) {
+    text += "2 " + std::to_string(subsegment.from) + " " + std::to_string(subsegment.to) + "\n";
+    add_cell("3\n", 1, subsegment.marker);
   }
   for (std::size_t i = 0; i < points; ++i) {
     text += "1 " + std::to_string(i) + "\n";

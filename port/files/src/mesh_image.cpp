@@ -25,11 +25,13 @@ void carry_attributes(const ConstraintGraph& graph, MeshImage& image) {
   image.attribute_count = graph.attribute_count;
   image.attributes = graph.attributes;
   image.attributes.resize(image.vertices.size() * graph.attribute_count, "0");
-  for (const ImageSubsegment& piece : image.subsegments) {
-    if (piece.feature >= graph.features.size() || !image.vertices[piece.to].is_steiner) continue;
-    const GraphFeature& feature = graph.features[piece.feature];
-    const double along = fraction(image.vertices[feature.from].point,
-                                  image.vertices[feature.to].point, image.vertices[piece.to].point);
+  for (const ImageSubsegment& subsegment : image.subsegments) {
+    if (subsegment.feature >= graph.features.size() || !image.vertices[subsegment.to].is_steiner)
+      continue;
+    const GraphFeature& feature = graph.features[subsegment.feature];
+    const double along =
+        fraction(image.vertices[feature.from].point, image.vertices[feature.to].point,
+                 image.vertices[subsegment.to].point);
     for (std::size_t a = 0; a < graph.attribute_count; ++a) {
       const auto value = [&](std::size_t node) {
         return Decimal::parse(graph.attributes[node * graph.attribute_count + a])->to_double();
@@ -37,7 +39,7 @@ void carry_attributes(const ConstraintGraph& graph, MeshImage& image) {
       const double from = value(feature.from);
       std::string text;
       TextSink(text) << from + (value(feature.to) - from) * along;
-      image.attributes[piece.to * graph.attribute_count + a] = std::move(text);
+      image.attributes[subsegment.to * graph.attribute_count + a] = std::move(text);
     }
   }
 }
@@ -51,11 +53,11 @@ void carry_markers(const ConstraintGraph& graph, MeshImage& image) {
   for (ImageVertex& vertex : image.vertices) {
     if (vertex.is_steiner) vertex.marker = steiner_marker;
   }
-  for (ImageSubsegment& piece : image.subsegments) {
-    if (piece.feature >= graph.features.size()) continue;
-    piece.marker = graph.features[piece.feature].marker;
-    if (!piece.is_edge || piece.marker == 0) continue;
-    image.edges[find_edge(image, piece.from, piece.to)].marker = piece.marker;
+  for (ImageSubsegment& subsegment : image.subsegments) {
+    if (subsegment.feature >= graph.features.size()) continue;
+    subsegment.marker = graph.features[subsegment.feature].marker;
+    if (!subsegment.is_edge || subsegment.marker == 0) continue;
+    image.edges[find_edge(image, subsegment.from, subsegment.to)].marker = subsegment.marker;
   }
 }
 
@@ -160,8 +162,8 @@ void Imager::add_triangles() {
 }
 
 void Imager::mark_edges() {
-  for (ImageSubsegment& piece : image_.subsegments) {
-    piece.is_edge = find_edge(image_, piece.from, piece.to) != image_.edges.size();
+  for (ImageSubsegment& subsegment : image_.subsegments) {
+    subsegment.is_edge = find_edge(image_, subsegment.from, subsegment.to) != image_.edges.size();
   }
 }
 
@@ -179,7 +181,7 @@ std::size_t find_edge(const MeshImage& image, std::uint32_t a, std::uint32_t b) 
 std::uint32_t MeshImage::unresolved_count() const {
   return static_cast<std::uint32_t>(
       std::count_if(subsegments.begin(), subsegments.end(),
-                    [](const ImageSubsegment& piece) { return !piece.is_edge; }));
+                    [](const ImageSubsegment& subsegment) { return !subsegment.is_edge; }));
 }
 
 MeshImage image_of(const Mesh& mesh, Exterior exterior, std::span<const Point> holes) {

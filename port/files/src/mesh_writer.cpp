@@ -69,9 +69,9 @@ void write_poly(TextSink& out, const MeshImage& image) {
   write_line(out, {0, 2, static_cast<std::int64_t>(image.attribute_count), 1});
   write_line(out, {count(image.subsegments), 1});
   std::int64_t number = image.index_base;
-  for (const ImageSubsegment& piece : image.subsegments) {
-    write_line(out, {number++, std::int64_t{piece.from} + image.index_base,
-                     std::int64_t{piece.to} + image.index_base, piece.marker});
+  for (const ImageSubsegment& subsegment : image.subsegments) {
+    write_line(out, {number++, std::int64_t{subsegment.from} + image.index_base,
+                     std::int64_t{subsegment.to} + image.index_base, subsegment.marker});
   }
   write_line(out, {count(image.holes)});
   number = image.index_base;

@@ -425,11 +425,11 @@ class Picture {
   void add_features() {
     const auto draw = [&](bool are_edges, auto& path) {
       std::uint32_t at = static_cast<std::uint32_t>(-1);
-      for (const ImageSubsegment& piece : image_.subsegments) {
-        if (piece.is_edge != are_edges) continue;
-        if (!are_edges || piece.from != at) path.move_to(room_.spots[piece.from]);
-        path.line_to(room_.spots[piece.to]);
-        at = piece.to;
+      for (const ImageSubsegment& subsegment : image_.subsegments) {
+        if (subsegment.is_edge != are_edges) continue;
+        if (!are_edges || subsegment.from != at) path.move_to(room_.spots[subsegment.from]);
+        path.line_to(room_.spots[subsegment.to]);
+        at = subsegment.to;
       }
     };
     const auto style = [&](const char* colour, bool is_dashed) {

@@ -29,7 +29,7 @@ enum class BusResult : std::uint8_t {
 inline constexpr std::size_t bus_result_count = 5;
 
 struct RegisterRead {
-  std::uint8_t unit = 0;
+  std::uint8_t address = 0;
   std::uint16_t first = 0;  // input register, 0-based
   std::uint16_t count = 0;
   Duration
@@ -41,7 +41,7 @@ struct RegisterRead {
 };
 
 struct RegisterWrite {
-  std::uint8_t unit = 0;
+  std::uint8_t address = 0;
   std::uint16_t first = 0;                // holding register, 0-based
   std::span<const std::uint16_t> values;  // 1 to write_registers_max; needed during the call only
   Duration timeout{};                     // as above
@@ -49,7 +49,7 @@ struct RegisterWrite {
 };
 
 struct BusAnswer {
-  std::uint8_t unit = 0;
+  std::uint8_t address = 0;
   std::uint32_t ticket = 0;  // of the request
   BusResult result = BusResult::ok;
   std::uint8_t exception = 0;  // the code, with BusResult::exception
