@@ -42,9 +42,6 @@ struct SnapshotNeighbour {
   bool constrained = false;
   bool gabriel = false;  // see etcm/analysis.h; marked where a radio range is set
   bool urquhart = false;
-  // The triangle on the left of the edge belongs to the domain (etcm/domain.h,
-  // Exterior::automatic); marked where files are written.
-  bool has_domain_left = false;
 };
 
 // A node that is known and not in the mesh.

@@ -23,7 +23,7 @@ std::uint32_t end_of_segment(const Snapshot& snapshot, std::uint32_t node, std::
 }  // namespace
 
 SnapshotImager::SnapshotImager(const MeshConfig& config)
-    : image_(std::make_shared<files::MeshImage>()) {
+    : image_(std::make_shared<files::MeshImage>()), domain_(config) {
   const std::size_t vertices = config.vertices_max;
   image_->vertices.reserve(vertices);
   image_->triangles.reserve(2 * vertices);
@@ -50,6 +50,7 @@ std::shared_ptr<const files::MeshImage> SnapshotImager::make(const Snapshot& sna
   image_->node_count = static_cast<std::uint32_t>(image_->vertices.size());
   image_->feature_count = snapshot.features_active;
   for (std::uint32_t node = 0; node < image_->node_count; ++node) add_segments(snapshot, node);
+  domain_.label(snapshot);
   for (std::uint32_t i = 0; i < image_->vertices.size(); ++i) add_edges_and_triangles(snapshot, i);
   return image_;
 }
@@ -94,19 +95,21 @@ void SnapshotImager::add_edges_and_triangles(const Snapshot& snapshot, std::uint
   const auto first_edge = static_cast<std::ptrdiff_t>(image_->edges.size());
   const auto first_triangle = static_cast<std::ptrdiff_t>(image_->triangles.size());
   const bool is_flat = snapshot.triangle_count == 0;
+  const std::size_t first_around = snapshot.vertices[row_of_[index]].first_neighbour;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     const SnapshotNeighbour& left = neighbours[i];
-    const SnapshotNeighbour& right = neighbours[(i + neighbours.size() - 1) % neighbours.size()];
+    const std::size_t right = (i + neighbours.size() - 1) % neighbours.size();
+    const bool has_left = domain_.has_on_left(first_around + i);
     const SnapshotNeighbour& next = neighbours[(i + 1) % neighbours.size()];
     const std::uint32_t other = index_of_[left.row];
     if (other < index) continue;
-    if (left.constrained || is_flat || left.has_domain_left || right.has_domain_left) {
+    if (left.constrained || is_flat || has_left || domain_.has_on_left(first_around + right)) {
       image_->edges.push_back({.from = index,
                                .to = other,
                                .is_constrained = left.constrained,
                                .marker = left.constrained});
     }
-    if (left.has_domain_left && index_of_[next.row] > index) {
+    if (has_left && index_of_[next.row] > index) {
       image_->triangles.push_back({index, other, index_of_[next.row]});
     }
   }

@@ -9,6 +9,7 @@
 #include "etcm/config.h"
 #include "etcm/files/mesh_image.h"
 #include "firmware/publish/snapshot.h"
+#include "firmware/publish/snapshot_domain.h"
 
 namespace etcm::firmware {
 
@@ -20,8 +21,7 @@ class SnapshotImager {
 
   // The nodes by row, each with its serial (an anchor with -1), and then the Steiner vertices along
   // the features, those at the first node first. Equal meshes whose nodes stand in the same rows
-  // give equal images. Good until the next call. REQUIRES: the snapshot marks the domain. O(n),
-  // and O(degree^2) of each vertex.
+  // give equal images. Good until the next call. O(n), and O(degree^2) of each vertex.
   std::shared_ptr<const files::MeshImage> make(const Snapshot& snapshot);
 
  private:
@@ -30,6 +30,7 @@ class SnapshotImager {
   void add_edges_and_triangles(const Snapshot& snapshot, std::uint32_t index);
 
   std::shared_ptr<files::MeshImage> image_;
+  SnapshotDomain domain_;
   std::vector<std::uint32_t> index_of_;  // by row
   std::vector<std::uint32_t> row_of_;    // by index
   // The segments of one node: the index of the other end, and the row of the first vertex on it.

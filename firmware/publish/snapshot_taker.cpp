@@ -51,10 +51,7 @@ void reserve(Snapshot& snapshot, const Settings& settings, std::uint32_t nodes) 
 }
 
 SnapshotTaker::SnapshotTaker(const Settings& settings, std::uint32_t nodes)
-    : around_(settings.mesh.vertices_max),
-      region_(settings.files ? 2 * std::size_t{settings.mesh.vertices_max} : 0),
-      waiting_(region_.size()),
-      analyst_(settings.analysis, settings.mesh) {
+    : around_(settings.mesh.vertices_max), analyst_(settings.analysis, settings.mesh) {
   reserve(snapshot_, settings, nodes);
   analyst_.take_site(settings.domain);
 }
@@ -77,7 +74,6 @@ const Snapshot& SnapshotTaker::take(std::uint32_t generation, const KeptMesh& ke
   snapshot_.silent_bus_count = presence.silent_bus_count();
   snapshot_.mesh_hash = mesh.hash();
   copy_mesh(kept);
-  if (!region_.empty()) mark_domain(mesh);
   look_at_nodes(nodes, now);
   look_at_features(features);
   look_at_quarantine(poller, quarantine, now);
@@ -124,23 +120,6 @@ void SnapshotTaker::copy_mesh(const KeptMesh& kept) {
     }
   }
   snapshot_.edge_count = static_cast<std::uint32_t>(snapshot_.neighbours.size() / 2);
-}
-
-void SnapshotTaker::mark_domain(const Mesh& mesh) {
-  // A mesh has fewer triangles than two for each vertex, so the buffers are large enough.
-  static_cast<void>(label_domain(mesh, Exterior::automatic, {}, region_, waiting_));
-  for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
-    if (region_[i] != Region::inside) continue;
-    const Triangle triangle = mesh.triangle(TriangleId{static_cast<IdValue>(i)});
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      const SnapshotVertex& from = snapshot_.vertices[triangle.corner[corner].value - 1u];
-      const std::uint32_t to = triangle.corner[(corner + 1) % 3].value - 1u;
-      const auto first = snapshot_.neighbours.begin() + from.first_neighbour;
-      std::find_if(first, first + from.degree, [&](const SnapshotNeighbour& neighbour) {
-        return neighbour.row == to;
-      })->has_domain_left = true;
-    }
-  }
 }
 
 void SnapshotTaker::look_at_nodes(const NodeTable& nodes, port::Instant now) {

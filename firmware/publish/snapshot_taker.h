@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "etcm/domain.h"
 #include "etcm/mesh.h"
 #include "etcm/port/clock.h"
 #include "firmware/config/settings.h"
@@ -44,7 +43,6 @@ class SnapshotTaker {
 
  private:
   void copy_mesh(const KeptMesh& kept);
-  void mark_domain(const Mesh& mesh);
   void look_at_nodes(const NodeTable& nodes, port::Instant now);
   void look_at_outsider(const NodeRecord& node);
   std::uint16_t state_of(const KeptMesh& kept, const NodeTable& nodes) const;
@@ -54,9 +52,6 @@ class SnapshotTaker {
 
   Snapshot snapshot_;
   std::vector<Neighbour> around_;  // of one vertex
-  // By triangle; empty where no files are written.
-  std::vector<Region> region_;
-  std::vector<TriangleId> waiting_;
   Analyst analyst_;
 };
 

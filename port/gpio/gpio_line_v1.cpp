@@ -3,8 +3,8 @@
 #include <array>
 #include <ctime>
 
-#include "gpio/gpio_line.h"
 #include "gpio/chip_offset.h"
+#include "gpio/gpio_line.h"
 
 namespace etcm::port {
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "gpio/gpio_line.h"
 #include "gpio/chip_offset.h"
+#include "gpio/gpio_line.h"
 
 namespace etcm::port {
 

@@ -1,8 +1,8 @@
 // Digital inputs: what bounce does not do, and what a lost event does not hide.
 #include <gtest/gtest.h>
 
-#include "gpio/debounce.h"
 #include "gpio/chip_offset.h"
+#include "gpio/debounce.h"
 #ifdef ETCM_WITH_GPIO
 #include "gpio/gpio_lines.h"
 #include "peer.h"
