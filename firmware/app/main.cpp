@@ -34,7 +34,7 @@ int run(const std::string& config, bool is_check) {
     auto settings =
         std::make_shared<const firmware::Settings>(firmware::read_configuration(config, mistakes));
     for (const std::string& mistake : mistakes) {
-      // Who checks reads them as they are; of a service they are errors in its log.
+      // With --check-config they are printed as they are; of a service they are errors in its log.
       if (is_check) {
         std::fprintf(stderr, "%s\n", mistake.c_str());
       } else {

@@ -1,4 +1,4 @@
-// What the board's lines have to do with the gateway: somebody wants to join, how things stand, and
+// What the board's lines have to do with the gateway: a node is to join, the state is shown, and
 // that it is alive.
 #pragma once
 
@@ -21,7 +21,7 @@ struct BoardLines {
 // however it flutters.
 inline constexpr port::Duration join_interval = std::chrono::seconds(1);
 
-// The watchdog line changes its level this often, as long as somebody calls step().
+// The watchdog line changes its level this often, as long as step() is called.
 inline constexpr port::Duration watchdog_interval = std::chrono::milliseconds(500);
 
 // A status is so many short flashes and a pause.

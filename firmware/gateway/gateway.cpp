@@ -61,7 +61,7 @@ void Gateway::restore(port::Instant now) {
   if (saved->generation > 0) log_restored(*saved, is_same);
   presence_.tell_missing(now);
   static_cast<void>(kept_.take_changed());
-  // Where somebody was is not looked for in its turn, but at once.
+  // Units where a node was are asked at once, before their turn.
   for (const NodeRecord& node : nodes_.records()) {
     if (!node.unit_index.is_none()) poller_.ask_unit_at_once(node.unit_index, now);
   }
@@ -159,7 +159,7 @@ void Gateway::finish_saving(port::Instant now) {
   if (file_publisher_) file_publisher_->step(now);
 }
 
-// Since when somebody is missing is known after a power failure too, within the hour.
+// Since when a node is missing is on the disk too, within the hour.
 void Gateway::keep_silences(port::Instant now) {
   if (snapshot().missing_count == 0 || now - missing_saved_at_ < 1h) return;
   missing_saved_at_ = now;

@@ -2,7 +2,7 @@
 //
 // Everything that changed between two publications is one generation: a node that joins on its own
 // has a generation of its own, and a burst of them shares one, publish_pause apart from the next.
-// No input or output of its own, no waiting: whoever runs it calls step() when bytes have arrived
+// No input or output of its own, no waiting: its caller calls step() when bytes have arrived
 // or next_deadline() is reached.
 #pragma once
 
@@ -68,7 +68,7 @@ class Gateway final : private ReadingListener, private RequestSource {
   // Hears how these went.
   void finish_saving(port::Instant now);
 
-  // Asks the units with this address next: somebody says that a node is there.
+  // Asks the units with this address next: a node is said to be there.
   void ask_at_once(ModbusAddress address, port::Instant now) { poller_.ask_at_once(address, now); }
 
   // Other settings, in what can change while the gateway runs (reload.h). Where units are asked

@@ -104,7 +104,7 @@ void NodePlacement::leave(NodeRecord& node, const char* why, std::uint32_t gener
   if (anchor != nullptr) anchor->is_taken = false;
   const Status status = anchor != nullptr ? Status::ok : kept_.mesh().leave(node.vertex);
   node.leave_rejected = status != Status::ok;
-  // A rejection alone makes room for nobody.
+  // A rejection alone makes no room.
   if (!node.leave_rejected || lost_features) {
     kept_.begin_epoch();
     kept_.mark_changed();

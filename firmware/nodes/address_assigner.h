@@ -1,11 +1,11 @@
 // Gives nodes that answer at the default unit a unit of their own.
 //
-// First somebody is looked for at the new unit; where nobody answers, the node is written its new
+// First the new unit is asked; where it does not answer, the node is written its new
 // unit together with its serial, so that only the node with that serial takes it, however many wait
 // at the default unit; then it must answer at the new unit. One node of a bus at a time.
 //
-// A unit where somebody answered before is given last, and of these the one that has been silent
-// longest first: who was there may come back to it, and two nodes at one unit can be told nothing.
+// A unit that answered before is given last, and of these the one that has been silent
+// longest first: its node may come back, and two nodes at one unit can be told nothing.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ class AddressAssigner {
   void next(BusIndex bus, BusRequest& request);
   // Returns the unit where the node answers now, or none while there is no such.
   UnitIndex done(BusIndex bus, const port::BusAnswer& answer, port::Instant now);
-  // Whom done() spoke of.
+  // The node of the last done().
   Serial last_serial(BusIndex bus) const { return jobs_[bus.value].last_serial; }
 
  private:
@@ -51,12 +51,12 @@ class AddressAssigner {
     Serial last_serial;
     port::Instant retry_at{};  // with the same node as last time
     bool is_full = false;      // and said so
-    Serial unwilling;          // who did not take a unit, and that was said
+    Serial unwilling;          // did not take a unit, and the log says so
     AssignmentRegisters registers{};
   };
 
   bool is_free(UnitIndex unit) const;
-  // When somebody was last known to be there; the origin: never.
+  // When a node was last known to be there; the origin: never.
   port::Instant used_at(UnitIndex unit) const;
   // Takes the best of the free units that the bus may give, or the next best after the one chosen
   // before.

@@ -91,7 +91,7 @@ bool Admission::has_gone(const NodeRecord& node, port::Instant now) const {
          now - node.heard_at > settings_.stale_after;
 }
 
-// Who answers comes before who is missing.
+// A node that answers comes before one that is missing.
 NodeRecord* Admission::add(Serial serial, port::Instant now) {
   if (NodeRecord* const node = nodes_.add(serial, now); node != nullptr) return node;
   NodeRecord* longest = nullptr;

@@ -42,7 +42,7 @@ class Admission {
   // The record of the node that answered; null when it is not believed, at least not yet.
   NodeRecord* admit(UnitIndex unit, Serial serial, port::Instant now);
 
-  // Forgets conflicts that nobody has given reason for lately.
+  // Drops conflicts for which there has been no reason lately.
   void sweep(port::Instant now);
 
   // By unit.

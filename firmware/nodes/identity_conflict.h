@@ -1,4 +1,4 @@
-// What may be wrong with who a node says it is.
+// What may be wrong with the identity of a node.
 #pragma once
 
 #include <cstdint>

@@ -126,7 +126,7 @@ BusIndex Presence::bus_of(const NodeRecord& node) const {
 
 void Presence::check_node(NodeRecord& node, port::Instant now, std::uint32_t generation) {
   if (node.has_asked_to_leave() && !node.is_placed()) {
-    // Nobody waits for it, whatever its bus does.
+    // It leaves at once, whatever its bus does.
     if (now - node.heard_at > settings_.leave_after) nodes_.release(node);
     return;
   }

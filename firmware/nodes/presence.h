@@ -1,8 +1,8 @@
-// Who is there: whose position is fresh, who has fallen silent, and who is missing.
+// Which nodes are there: with a fresh position, silent, or missing.
 //
 // A node whose own silence (silence_clock.h) is longer than leave_after leaves the mesh and is
 // missing: it stays known, with its last place and unit, until it answers again, asks to leave, or
-// is dismissed. One that asked to leave before it fell silent is missed by nobody.
+// is dismissed. One that asked to leave before it fell silent is not missing.
 #pragma once
 
 #include <cstdint>
@@ -28,20 +28,20 @@ class Presence {
   // The gateway's loop turns: before anything is heard in this turn.
   void turn(port::Instant now) { clock_.turn(now, sweep_interval_); }
 
-  // A sound answer of this unit, whoever it is from.
+  // A sound answer of this unit, whichever node it is from.
   void hear_unit(UnitIndex unit, port::Instant now);
   // It is this node's. After hear_unit().
   void hear_node(NodeRecord& node, const NodeReading& reading, port::Instant now);
 
-  // Looks for those whose position is no longer fresh, who is to leave, and buses that are silent.
+  // Finds nodes whose position is no longer fresh, those to leave, and silent buses.
   // `generation` is what the log calls the result.
   void sweep(port::Instant now, std::uint32_t generation);
   bool is_due(port::Instant now) const { return sweep_due_ <= now; }
   port::Instant next_deadline() const { return sweep_due_; }
 
-  // Nobody needs to have answered before `heard_by`.
+  // No node needs to have answered before `heard_by`.
   void update_settings(const PollSettings& settings, port::Instant heard_by, port::Instant now);
-  // Nobody who is missing now is waited for any longer.
+  // Nodes that are missing now are waited for no longer.
   void dismiss_missing();
   // Those known from an earlier run: the log says how many, and one of them.
   void tell_missing(port::Instant now);

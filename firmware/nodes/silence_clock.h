@@ -47,7 +47,7 @@ class SilenceClock {
   // When one did last; the origin: never.
   port::Instant heard_at(BusIndex bus) const { return buses_[bus.value].heard_at; }
 
-  // Nobody needs to have answered before so much has passed: until then no silence counts.
+  // No answer is due before so much has passed: until then no silence counts.
   void postpone(port::Duration time);
 
  private:

@@ -136,7 +136,7 @@ NodeRecord* StateTransfer::restore_node(const SavedState& saved, const SavedNode
   return record;
 }
 
-// Where the node table is full it is forgotten: who answers comes first.
+// Where the node table is full it is dropped: nodes that answer come first.
 void StateTransfer::restore_missing(const SavedState& saved, const SavedMissing& missing,
                                     port::Instant now) {
   NodeRecord* const record = nodes_.add(missing.node.serial, now);

@@ -1,4 +1,4 @@
-// Single requests that somebody else than the poller has for the units of a bus: they wait until
+// Single requests to the units of a bus that are not polls: they wait until
 // the polls leave time.
 #pragma once
 

@@ -87,7 +87,7 @@ port::Instant BusSchedule::update_settings(const PollSettings& poll, const BusSe
   return asked_by + cost_max_;
 }
 
-// Whoever has a share of a busy bus comes before those that are due; their shares are small.
+// Units with a share of a busy bus come before those that are due; the shares are small.
 std::optional<BusSchedule::Question> BusSchedule::next_question(port::Instant now) {
   if (discovery_start(now) <= now) {
     return Question{.address = next_undiscovered(), .reason = Reason::discovery, .due = now};
@@ -101,7 +101,7 @@ std::optional<BusSchedule::Question> BusSchedule::next_question(port::Instant no
   return Question{.address = turn.address, .reason = *reason, .due = turn.due};
 }
 
-// Whoever has waited longest and may be asked.
+// The one that has waited longest and may be asked.
 std::optional<BusSchedule::Reason> BusSchedule::next_reason(port::Instant now) const {
   const port::Instant turn = turns_.empty() ? port::never : turns_.front().due;
   const port::Instant repeat = repeat_start(now);
@@ -112,7 +112,7 @@ std::optional<BusSchedule::Reason> BusSchedule::next_reason(port::Instant now) c
   if (turn > now) return failing;
   if (repeat <= now) return Reason::repeat;
   // A retry of a busy line has its share of the time, however long the others have waited; but
-  // where they will soon have been asked it comes after them, unless somebody calls for it.
+  // where they will soon have been asked it comes after them, unless it is called for.
   const bool is_first =
       retry <= now && (retries_.front().due == port::Instant{} || now - retry >= poll_.interval);
   return is_first ? Reason::retry : Reason::turn;
@@ -152,7 +152,7 @@ port::Instant BusSchedule::next_due(port::Instant now) const {
 }
 
 // From when on something may be asked that is less urgent than those whose turn it is: at once
-// where nobody is about to be asked, else when its share allows.
+// where no unit is about to be asked, else when its share allows.
 port::Instant BusSchedule::start_beside(port::Instant due, port::Instant free_at,
                                         port::Duration cost, port::Instant now) const {
   if (due == port::never || turns_.empty()) return due;
@@ -217,7 +217,7 @@ void BusSchedule::note_cost(ModbusAddress address, const port::BusAnswer& answer
   if (!is_ok) unit.cost = cost;
   switch (unit.reason) {
     case Reason::turn:
-      // Who was never there is asked again in the time of those that fail.
+      // A unit that was never there is asked again in the time of those that fail.
       if (!is_ok && !unit.has_answered) retry_share_.charge(cost, now);
       return;
     case Reason::repeat:
@@ -229,7 +229,7 @@ void BusSchedule::note_cost(ModbusAddress address, const port::BusAnswer& answer
       return;
     case Reason::retry:
       --retries_under_way_;
-      // Who answers takes no more than those that are there.
+      // One that answers takes no more than those that are there.
       if (!is_ok) retry_share_.charge(cost, now);
       return;
     case Reason::discovery:

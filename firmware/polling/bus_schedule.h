@@ -20,7 +20,7 @@ namespace etcm::firmware {
 // A unit that does not answer, or not soundly, is asked ever less often, down to absent_interval
 // (a little earlier each time, differently for each unit, so that such units do not meet). What it
 // costs the others is bounded too: where a bus takes several requests at a time, such units never
-// have more than half of them; where it takes one, they have the time that nobody else needs, and
+// have more than half of them; where it takes one, they have the time that no other unit needs, and
 // 1/32 of the rest. A torn read is repeated at once. While a bus has lost its link, its units are
 // not asked and do not count as failing.
 //
@@ -29,13 +29,13 @@ namespace etcm::firmware {
 // interval: both before those that have failed more often. Where a bus takes one request at a time
 // the former costs the others 1/32 of its time (what was not used in two minutes may be used at
 // once, for many may lose a frame together), the latter 1/12 until each unit was asked twice. Units
-// that somebody calls for are asked at once too, for another 1/32; beyond it as failing units are.
+// that are called for are asked at once too, for another 1/32; beyond it as failing units are.
 //
 // Units that are only looked for (discovery) are asked one at a time, one in each interval, until
 // one answers; on a line that others want within scan_budget of each interval. One that was found
 // and does not answer any more is only looked for again, once others of its bus answer.
 //
-// Requests wait until nobody is due; on a bus that is always busy they have 1/16 of its time.
+// Requests wait until no unit is due; on a bus that is always busy they have 1/16 of its time.
 //
 // Where no unit of a bus answers, something between is broken, such as a cable: all are asked as
 // often as if they were there, and all at once when the first answers again.
@@ -55,14 +55,14 @@ class BusSchedule {
 
   void add_unit(ModbusAddress address, bool is_listed);
 
-  // Other settings: whoever would be asked later than these have it comes forward. Returns when all
-  // units that are there will have answered, on a bus that has the time.
+  // Other settings: units that would be asked later than these have it come forward. Returns when
+  // all units that are there will have answered, on a bus that has the time.
   port::Instant update_settings(const PollSettings& poll, const BusSettings& settings,
                                 port::Instant now);
   const BusSettings& settings() const { return settings_; }
 
-  // Whom to ask now. Each question ends with ask(), or with postpone() where the bus would not take
-  // it yet.
+  // The unit to ask now. Each question ends with ask(), or with postpone() where the bus would not
+  // take it yet.
   std::optional<Question> next_question(port::Instant now);
   void ask(const Question& question, port::Instant now);
   void postpone(const Question& question, port::Instant until);
@@ -79,11 +79,11 @@ class BusSchedule {
   void note_torn(ModbusAddress address);
   void note_link_lost(ModbusAddress address, port::Instant now);
 
-  // Somebody is said to be there: it is asked next, whoever else is due and however often it has
-  // failed; call_for() does so as far as the share of such calls allows.
+  // A node is said to be there: the unit is asked next, before all that are due and however often
+  // it has failed; call_for() does so as far as the share of such calls allows.
   void ask_at_once(ModbusAddress address, port::Instant now);
   void call_for(ModbusAddress address, port::Instant now);
-  // Whoever was there is known to have gone: its silence is no news.
+  // What was there is known to have gone: its silence is no news.
   void expect_silence(ModbusAddress address);
 
   // When a request that is due then may be made.
@@ -167,7 +167,7 @@ class BusSchedule {
   TimeShare repeat_share_{32, std::chrono::minutes(2)};
   TimeShare first_repeat_share_{12};  // of units that have never answered
   TimeShare retry_share_{32};
-  TimeShare call_share_{32};  // of units that somebody calls for
+  TimeShare call_share_{32};  // of units that are called for
   TimeShare request_share_{16};
 
   std::vector<ModbusAddress> discovery_;  // units that are not listed

@@ -23,7 +23,7 @@ struct UnitCounters {
   std::uint64_t count(port::BusResult result) const {
     return results[static_cast<std::size_t>(result)];
   }
-  // Whoever answers with an exception is there too.
+  // A unit that answers with an exception is there too.
   bool has_answered() const {
     return count(port::BusResult::ok) + count(port::BusResult::exception) > 0;
   }

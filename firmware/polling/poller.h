@@ -33,29 +33,29 @@ class ReadingListener {
   ~ReadingListener() = default;
 };
 
-// Whom it asks next and when, bus_schedule.h says.
+// The order is that of bus_schedule.h.
 class Poller {
  public:
   // All arguments but settings must outlive the poller.
   Poller(const PollSettings& settings, std::span<const PolledBus> buses, ReadingListener& listener,
          port::Log& log, RequestSource* requests = nullptr);
 
-  // Takes what was answered and asks whoever is due.
+  // Takes what was answered and asks the units that are due.
   void step(port::Instant now);
   port::Instant next_deadline() const;
 
-  // Other settings of the polls, or other timeouts of the same buses: whoever would be asked later
-  // than these have it comes forward. Returns when all units that are there will have answered, on
-  // buses that have the time.
+  // Other settings of the polls, or other timeouts of the same buses: units that would be asked
+  // later than these have it come forward. Returns when all units that are there will have
+  // answered, on buses that have the time.
   port::Instant update_settings(const PollSettings& settings, std::span<const BusSettings> buses,
                                 port::Instant now);
 
-  // Somebody is said to be at this address: asks its units next, whoever else is due and however
+  // A node is said to be at this address: asks its units next, before all that are due and however
   // often they have failed, as far as their share of the time allows.
   void ask_at_once(ModbusAddress address, port::Instant now);
 
   void ask_unit_at_once(UnitIndex unit, port::Instant now);
-  // Whoever was at this unit is known to have gone: its silence is no news.
+  // What was at this unit is known to have gone: its silence is no news.
   void expect_silence(UnitIndex unit);
 
   std::uint32_t unit_count() const { return static_cast<std::uint32_t>(units_.size()); }
@@ -80,8 +80,8 @@ class Poller {
   const UnitCounters& counters(UnitIndex unit) const { return units_[unit.value].counters; }
   // Else it is only looked for.
   bool is_listed(UnitIndex unit) const { return schedule_of(unit).is_listed(address_of(unit)); }
-  // Whether a bus has had somebody to ask, or a question under way for longer than that may be, and
-  // for `patience` has neither asked nor heard anything. One whose link is down has nobody to ask.
+  // Whether a bus has had a unit to ask, or a question under way for longer than that may be, and
+  // for `patience` has neither asked nor heard anything. One whose link is down has no unit to ask.
   bool is_stalled(BusIndex bus, port::Instant now, port::Duration patience) const;
 
  private:

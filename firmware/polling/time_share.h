@@ -20,7 +20,7 @@ class TimeShare {
 
   // One has cost so much.
   void charge(port::Duration cost, port::Instant now) {
-    // Those asked beside the share, in time that nobody needs, do not add up.
+    // Those asked beside the share, in time that is not needed, do not add up.
     const port::Instant from = std::clamp(used_up_to_, now, now + saved_max_);
     used_up_to_ = std::max(used_up_to_, from + cost * (parts_ - 1));
   }

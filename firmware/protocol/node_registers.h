@@ -22,7 +22,7 @@ inline constexpr std::uint16_t node_magic = 0x4554;
 inline constexpr std::uint8_t node_map_version = 1;
 
 // A read may leave out so many registers from the first on: every node has the same there. The
-// second of them still tells a node from other devices; who is known to be one can do without.
+// second of them still distinguishes a node from other devices; of a known node it can be left out.
 inline constexpr std::uint16_t node_register_spare = 2;
 inline constexpr std::uint16_t stranger_register_spare = 1;
 

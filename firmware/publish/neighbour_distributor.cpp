@@ -97,7 +97,7 @@ bool NeighbourDistributor::next(BusIndex bus, port::Instant now, BusRequest& req
 bool NeighbourDistributor::needs_write(const NodeRecord& node, DeliveredConfig& told, Job& job,
                                        port::Instant now) {
   if (told.serial != node.serial || told.boot_count != node.boot_count) {
-    // Who is not in the snapshot with this slot has it since then.
+    // A node that is not in the snapshot with this slot has it since then.
     const bool is_in_snapshot =
         told.row != no_row && snapshot_.vertices[told.row].serial == node.serial;
     told = {.serial = node.serial,

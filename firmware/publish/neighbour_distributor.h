@@ -43,7 +43,7 @@ class NeighbourDistributor {
   // What a node was told, by its slot in the node table.
   struct DeliveredConfig {
     Serial serial;               // whose slot it was
-    std::uint32_t row = no_row;  // of who has the slot, in the snapshot
+    std::uint32_t row = no_row;  // of the node with the slot, in the snapshot
     std::uint16_t boot_count = 0;
     bool is_written = false;   // and confirmed: `fingerprint`
     bool is_rejected = false;  // it knows no such registers

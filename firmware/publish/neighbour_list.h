@@ -1,4 +1,4 @@
-// Whom a node is next to, as it is told: by serial.
+// The neighbours of a node, as they are written to it: by serial.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace etcm::firmware {
 
 // The nodes that an edge of the mesh joins to it, and, where a feature leads from it to a Steiner
 // vertex, the next node on that feature: a Steiner vertex has no serial and is only a proposal for
-// a relay, but along the feature nobody stands between the two. Other Steiner vertices are left
+// a relay, but along the feature no node stands between the two. Other Steiner vertices are left
 // out.
 class NeighbourList {
  public:

@@ -1,4 +1,4 @@
-// What is kept out of the mesh, and why: one list for the page, the registers and whoever asks.
+// What is kept out of the mesh, and why: one list for the page, the registers and others.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct QuarantineEntry {
   UnitIndex unit_index{};     // where the node answers, if that is known
   Position position{};        // where the node or the anchor cannot be, if it is one
   Rejection rejection{};      // none: it did not come so far
-  IdentityConflict conflict = IdentityConflict::none;  // about who the node is
+  IdentityConflict conflict = IdentityConflict::none;  // about the node's identity
   port::Instant since{};
 };
 

@@ -107,7 +107,7 @@ inline std::span<const SnapshotNeighbour> neighbours_of(const Snapshot& snapshot
   return std::span(snapshot.neighbours).subspan(vertex.first_neighbour, vertex.degree);
 }
 
-// What follows the Steiner vertex `over` on its feature for who comes from its neighbour `from`.
+// What follows the Steiner vertex `over` on its feature, seen from its neighbour `from`.
 std::uint32_t next_on_feature(const Snapshot& snapshot, std::uint32_t from, std::uint32_t over);
 
 }  // namespace etcm::firmware

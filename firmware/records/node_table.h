@@ -1,4 +1,4 @@
-// Who is known: the nodes by serial, whichever unit they answer at.
+// The known nodes by serial, whichever unit they answer at.
 #pragma once
 
 #include <cstdint>
@@ -82,7 +82,7 @@ class NodeTable {
 
   // A record for a serial that has none, at no unit; null when all are in use.
   NodeRecord* add(Serial serial, port::Instant now);
-  // The node answers at this unit from now on. Whoever was known there is at none.
+  // The node answers at this unit from now on. The one that was there is at none.
   void assign_unit(NodeRecord& node, UnitIndex unit);
   // It answers at no unit any more; the one it had is free for others.
   void vacate(NodeRecord& node);

@@ -14,7 +14,7 @@ namespace etcm::firmware {
 // No piece of a document is longer.
 inline constexpr std::size_t piece_bytes_max = 2560;
 
-// How far somebody has read: what the numbers count is the document's business. All zeros is the
+// How far a reader is: what the numbers count is the document's business. All zeros is the
 // beginning.
 struct Cursor {
   std::uint32_t section = 0;

@@ -6,7 +6,7 @@
 //   "edges"            all edges of the mesh that are no part of a feature
 //   "features"         those that are
 //   "long_links"       edges longer than the radio range, if one is set
-//   "gaps"             segments of features that nobody senses, if a sensing range is set
+//   "gaps"             segments of features that no node senses, if a sensing range is set
 //   "relay"            a point: where one more relay than the Steiner vertices would have to stand
 //   "hole"             a point out of the sensing range, and how far the nearest node is
 //   "missing"          a configured feature that is not in the mesh; no geometry

@@ -1,4 +1,4 @@
-// What the log said lately, kept for those who look at the status page.
+// The latest lines of the log, kept for the status page.
 #pragma once
 
 #include <array>

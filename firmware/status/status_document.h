@@ -6,7 +6,7 @@
 
 namespace etcm::firmware {
 
-// Counts, state, who is missing, buses and recent events: small, and never the same twice.
+// Counts, state, missing nodes, buses and recent events: small, and never the same twice.
 class StatusDocument final : public Document {
  public:
   StatusDocument(const StatusSources& sources, const BusMeter& meter)

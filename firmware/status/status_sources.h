@@ -12,7 +12,7 @@
 
 namespace etcm::firmware {
 
-// All of it must outlive whoever uses it.
+// All of it must outlive its users.
 struct StatusSources {
   const Gateway& gateway;
   const RecentEvents& events;
@@ -20,7 +20,7 @@ struct StatusSources {
   const port::ServiceCounters& readers;  // of the page
   std::string_view version;
   port::Instant started_at{};
-  std::uint64_t (*resident_bytes)() = nullptr;  // memory of the process; null: nobody knows
+  std::uint64_t (*resident_bytes)() = nullptr;  // memory of the process; null: not known
 };
 
 // Tells one run of the gateway from another.

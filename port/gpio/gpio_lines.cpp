@@ -36,7 +36,7 @@ class GpioLines::Input final : private EventHandler {
     has_moved_ = true;
     if (line_.discard_events()) return;
     const int error = errno;
-    // Nobody could wait for it: it is ready all the time.
+    // Waiting for it is impossible: it is ready all the time.
     is_gone_ = true;
     loop_.remove(line_.descriptor());
     log_.write(Level::warning, "gpio line " + name_ + " is gone (" + std::strerror(error) +

@@ -40,7 +40,7 @@ class FrameConnection {
                     std::size_t pdu_bytes) = 0;
 
   // With nothing under way: whatever has come is the start of an answer that is too late, and its
-  // end would be taken for the start of the next one. Nobody hears of it.
+  // end would be taken for the start of the next one. It is not reported.
   virtual void discard() = 0;
 
   // Is down then, and says nothing.

@@ -1,4 +1,5 @@
-// Who is there: FC 17 (report server id) and FC 43/14 (read device identification), both ends.
+// The identity of a unit: FC 17 (report server id) and FC 43/14 (read device identification), both
+// ends.
 #pragma once
 
 #include <array>

@@ -49,9 +49,9 @@ class OwedAnswers {
   // It was waited for in vain; its answer may come until then.
   void add(const RtuQuestion& question, Instant asked_at, Instant until);
 
-  // Something came that nobody waits for. Returns when it was asked for, where that is certain, and
-  // that answer is no longer owed. An exception tells no count, so it may be for several; and what
-  // was owed until a minute ago is for nothing that is remembered.
+  // Something came that was not waited for. Returns when it was asked for, where that is certain,
+  // and that answer is no longer owed. An exception tells no count, so it may be for several; and
+  // what was owed until a minute ago is for nothing that is remembered.
   std::optional<Instant> take(std::span<const std::uint8_t> pdu, Instant now);
 
  private:

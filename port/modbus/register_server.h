@@ -1,5 +1,5 @@
-// MeshServer over Modbus TCP: FC 3 and FC 4 read the same image, FC 17 and FC 43/14 tell who serves
-// it, nothing can be written.
+// MeshServer over Modbus TCP: FC 3 and FC 4 read the same image, FC 17 and FC 43/14 tell what
+// serves it, nothing can be written.
 #pragma once
 
 #include <memory>
@@ -20,7 +20,8 @@ class RegisterServer final : public MeshServer, private RequestHandler {
                  const Identity& identity, std::shared_ptr<const RegisterImage> first);
 
   void publish(std::shared_ptr<const RegisterImage> image) override { image_ = std::move(image); }
-  // As TcpListener has it. `log`, which must outlive this, hears who is rejected or hung up on.
+  // As TcpListener has it. `log`, which must outlive this, is told which peers are rejected or hung
+  // up on.
   void allow(std::vector<Network> networks, Log& log);
   void advance(Instant now) { listener_.advance(now); }
   Instant next_deadline() const { return listener_.next_deadline(); }

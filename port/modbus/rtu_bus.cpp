@@ -172,7 +172,7 @@ void RtuBus::listen(Instant now) {
     line_.drop(*found);
   }
   if (phase_ == Phase::waiting) return;
-  // Somebody speaks: nothing is sent into that, but no babbler keeps the line for ever.
+  // The line is busy: nothing is sent into that, but a jabbering unit does not keep it for ever.
   if (phase_ == Phase::idle) {
     be_silent(now + silence_, now + babble_max());
   } else {

@@ -17,8 +17,8 @@
 // So that it falls into no other unit's answer either, the line stays silent after a wait in vain
 // for as long as that unit may still begin to answer: `quiet`, or longer where it once was slower;
 // less once its late answer has passed. Never longer than late_silence_max, and each miss without a
-// late answer halves what is remembered: who falls into another's answer spoils that one, and no
-// more, so waiting longer would cost more.
+// late answer halves what is remembered: one that falls into another's answer spoils that one, and
+// no more, so waiting longer would cost more.
 #pragma once
 
 #include <algorithm>
@@ -120,7 +120,7 @@ class RtuBus final : public NodeBus {
   void be_silent(Instant until, Instant at_latest);
   void stop_sending(Instant now);
   void set_send_enable(bool active);
-  // Whoever speaks is listened to for so long.
+  // A busy line is listened to for so long.
   Duration babble_max() const {
     return static_cast<std::int64_t>(RtuLine::heard_bytes_max) * character_;
   }

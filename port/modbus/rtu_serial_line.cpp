@@ -43,7 +43,7 @@ bool RtuSerialLine::is_sent() const { return port::is_sent(port_.get()); }
 
 void RtuSerialLine::on_ready(bool, bool) {
   if (receive()) return;
-  // Nobody could wait for a port that is gone: it is ready all the time.
+  // Waiting for a port that is gone is impossible: it is ready all the time.
   is_gone_ = true;
   loop_.remove(port_.get());
 }

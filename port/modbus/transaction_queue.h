@@ -3,7 +3,7 @@
 // Most connections lead to a converter: one queue, and one line on which a request that was given
 // up is still waited for. Others lead to units that answer beside each other. Nothing tells which,
 // so a queue is assumed until an answer overtakes an earlier request in good time:
-// - the time of a request runs from when those before it are done with; who waits behind a dead
+// - the time of a request runs from when those before it are done with; a request behind a dead
 //   unit has not failed;
 // - a request that was waited for in vain keeps its room, and those behind it their time, until it
 //   is answered after all or for as long as the slowest answer took (at first hold_at_first, half

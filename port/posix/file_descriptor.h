@@ -23,7 +23,7 @@ class FileDescriptor {
 
   int get() const { return value_; }
   bool is_open() const { return value_ >= 0; }
-  // Whoever takes it closes it.
+  // The taker closes it.
   int release() { return std::exchange(value_, -1); }
   void close() {
     if (value_ >= 0) ::close(std::exchange(value_, -1));

@@ -55,7 +55,7 @@ class Link {
   // Where it leads, for messages: "/dev/ttyUSB0 at 19200 baud, even parity".
   virtual const std::string& name() const = 0;
 
-  // What to look at when nobody answers at all.
+  // What to check when no unit answers at all.
   virtual const char* advice() const = 0;
 
   // Waits without asking. Throws Interrupted.

@@ -12,7 +12,7 @@ namespace etcm::bus {
 namespace {
 
 constexpr std::uint8_t exception_bit = 0x80;
-// Units carry out what nobody answers; they are not ready for the next question at once.
+// Units carry out broadcasts; they are not ready for the next question at once.
 constexpr port::Duration turnaround = std::chrono::milliseconds(200);
 
 // What comes from a bus may be anything, and goes to a person's terminal.

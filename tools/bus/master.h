@@ -1,4 +1,4 @@
-// What one asks the units of a bus, in words: registers, and who is there.
+// What one asks the units of a bus: registers and identities.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace etcm::bus {
 
-// The unit of a broadcast, which nobody answers.
+// The address of a broadcast, which is not answered.
 inline constexpr std::uint8_t everybody = 0;
 // Behind the last register of a unit.
 inline constexpr std::uint32_t register_end = 0x10000;
@@ -21,7 +21,7 @@ struct ErrorDetail {
   enum class Kind : std::uint8_t { silence, garbled, exception } kind = Kind::silence;
   std::uint8_t exception = 0;
 
-  // Nobody is there: silence, or a converter that says so for the unit.
+  // No unit is there: silence, or a converter that says so for the unit.
   bool is_absence() const;
 };
 // What to do about one that reading met: "; check ...", or nothing.
@@ -29,7 +29,7 @@ std::string cure_of(const ErrorDetail& error_detail);
 // "no answer", "exception 2: Illegal data address".
 std::string to_string(const ErrorDetail& error_detail);
 
-// Who a unit says it is; empty texts where it does not say. Printable characters only.
+// The identity that a unit gives; empty texts where it gives none. Printable characters only.
 struct Identification {
   std::string vendor;
   std::string product;
@@ -59,7 +59,7 @@ class Master {
   std::optional<ErrorDetail> write(std::uint8_t unit, std::uint16_t first,
                                    std::span<const std::uint16_t> registers);
 
-  // The same to all units at once. Nobody answers that, so nobody knows.
+  // The same to all units at once. That is not answered, so the result is unknown.
   void broadcast(std::uint16_t first, std::span<const std::uint16_t> registers);
 
   Identification identify(std::uint8_t unit);

@@ -1,4 +1,4 @@
-// etcm-bus scan: which units answer, and who they are.
+// etcm-bus scan: which units answer, and their identities.
 #include <unistd.h>
 
 #include <cstdio>

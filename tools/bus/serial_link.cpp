@@ -1,5 +1,5 @@
-// Modbus RTU. What is said in rtu_bus.h about late answers holds here too: whoever can asks in
-// another way (may_ask), else it is waited until the earlier answer can come no more.
+// Modbus RTU. What is said in rtu_bus.h about late answers holds here too: where possible it asks
+// in another way (may_ask), else it is waited until the earlier answer can come no more.
 #include <algorithm>
 #include <array>
 
@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 
 // Adapters on USB hand over what they received in pieces, up to 16 ms apart.
 constexpr port::Duration pieces_apart = 20ms;
-// After a wait in vain: whoever answers late has begun by then, or is far too late.
+// After a wait in vain: a late answer has begun by then, or is far too late.
 constexpr port::Duration quiet = 50ms;
 
 const char* to_string(port::Parity parity) {
@@ -109,7 +109,7 @@ class SerialLink final : public Link {
       has_heard = listen(until) || has_heard;
     }
     silent_until_ = waiter_.now() + quiet;
-    // Nobody answers a broadcast.
+    // A broadcast is not answered.
     if (unit != 0) owed.add(question, sent_at, waiter_.now() + port::late_answer_max);
     return {.outcome = has_heard ? Outcome::garbled : Outcome::silence, .pdu = {}};
   }
@@ -127,7 +127,7 @@ class SerialLink final : public Link {
   }
 
  private:
-  // Notes what comes that nobody waits for.
+  // Notes what comes that was not waited for.
   void take_late() {
     while (const auto found = line_.next_answer()) {
       static_cast<void>(owed_[found->address].take(found->pdu, waiter_.now()));
@@ -135,7 +135,7 @@ class SerialLink final : public Link {
     }
   }
 
-  // A line on which somebody always speaks is asked nevertheless, after a while.
+  // A line that is never quiet is used nevertheless, after a while.
   void wait_for_silence() {
     const port::Instant at_latest = waiter_.now() + 10 * quiet;
     while (true) {

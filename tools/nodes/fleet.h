@@ -23,8 +23,8 @@ struct Fault {
 
 // Node n is unit n % 247 + 1 of port n / 247, until it is given another unit of that port.
 //
-// Of several nodes at one unit sometimes one is heard, sometimes another, sometimes nobody (two at
-// a time are nobody), as of nodes that answer after a pause by chance; each of them hears what is
+// Of several nodes at one unit sometimes one is heard, sometimes another, sometimes none (two at
+// a time are none), as of nodes that answer after a pause by chance; each of them hears what is
 // written.
 class Fleet {
  public:
@@ -40,7 +40,7 @@ class Fleet {
   std::uint32_t port_count() const;
   std::uint32_t unit_count(std::uint32_t port) const;
 
-  // Of whoever answered last there.
+  // Of the node that answered last there.
   Fault fault(std::uint32_t port, std::uint8_t unit) const;
 
   // The answer of a unit, as RequestHandler has it; with those faults that are in its bytes.
@@ -60,10 +60,10 @@ class Fleet {
     std::uint32_t drift_ms = 0;
     std::array<std::uint16_t, firmware::configuration_register_count> configuration{};
   };
-  // Who is at a unit.
+  // The nodes at a unit.
   struct Address {
     std::vector<std::uint32_t> nodes;
-    std::uint32_t last = 0;  // of them, who answered
+    std::uint32_t last = 0;  // of them, which answered
     std::uint32_t questions = 0;
   };
 

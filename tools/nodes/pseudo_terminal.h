@@ -25,7 +25,7 @@ class PseudoTerminal {
  private:
   port::FileDescriptor near_;
   port::FileDescriptor
-      far_;  // held open, or near_ would be hung up on while nobody has the other end
+      far_;  // held open, or near_ would be hung up on while the other end is not open
   std::string path_;
   bool is_linked_ = false;
 };

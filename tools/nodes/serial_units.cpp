@@ -96,7 +96,7 @@ void SerialUnits::send(port::Instant now) {
   const std::int64_t due = now < answer_begin_ ? 0 : (now - answer_begin_) / character_;
   const std::size_t end = std::min(answer_.size(), static_cast<std::size_t>(due));
   if (end <= sent_) return;
-  // What nobody reads is lost, as on a cable.
+  // What is not read is lost, as on a cable.
   [[maybe_unused]] const ssize_t written =
       ::write(descriptor_, answer_.data() + sent_, end - sent_);
   sent_ = end;

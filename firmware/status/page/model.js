@@ -16,7 +16,7 @@ export function readMesh(geojson) {
     edges: [],            // pairs of places
     features: [],
     longLinks: [],
-    gaps: [],             // stretches of features that nobody senses
+    gaps: [],             // segments of features that no node senses
     relays: [],           // beside the Steiner vertices
     holes: [],            // places out of the sensing range
     sensingRange: geojson.sensing_range,
@@ -73,7 +73,7 @@ function addPoint(mesh, feature) {
   }
 }
 
-// Takes over ages.json, [[serial, milliseconds], ...], who is missing, and what follows from them.
+// Takes over ages.json, [[serial, milliseconds], ...], missing nodes, and what follows from them.
 export function setAges(mesh, ages, status) {
   for (const [serial, ageMs] of ages) {
     const node = mesh.bySerial.get(serial);

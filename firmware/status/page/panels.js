@@ -62,7 +62,7 @@ export function showBuses(status) {
   }));
 }
 
-// Who fell silent and left the mesh for that; `go` is called with the serial that was clicked.
+// Nodes that fell silent and left the mesh for that; `go` is called with the serial that was clicked.
 export function showMissing(entries, go) {
   byId("missing").hidden = entries.length === 0;
   byId("missing-title").textContent = `Missing (${entries.length})`;

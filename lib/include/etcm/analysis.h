@@ -1,9 +1,9 @@
-// What a mesh tells whoever runs the network: links, relays, holes, gaps, readings in between.
+// What a mesh tells the operator of the network: links, relays, holes, gaps, readings in between.
 //
 // Every comparison is exact. Ranges are whole user units, at least 1. Nothing here changes a mesh,
 // takes memory of its own or recurses; the library is etcm::analysis.
 //
-// Who counts. Links and connectivity take each vertex of the mesh they are given for a device. So
+// What counts. Links and connectivity take each vertex of the mesh they are given for a device. So
 // there are two answers, and the mesh says which:
 //   the network as it stands: the mesh of the devices alone (build() with no features);
 //   the network with a device at each vertex of the conforming mesh, Steiner vertices included.
@@ -71,7 +71,7 @@ struct Connectivity {
   SquaredLength least;
   VertexId from{};  // that edge (with several as long, any)
   VertexId to{};
-  // The parts into which it falls when the radios reach `radio_range`, whoever may talk to whom.
+  // The parts into which it falls when the radios reach `radio_range`, whatever links are allowed.
   std::uint32_t parts = 0;
 };
 

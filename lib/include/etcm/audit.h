@@ -1,4 +1,4 @@
-// audit: is this mesh what mesh.h promises? For tests, and for whoever does not take our word.
+// audit: is this mesh what mesh.h promises? For tests, and for users who want proof.
 #pragma once
 
 #include <cstdint>

@@ -50,7 +50,7 @@ inline constexpr std::size_t bytes_fixed = 512;
 
 // The memory Mesh::open needs for this configuration, all in, as a Size of this machine or of
 // another. Where that is more than a Size can tell, the greatest there is: storage of that length
-// there is none, so nobody takes less memory for enough.
+// there is none, so too little memory is never taken for enough.
 template <class Size>
 [[nodiscard]] constexpr Size storage_bytes_as(std::uint32_t vertices_max,
                                               std::uint32_t features_max) noexcept {

@@ -37,7 +37,7 @@ void for_each_subsegment(const MeshState& m, Visit visit) noexcept {
   }
 }
 
-// --- analysis_walk.cpp: who is the nearest, at a place and along a straight line
+// --- analysis_walk.cpp: the nearest vertex, at a place and along a straight line
 
 // A vertex that no other is nearer to the place than; none in an empty mesh. The cost of locate(),
 // and the way along the hull where the place is outside.

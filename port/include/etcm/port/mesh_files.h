@@ -22,7 +22,7 @@ class MeshFiles {
 
   // Starts to replace the published files by those of this mesh. A reader sees each file of the old
   // mesh or of the new one, never a part; where it fails, the old files stay. REQUIRES: nothing is
-  // under way, the mesh is no larger than the adapter was made for, and nobody changes the image
+  // under way, the mesh is no larger than the adapter was made for, and the image does not change
   // until take_result() has told how it ended.
   virtual void start_write(std::shared_ptr<const files::MeshImage> image) = 0;
   virtual bool is_writing() const = 0;

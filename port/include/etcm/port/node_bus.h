@@ -60,14 +60,14 @@ struct BusAnswer {
   std::span<const std::uint16_t> registers;
 };
 
-// Whether it is a converter that says that nobody is there.
+// Whether it is a converter that says that no unit is there.
 constexpr bool is_of_converter(BusResult result, std::uint8_t exception) {
   constexpr std::uint8_t path_unavailable = 0x0a;
   constexpr std::uint8_t no_response = 0x0b;
   return result == BusResult::exception &&
          (exception == path_unavailable || exception == no_response);
 }
-// Nobody is there: silence, or a converter that says so.
+// No unit is there: silence, or a converter that says so.
 constexpr bool is_absence(const BusAnswer& answer) {
   return answer.result == BusResult::timeout || is_of_converter(answer.result, answer.exception);
 }
@@ -77,7 +77,7 @@ class NodeBus {
   // Whether a request would be taken now: the link is up and has room for one more.
   virtual bool ready() const = 0;
 
-  // From when on this may be asked, whoever else is: while a late answer may be under way that
+  // From when on this may be asked, whatever else is: while a late answer may be under way that
   // would look like the answer to it, it is not. What is started earlier is not sent, and times out
   // at once.
   virtual Instant read_free_at(const RegisterRead&, Instant) const { return {}; }

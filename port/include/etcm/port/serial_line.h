@@ -10,7 +10,7 @@ namespace etcm::port {
 
 enum class Parity : std::uint8_t { none, even, odd };
 
-// Who switches an RS-485 transceiver from listening to sending.
+// What switches an RS-485 transceiver from listening to sending.
 enum class Direction : std::uint8_t {
   adapter,  // itself, or there is none
   kernel,   // the driver of the serial port, with RTS

@@ -1,4 +1,4 @@
-// Whoever started the gateway and looks after it.
+// What started the gateway and supervises it.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ class ServiceManager {
   // One line for whoever asks how the gateway is.
   virtual void tell_status(std::string_view line) = 0;
 
-  // A gateway that is not `alive` for so long is ended and started anew; zero: nobody watches.
+  // A gateway that is not `alive` for so long is ended and started anew; zero: it is not watched.
   virtual Duration watchdog_timeout() const = 0;
 
  protected:

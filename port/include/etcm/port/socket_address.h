@@ -1,4 +1,4 @@
-// Where to reach somebody over TCP.
+// The address of a peer over TCP.
 #pragma once
 
 #include <cstdint>
