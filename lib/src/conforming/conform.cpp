@@ -89,8 +89,8 @@ void constrain_finished(MeshState& m, VertexId v, VertexId end) noexcept {
 // Splits a missing subsegment until it is a run of edges, from both ends inwards. What is left
 // always lies between two vertices that are known, so nothing is walked again: no split breaks
 // another subsegment of the same line. Where a policy splits outside both feasible sets it stops,
-// with `is_whole` false: the caller looks what is there.
-Status conform_subsegment(Change& change, SegmentId s, Subsegment subsegment,
+// with `is_whole` false: the caller looks what is there. `subsegment` is used up.
+Status conform_subsegment(Change& change, SegmentId s, Subsegment& subsegment,
                           bool& is_whole) noexcept {
   MeshState& m = change.mesh;
   is_whole = true;
@@ -139,7 +139,8 @@ Status conform_segment(Change& change, SegmentId s) noexcept {
   VertexId v = r.first.is_none() ? r.from : r.first;
   const VertexId last = r.first.is_none() ? r.to : r.last;
   while (v != last) {
-    const Subsegment subsegment = march(m, v, end);
+    Subsegment subsegment = march(m, v, end);
+    const VertexId tail = subsegment.tail;
     const SegmentId crossed = crossed_section(m, s, subsegment);
     if (!crossed.is_none()) {
       m.error_detail.other = feature_of(m, crossed);
@@ -147,13 +148,13 @@ Status conform_segment(Change& change, SegmentId s) noexcept {
     }
     if (subsegment.is_edge) {
       constrain_subsegment(m, subsegment);
-      v = subsegment.tail;
+      v = tail;
       continue;
     }
     bool is_whole = false;
     const Status status = conform_subsegment(change, s, subsegment, is_whole);
     if (status != Status::ok) return status;
-    if (is_whole) v = subsegment.tail;
+    if (is_whole) v = tail;
   }
   return Status::ok;
 }

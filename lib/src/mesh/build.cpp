@@ -188,6 +188,24 @@ Status constrain_segment(MeshState& m, SegmentId s) noexcept {
   return Status::ok;
 }
 
+// A build ends early. Features not begun are linked, so that their missing subsegments count too.
+// Not inline, or the deepest call, a build that goes on, would have the room of this too.
+[[gnu::noinline]] Status keep_what_stands(Mesh& mesh, Change& change, FeatureList& pending,
+                                          Status status) noexcept {
+  MeshState& m = change.mesh;
+  const ErrorDetail error_detail = m.error_detail;
+  for (SegmentId root = pending.pop(m); !root.is_none(); root = pending.pop(m)) {
+    const SurveyResult surveyed = survey(m, root);
+    if (surveyed.status != Status::ok) return reject(mesh, change, surveyed.status);
+    link_feature(change, root, surveyed.nodes_between);
+  }
+  m.unresolved = constrain_rest(change);
+  ETCM_VERIFY_THAT(m.unresolved != 0);
+  end_change(change);
+  m.error_detail = error_detail;
+  return status;
+}
+
 }  // namespace
 
 Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds> features,
@@ -200,21 +218,7 @@ Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds>
   if (nodes_stand != nullptr) nodes_stand(context);
   status = conform_features(change, pending);
   if (is_bad_input(status)) return reject(*this, change, status);
-  if (status != Status::ok) {
-    // What stands stands. Features not begun are linked, so that their missing subsegments count
-    // too.
-    ErrorDetail error_detail = m.error_detail;
-    for (SegmentId root = pending.pop(m); !root.is_none(); root = pending.pop(m)) {
-      const SurveyResult surveyed = survey(m, root);
-      if (surveyed.status != Status::ok) return reject(*this, change, surveyed.status);
-      link_feature(change, root, surveyed.nodes_between);
-    }
-    m.unresolved = constrain_rest(change);
-    ETCM_VERIFY_THAT(m.unresolved != 0);
-    end_change(change);
-    m.error_detail = error_detail;
-    return status;
-  }
+  if (status != Status::ok) return keep_what_stands(*this, change, pending, status);
   commit(change);
   return Status::ok;
 }
