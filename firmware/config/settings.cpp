@@ -11,7 +11,7 @@
 #include "etcm/files/record_reader.h"
 #include "firmware/config/settings_keys.h"
 #include "firmware/config/settings_types.h"
-#include "firmware/config/toml_table.h"
+#include "firmware/toml/toml_table.h"
 
 namespace etcm::firmware {
 

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "etcm/files/decimal.h"
-#include "firmware/config/toml_table.h"
+#include "firmware/toml/toml_table.h"
 
 namespace etcm::firmware {
 
@@ -13,24 +13,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr port::Duration duration_max = 24h;
 constexpr std::int64_t nano_max = site_nano * 1'000'000'000;
 
-// "500ms", "2s", "5min"; nothing for anything else.
-std::optional<port::Duration> parse_duration(const std::string& text) {
-  std::int64_t count = 0;
-  const char* end = text.data() + text.size();
-  const auto [unit, error] = std::from_chars(text.data(), end, count);
-  // In the largest unit this is far from overflow.
-  if (error != std::errc{} || count < 0 || count > 86'400'000) return std::nullopt;
-  const std::string_view name(unit, static_cast<std::size_t>(end - unit));
-  if (name == "ms") return std::chrono::milliseconds(count);
-  if (name == "s") return std::chrono::seconds(count);
-  if (name == "min") return std::chrono::minutes(count);
-  return std::nullopt;
-}
-
-// The other way: "500ms", with its quotes.
+// "500ms", with its quotes.
 std::string text_of(port::Duration duration) {
   const bool is_whole = duration % 1s == port::Duration{};
   return is_whole ? "\"" + std::to_string(duration / 1s) + "s\""
@@ -85,15 +70,8 @@ std::string quoted(const GivenKey& key) { return "'" + key.name + "'"; }
 
 std::optional<port::Duration> read(const DurationType& type, const GivenKey& key,
                                    const toml::node& node) {
-  const auto text = node.value_exact<std::string>();
-  const auto found = text ? parse_duration(*text) : std::nullopt;
-  if (!found) {
-    return wrong(key, node,
-                 quoted(key) + " is no duration; write it as \"500ms\", \"2s\" or \"5min\"");
-  }
-  if (*found > duration_max)
-    return wrong(key, node, quoted(key) + " is longer than a day; give less");
-  if (*found < type.least) {
+  const auto found = key.toml_table.duration(key.name);
+  if (found && *found < type.least) {
     return wrong(key, node, quoted(key) + " is too short; give at least " + text_of(type.least));
   }
   return found;

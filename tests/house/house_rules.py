@@ -27,7 +27,7 @@ FORBIDDEN_ARROWS = [
     ("port", r"^(firmware|tools|tests)/"),
     ("port/posix", r"^(modbus|gpiod|microhttpd)"),
     ("firmware", r"^(tools|tests|modbus/modbus\.h|gpiod|microhttpd)"),
-    ("tools", r"^(firmware/(?!protocol/)|tests)/"),
+    ("tools", r"^(firmware/(?!protocol/|profile/)|tests)/"),
 ]
 
 # Rooms: each may include those it names, and itself. A header is named with its room, so that the
@@ -53,21 +53,25 @@ LIBRARY_ROOMS = reachable(LIBRARY_ARROWS)
 FIRMWARE_ROOMS = {
     "logging": (),
     "protocol": (),
+    "toml": (),
+    "profile": ("toml",),
     "site": ("protocol",),
-    "config": ("logging", "protocol", "site"),
-    "polling": ("logging", "protocol", "site", "config"),
-    "records": ("logging", "protocol", "site", "config", "polling"),
-    "mesh": ("logging", "protocol", "site", "config", "polling", "records"),
-    "nodes": ("logging", "protocol", "site", "config", "polling", "records", "mesh"),
-    "publish": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes"),
-    "persist": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes",
-                "publish"),
-    "gateway": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes",
-                "publish", "persist"),
-    "status": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes",
-               "publish", "persist", "gateway"),
-    "app": ("logging", "protocol", "site", "config", "polling", "records", "mesh", "nodes",
-            "publish", "persist", "gateway", "status"),
+    "config": ("logging", "protocol", "toml", "profile", "site"),
+    "polling": ("logging", "protocol", "toml", "profile", "site", "config"),
+    "records": ("logging", "protocol", "toml", "profile", "site", "config", "polling"),
+    "mesh": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records"),
+    "nodes": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
+                "mesh"),
+    "publish": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
+                "mesh", "nodes"),
+    "persist": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
+                "mesh", "nodes", "publish"),
+    "gateway": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
+                "mesh", "nodes", "publish", "persist"),
+    "status": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
+                "mesh", "nodes", "publish", "persist", "gateway"),
+    "app": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
+                "mesh", "nodes", "publish", "persist", "gateway", "status"),
 }
 # Folder, what an include of a room begins with there, and the rooms.
 HOUSES = [
@@ -88,7 +92,8 @@ FOLDERS = {
     "tools/etcm": ("lib/include", "port/files", "tools/inputs"),
     "tools/nodes": ("lib/include", "port/include", "port/posix", "port/modbus",
                     "firmware/protocol"),
-    "tools/bus": ("port/include", "port/posix", "port/modbus", "firmware/protocol"),
+    "tools/bus": ("port/include", "port/posix", "port/modbus", "firmware/protocol",
+                  "firmware/profile"),
     "tools/bench": ("lib/include", "port/files", "tools/inputs"),
     "tools/compare/systems": ("lib", "port/files", "tools/inputs"),
     # Of what uses it, a report knows what was found.

@@ -5,10 +5,13 @@
 #include <toml++/toml.h>
 
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "etcm/port/clock.h"
 
 namespace etcm::firmware {
 
@@ -29,6 +32,12 @@ class TomlTable {
   // Calls `each_table` for each table of an array of tables.
   void each(const std::string& key, const std::function<void(TomlTable&)>& each_table);
   void sub(const std::string& key, const std::function<void(TomlTable&)>& table);
+
+  // A table that is the value of `key`, or one of several.
+  TomlTable inner(const std::string& key, const toml::table& table);
+
+  // "500ms", "2s", "5min", at most a day. Nothing where the key is not there or after a mistake.
+  std::optional<port::Duration> duration(const std::string& key);
 
   // Reports keys that mean nothing: most are misspelt.
   void finish();

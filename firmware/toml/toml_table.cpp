@@ -1,12 +1,31 @@
-#include "firmware/config/toml_table.h"
+#include "firmware/toml/toml_table.h"
 
 #include <algorithm>
+#include <charconv>
 #include <numeric>
 #include <string_view>
 
 namespace etcm::firmware {
 
 namespace {
+
+using namespace std::chrono_literals;
+
+constexpr port::Duration duration_max = 24h;
+
+// Nothing for anything that is no duration.
+std::optional<port::Duration> parse_duration(const std::string& text) {
+  std::int64_t count = 0;
+  const char* end = text.data() + text.size();
+  const auto [unit, error] = std::from_chars(text.data(), end, count);
+  // In the largest unit this is far from overflow.
+  if (error != std::errc{} || count < 0 || count > 86'400'000) return std::nullopt;
+  const std::string_view name(unit, static_cast<std::size_t>(end - unit));
+  if (name == "ms") return std::chrono::milliseconds(count);
+  if (name == "s") return std::chrono::seconds(count);
+  if (name == "min") return std::chrono::minutes(count);
+  return std::nullopt;
+}
 
 std::string place_of(const std::string& file, const toml::node& node) {
   return file + ":" + std::to_string(node.source().begin.line);
@@ -87,6 +106,22 @@ void TomlTable::sub(const std::string& key, const std::function<void(TomlTable&)
   TomlTable toml_table(file_, *node->as_table(), "[" + key + "]", mistakes_);
   table(toml_table);
   toml_table.finish();
+}
+
+TomlTable TomlTable::inner(const std::string& key, const toml::table& table) {
+  return {file_, table, "'" + key + "' of " + name_, mistakes_};
+}
+
+std::optional<port::Duration> TomlTable::duration(const std::string& key) {
+  const toml::node* const node = find(key);
+  if (node == nullptr) return std::nullopt;
+  const auto text = node->value_exact<std::string>();
+  const auto found = text ? parse_duration(*text) : std::nullopt;
+  if (found && *found <= duration_max) return found;
+  mistake(*node, "'" + key + "' " +
+                     (found ? "is longer than a day; give less"
+                            : "is no duration; write it as \"500ms\", \"2s\" or \"5min\""));
+  return std::nullopt;
 }
 
 void TomlTable::finish() {

@@ -1,0 +1,50 @@
+// What a device says in one or several numbers: a coordinate, a measured value, whether it is good.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "firmware/profile/number.h"
+
+namespace etcm::firmware {
+
+// A test of a number.
+struct Condition {
+  struct Interval {
+    std::int64_t least = 0;  // in 10^-9, as `most`
+    std::int64_t most = 0;
+  };
+  Number number;
+  std::vector<Interval> any_of;
+  bool is_negated = false;
+
+  // False where there is no number.
+  bool holds(const Sweep& sweep) const;
+};
+
+// How an angle is written.
+enum class FieldFormat : std::uint8_t {
+  number,  // as it is
+  ddmm,    // degrees times 100, and minutes: 4807.038 is 48 degrees and 7.038 minutes
+  ddmmss,  // degrees times 10000, minutes times 100, and seconds
+};
+
+struct Field {
+  std::vector<Number> parts;       // their sum, with nothing where one is nothing
+  bool has_sign_of_first = false;  // the other parts are sizes, with the sign of the first
+  std::optional<Number> exponent;  // each part is multiplied by 10 to the power of this
+  FieldFormat format = FieldFormat::number;
+  std::optional<Condition> negative_if;
+  // In 10^-9, of what comes out.
+  std::optional<std::int64_t> least;
+  std::optional<std::int64_t> most;
+};
+
+FieldValue decode(const Field& field, const Sweep& sweep);
+
+// Appends the registers that it needs.
+void add_spans(const Condition& condition, std::vector<RegisterSpan>& spans);
+void add_spans(const Field& field, std::vector<RegisterSpan>& spans);
+
+}  // namespace etcm::firmware

@@ -1,0 +1,46 @@
+// Fields and tests as profiles write them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/profile/field.h"
+#include "firmware/toml/toml_table.h"
+
+namespace etcm::firmware {
+
+// Mistakes are told as TomlTable tells them; what comes out is good for use only where there are
+// none.
+class FieldReader {
+ public:
+  // What a profile calls register 0.
+  explicit FieldReader(std::int64_t counts_from) : counts_from_(counts_from) {}
+
+  Field read_field(TomlTable& table) const;
+  // That of a key, whose value is a table; nothing where there is none.
+  std::optional<Field> read_field_of(TomlTable& table, const std::string& key) const;
+  // A table, or a list of these.
+  std::vector<Condition> read_conditions_of(TomlTable& table, const std::string& key) const;
+
+ private:
+  RegisterSpan read_registers(TomlTable& table, std::uint16_t count) const;
+  Number read_number(TomlTable& table) const;
+  Condition read_condition(TomlTable& table) const;
+  void read_parts(TomlTable& table, Field& field) const;
+
+  std::int64_t counts_from_;
+};
+
+// Calls `read` for the table that `node` is, the value of the key.
+void read_inner(TomlTable& table, const std::string& key, const toml::node& node,
+                const std::function<void(TomlTable&)>& read);
+
+// A whole number of the key; nothing where there is none, and after a mistake.
+std::optional<std::int64_t> read_whole(TomlTable& table, const char* key, std::int64_t least,
+                                       std::int64_t most);
+
+// A text that a person can read; empty after a mistake, and where there is none.
+std::string read_text(TomlTable& table, const char* key);
+
+}  // namespace etcm::firmware

@@ -1,0 +1,73 @@
+// What the registers of a kind of device mean: which are read, in which blocks, and what one
+// complete sweep of them says.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "etcm/port/clock.h"
+#include "firmware/profile/field.h"
+
+namespace etcm::firmware {
+
+struct Profile {
+  // How the position is known. One that was surveyed stands in the settings or the site file.
+  enum class Positioning : std::uint8_t { surveyed, plane, degrees };
+  struct Reading {
+    std::string name;
+    std::string unit;  // as a person writes it, or empty
+    Field value;
+    std::vector<Condition> valid;  // of this reading: all hold
+  };
+
+  std::string name;
+  std::uint8_t function = 3;
+  std::uint32_t counts_from = 0;  // what the profile's author calls register 0
+  port::Duration pause{};         // that the device needs after each answer
+  std::optional<Field> serial;    // none: the serial is made of bus and unit
+  std::vector<Condition> valid;   // of the position: all hold
+  Positioning positioning = Positioning::surveyed;
+  Field east;   // x or longitude
+  Field north;  // y or latitude
+  std::vector<Reading> readings;
+  std::uint16_t block_max = 125;  // registers that the device gives at once
+  std::uint16_t gap_max = 0;      // registers of no use that may be read between others
+};
+
+// Every number's registers, with repetitions.
+std::vector<RegisterSpan> spans_of(const Profile& profile);
+
+// The fewest blocks, in the order of their addresses, that have each number whole.
+// REQUIRES: no number is longer than block_max.
+std::vector<RegisterSpan> blocks_of(const Profile& profile);
+
+// ---- What a sweep of these blocks says. None of these allocates.
+
+struct Position {
+  enum class State : std::uint8_t {
+    value,
+    invalid,  // the device says so
+    none,     // a coordinate is no value; nobody is at 0, 0 in degrees; or the device knows none
+  };
+  State state = State::none;
+  // In 10^-9; of degrees within 180 and 90.
+  std::int64_t east_nano = 0;
+  std::int64_t north_nano = 0;
+
+  bool is_value() const { return state == State::value; }
+};
+
+Position position_of(const Profile& profile, const Sweep& sweep);
+
+// None where the reading's own test does not hold.
+FieldValue reading_of(const Profile::Reading& reading, const Sweep& sweep);
+
+// A whole number from 0 to 4294967294; nothing for others, and where the profile has no such field.
+std::optional<std::uint32_t> serial_of(const Profile& profile, const Sweep& sweep);
+
+bool hold_all(std::span<const Condition> conditions, const Sweep& sweep);
+
+}  // namespace etcm::firmware

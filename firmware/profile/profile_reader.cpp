@@ -1,0 +1,214 @@
+#include "firmware/profile/profile_reader.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "etcm/files/error.h"
+#include "etcm/files/record_reader.h"
+#include "firmware/profile/field_reader.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+// What a protocol data unit has room for.
+constexpr std::uint16_t block_max_most = 125;
+// 0 is the address on the wire; the others are how manuals count. Of six digits the first is the
+// table, as it is of five.
+constexpr std::int64_t counts[] = {0, 1, 30001, 40001, 300001, 400001};
+// Files beyond this are no profiles.
+constexpr std::size_t bytes_max = 1 << 20;
+
+std::int64_t read_counts_from(TomlTable& table) {
+  const toml::node* const node = table.find("counts_from");
+  if (node == nullptr) return 0;
+  const auto given = node->value_exact<std::int64_t>();
+  if (given && std::find(std::begin(counts), std::end(counts), *given) != std::end(counts)) {
+    return *given;
+  }
+  table.mistake(*node,
+                "'counts_from' is what the manual calls the first register; give 0, 1, 30001, "
+                "40001, 300001 or 400001");
+  return 0;
+}
+
+void read_serial(TomlTable& table, const FieldReader& fields, Profile& profile) {
+  const toml::node* const node = table.find("serial");
+  if (node == nullptr) return;
+  read_inner(table, "serial", *node, [&](TomlTable& inner) {
+    const toml::node* const unit = inner.find("unit");
+    if (unit == nullptr) {
+      profile.serial = fields.read_field(inner);
+    } else if (unit->value_exact<bool>() != true) {
+      inner.mistake(*unit,
+                    "'unit' can only be true; or give the register of the serial, as in "
+                    "serial = { register = 2, type = \"u32\" }");
+    }
+  });
+}
+
+struct Axes {
+  Profile::Positioning positioning;
+  const char* east;
+  const char* north;
+};
+constexpr Axes plane{Profile::Positioning::plane, "x", "y"};
+constexpr Axes earth{Profile::Positioning::degrees, "longitude", "latitude"};
+
+void read_axes(TomlTable& table, const FieldReader& fields, const Axes& axes, Profile& profile) {
+  const auto east = fields.read_field_of(table, axes.east);
+  const auto north = fields.read_field_of(table, axes.north);
+  const toml::node* const east_node = table.find(axes.east);
+  const toml::node* const north_node = table.find(axes.north);
+  if (east_node == nullptr && north_node == nullptr) return;
+  if (east_node == nullptr || north_node == nullptr) {
+    const char* const given = east_node != nullptr ? axes.east : axes.north;
+    const char* const missing = east_node != nullptr ? axes.north : axes.east;
+    table.mistake(*table.find(given), std::string("'") + given + "' without '" + missing +
+                                          "'; a position needs both: add it");
+  }
+  if (profile.positioning != Profile::Positioning::surveyed) {
+    table.mistake(east_node != nullptr ? *east_node : *north_node,
+                  "a position in degrees beside one in the plane ('x', 'y'); take one out");
+  }
+  profile.positioning = axes.positioning;
+  if (east) profile.east = *east;
+  if (north) profile.north = *north;
+}
+
+void read_position(TomlTable& table, const FieldReader& fields, Profile& profile) {
+  read_axes(table, fields, plane, profile);
+  read_axes(table, fields, earth, profile);
+  profile.valid = fields.read_conditions_of(table, "valid");
+  if (table.find("valid") != nullptr && profile.positioning == Profile::Positioning::surveyed) {
+    table.mistake(*table.find("valid"),
+                  "'valid' is about the position, and there is none; take it out, or give it to a "
+                  "[[profile.reading]]");
+  }
+}
+
+void read_reading(TomlTable& table, const FieldReader& fields, Profile& profile) {
+  Profile::Reading reading;
+  table.require("name", "name = \"pressure\"");
+  table.require("value", "value = { register = 0, type = \"i16\", scale = \"0.1\" }");
+  reading.name = read_text(table, "name");
+  reading.unit = read_text(table, "unit");
+  if (const auto value = fields.read_field_of(table, "value")) reading.value = *value;
+  reading.valid = fields.read_conditions_of(table, "valid");
+  for (const Profile::Reading& other : profile.readings) {
+    if (other.name != reading.name || reading.name.empty()) continue;
+    table.mistake(*table.find("name"),
+                  "two readings are named '" + reading.name + "'; give one another name");
+    break;
+  }
+  profile.readings.push_back(std::move(reading));
+}
+
+void read_transfer(TomlTable& table, Profile& profile) {
+  if (const auto function = read_whole(table, "function", 3, 4)) {
+    profile.function = static_cast<std::uint8_t>(*function);
+  }
+  if (const auto pause = table.duration("pause")) profile.pause = *pause;
+  if (const auto most = read_whole(table, "block_max", 1, block_max_most)) {
+    profile.block_max = static_cast<std::uint16_t>(*most);
+  }
+  if (const auto gap = read_whole(table, "gap_max", 0, block_max_most)) {
+    profile.gap_max = static_cast<std::uint16_t>(*gap);
+  }
+}
+
+// Whether no key of it, sound or not, names a register.
+bool names_no_register(TomlTable& table) {
+  for (const char* const key : {"x", "y", "longitude", "latitude", "reading"}) {
+    if (table.find(key) != nullptr) return false;
+  }
+  const toml::node* const serial = table.find("serial");
+  return serial == nullptr || (serial->is_table() && serial->as_table()->contains("unit"));
+}
+
+void check_blocks(TomlTable& table, const Profile& profile) {
+  if (names_no_register(table)) {
+    table.mistake(table.table(),
+                  "nothing is read, so that nobody could tell whether the device is there; give it "
+                  "a [[profile.reading]] or a position");
+  }
+  std::uint16_t longest = 0;
+  for (const RegisterSpan span : spans_of(profile)) longest = std::max(longest, span.count);
+  if (longest > profile.block_max) {
+    table.mistake(*table.find("block_max"),
+                  "'block_max' has no room for a number of " + std::to_string(longest) +
+                      " registers, which must come in one block; give at least " +
+                      std::to_string(longest));
+  }
+}
+
+}  // namespace
+
+Profile read_profile(TomlTable& table) {
+  Profile profile;
+  table.require("name", "name = \"my-device\"");
+  profile.name = read_text(table, "name");
+  const std::int64_t counts_from = read_counts_from(table);
+  profile.counts_from = static_cast<std::uint32_t>(counts_from);
+  const FieldReader fields(counts_from);
+  read_transfer(table, profile);
+  read_serial(table, fields, profile);
+  read_position(table, fields, profile);
+  table.each("reading", [&](TomlTable& inner) { read_reading(inner, fields, profile); });
+  check_blocks(table, profile);
+  return profile;
+}
+
+namespace {
+
+void read_file(const std::string& path, std::vector<Profile>& profiles,
+               std::vector<std::string>& mistakes) {
+  toml::table parsed;
+  try {
+    parsed = toml::parse(files::read_bytes(path, bytes_max), path);
+  } catch (const files::InputError& error) {
+    mistakes.push_back(std::string(error.what()) + "; give the path of the profiles");
+    return;
+  } catch (const toml::parse_error& error) {
+    mistakes.push_back(path + ":" + std::to_string(error.source().begin.line) + ": " +
+                       std::string(error.description()) +
+                       "; correct the TOML there (texts stand in quotes)");
+    return;
+  }
+  TomlTable file(path, parsed, "", mistakes);
+  file.each("profile", [&](TomlTable& table) {
+    Profile profile = read_profile(table);
+    const bool is_known = std::any_of(profiles.begin(), profiles.end(), [&](const Profile& other) {
+      return other.name == profile.name;
+    });
+    if (is_known && !profile.name.empty()) {
+      table.mistake(*table.find("name"),
+                    "two profiles are named '" + profile.name + "'; give one another name");
+    }
+    profiles.push_back(std::move(profile));
+  });
+  file.finish();
+}
+
+}  // namespace
+
+std::vector<Profile> read_profiles(const std::string& path, std::vector<std::string>& mistakes) {
+  std::vector<Profile> profiles;
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error)) {
+    read_file(path, profiles, mistakes);
+    return profiles;
+  }
+  std::vector<std::string> paths;
+  std::filesystem::directory_iterator entry(path, error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    if (entry->path().extension() == ".toml") paths.push_back(entry->path());
+  }
+  if (error) mistakes.push_back(path + ": " + error.message() + "; give a folder that can be read");
+  std::sort(paths.begin(), paths.end());
+  for (const std::string& each : paths) read_file(each, profiles, mistakes);
+  return profiles;
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,20 @@
+// Profiles as files and settings write them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/profile/profile.h"
+#include "firmware/toml/toml_table.h"
+
+namespace etcm::firmware {
+
+// A [[profile]]. Mistakes are told as TomlTable tells them; the profile is good for use only where
+// there are none.
+Profile read_profile(TomlTable& table);
+
+// Every [[profile]] of a file, or of all files NAME.toml of a folder in the order of their names.
+// Each mistake is one line "file:line: what is wrong; the cure".
+std::vector<Profile> read_profiles(const std::string& path, std::vector<std::string>& mistakes);
+
+}  // namespace etcm::firmware
