@@ -31,6 +31,7 @@ class UsageError : public std::runtime_error {
 using Run = std::function<int()>;
 void add_scan_command(CLI::App& program, Run& run);
 void add_poll_command(CLI::App& program, Run& run);
+void add_probe_command(CLI::App& program, Run& run);
 void add_read_command(CLI::App& program, Run& run);
 void add_write_command(CLI::App& program, Run& run);
 

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   bus::Run run;
   bus::add_scan_command(program, run);
   bus::add_poll_command(program, run);
+  bus::add_probe_command(program, run);
   bus::add_read_command(program, run);
   bus::add_write_command(program, run);
   try {
