@@ -40,6 +40,15 @@ bool is_changed(const Key& key, BusSettings& a, BusSettings& b) {
   return !is_same_value(key.type, &a, &b) && (has_names || std::string_view(key.name) != "name");
 }
 
+// The same for each [[bus.device]] of a bus. One more or less is another list of units.
+bool is_same_device(const Key& key, BusSettings& a, BusSettings& b) {
+  if (a.devices.size() != b.devices.size()) return std::string_view(key.name) != "units";
+  for (std::size_t i = 0; i < a.devices.size(); ++i) {
+    if (!is_same_value(key.type, &a.devices[i], &b.devices[i])) return false;
+  }
+  return true;
+}
+
 // The buses are taken over together: where one of them has to wait for a restart, all do.
 void take_over_buses(Settings& current, Settings& next, std::vector<std::string>& fixed) {
   const KeyTable& table = key_table("bus");
@@ -58,11 +67,15 @@ void take_over_buses(Settings& current, Settings& next, std::vector<std::string>
     changed.push_back(path_of(table, key));
     must_wait = must_wait || key.effect == Effect::restart;
   }
-  const auto has_same_slow = [](const BusSettings& a, const BusSettings& b) {
-    return a.unit_timeouts == b.unit_timeouts;
-  };
-  if (!std::equal(current.buses.begin(), current.buses.end(), next.buses.begin(), has_same_slow)) {
-    changed.push_back(heading_of(key_table("bus.slow")));
+  const KeyTable& devices = key_table("bus.device");
+  for (const Key& key : devices.keys) {
+    bool is_same = true;
+    for (std::size_t i = 0; i < next.buses.size(); ++i) {
+      is_same = is_same && is_same_device(key, current.buses[i], next.buses[i]);
+    }
+    if (is_same) continue;
+    changed.push_back(path_of(devices, key));
+    must_wait = must_wait || key.effect == Effect::restart;
   }
   if (must_wait) {
     fixed.insert(fixed.end(), changed.begin(), changed.end());
@@ -74,7 +87,7 @@ void take_over_buses(Settings& current, Settings& next, std::vector<std::string>
         copy_value(key.type, &next.buses[i], &current.buses[i]);
       }
     }
-    current.buses[i].unit_timeouts = next.buses[i].unit_timeouts;
+    current.buses[i].devices = next.buses[i].devices;
   }
 }
 
@@ -95,6 +108,8 @@ std::vector<std::string> take_over(Settings& settings, const Settings& next) {
     if (table.kind != KeyTable::Kind::list) take_over_table(table, settings, taken, fixed);
   }
   take_over_buses(settings, taken, fixed);
+  if (settings.device_profiles != next.device_profiles) fixed.push_back("[[profile]]");
+  if (settings.nodes != next.nodes) fixed.push_back(heading_of(key_table("node")));
   settings.site.source = next.site.source;
   settings.features = next.features;
   settings.anchors = next.anchors;

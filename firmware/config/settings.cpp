@@ -11,6 +11,7 @@
 #include "etcm/files/record_reader.h"
 #include "firmware/config/settings_keys.h"
 #include "firmware/config/settings_types.h"
+#include "firmware/profile/profile_reader.h"
 #include "firmware/toml/toml_table.h"
 
 namespace etcm::firmware {
@@ -115,7 +116,8 @@ void check_bus(TomlTable& toml_table, const KeyTable& table, const BusSettings& 
                        "both the driver and a line would switch the transceiver; take rs485 or "
                        "rs485_line out");
   }
-  if (toml_table.find("assign") == nullptr && toml_table.find("scan") == nullptr) {
+  if (toml_table.find("assign") == nullptr && toml_table.find("scan") == nullptr &&
+      toml_table.find("device") == nullptr) {
     require(toml_table, table, "units");
   }
   const bool gives_default = std::any_of(bus.assign.begin(), bus.assign.end(), [](UnitRange range) {
@@ -156,22 +158,29 @@ void check_against(TomlTable& toml_table, const BusSettings& bus, const BusSetti
 
 // ---- Lists of tables.
 
-// Units of the bus that need a timeout of their own.
-void read_slow(TomlTable& toml_table, BusSettings& bus) {
-  SlowUnits slow{.units = {}, .timeout = bus.timeout};
-  read_keys(key_table("bus.slow"), toml_table, {}, &slow);
-  for (const UnitRange range : slow.units) {
-    bus.unit_timeouts.push_back({.units = range, .timeout = slow.timeout});
-    if (bus.units.empty() && bus.assign.empty() && bus.scan.empty()) continue;
+// Units of the bus that are other devices, or need a timeout of their own.
+void read_device(TomlTable& toml_table, const Settings& settings, BusSettings& bus) {
+  const KeyTable& table = key_table("bus.device");
+  DeviceSettings device;
+  set_defaults(table, &device);
+  device.timeout = bus.timeout;
+  read_keys(table, toml_table, {}, &device);
+  const Profile* const profile = find_profile(settings, device.profile);
+  const toml::node* const name = toml_table.find("profile");
+  if (profile != nullptr) {
+    if (toml_table.find("pause") == nullptr) device.pause = profile->pause;
+  } else if (name != nullptr && device.profile != node_profile) {
+    std::string known = node_profile;
+    for (const Profile& other : settings.device_profiles) known += ", " + other.name;
+    toml_table.mistake(*name, "there is no profile '" + device.profile + "'; take one of " + known +
+                                  ", or write a [[profile]]");
+  }
+  for (const UnitRange range : device.units) {
     for (const ModbusAddress unit : range) {
-      if (has_unit(bus, unit)) continue;
-      toml_table.mistake(*toml_table.find("units"),
-                         "unit " + std::to_string(unit.value) +
-                             " is not among the units of its bus; add it "
-                             "there, or take it out here");
-      break;
+      if (!has_unit(bus, unit)) bus.units.push_back({.first = unit.value, .last = unit.value});
     }
   }
+  bus.devices.push_back(std::move(device));
 }
 
 // Modbus RTU or TCP, by the key that is there.
@@ -200,7 +209,7 @@ void read_bus(TomlTable& toml_table, Settings& settings) {
   read_keys(table, toml_table, {}, &bus, kind);
   if (bus.name.empty()) bus.name = link_name(bus);
   check_bus(toml_table, table, bus);
-  toml_table.each("slow", [&](TomlTable& slow) { read_slow(slow, bus); });
+  toml_table.each("device", [&](TomlTable& device) { read_device(device, settings, bus); });
   for (const BusSettings& other : settings.buses) check_against(toml_table, bus, other);
   settings.buses.push_back(std::move(bus));
 }
@@ -215,7 +224,88 @@ void read_feature(TomlTable& toml_table, Settings& settings) {
   settings.features.push_back(std::move(feature));
 }
 
+bool is_pair(TomlTable& toml_table, const char* first, const char* second) {
+  const toml::node* const one = toml_table.find(first);
+  const toml::node* const other = toml_table.find(second);
+  if ((one == nullptr) != (other == nullptr)) {
+    toml_table.mistake(one != nullptr ? *one : *other,
+                       std::string("'") + first + "' and '" + second + "' go together; add '" +
+                           (one == nullptr ? first : second) + "', or take the other out");
+  }
+  return one != nullptr && other != nullptr;
+}
+
+void read_node(TomlTable& toml_table, Settings& settings) {
+  NodeSettings node{.bus = {}, .source = toml_table.place()};
+  read_keys(key_table("node"), toml_table, {}, &node);
+  const bool is_in_plane = is_pair(toml_table, "x", "y");
+  const bool is_in_degrees = is_pair(toml_table, "longitude", "latitude");
+  if (is_in_plane && is_in_degrees) {
+    toml_table.mistake(*toml_table.find("x"),
+                       "a place in the plane and one in degrees; take one of them out");
+  }
+  if (node.bus.empty() && settings.buses.size() == 1) node.bus = settings.buses.front().name;
+  const auto bus = std::find_if(settings.buses.begin(), settings.buses.end(),
+                                [&](const BusSettings& other) { return other.name == node.bus; });
+  if (bus == settings.buses.end()) {
+    const toml::node* const named = toml_table.find("bus");
+    toml_table.mistake(named != nullptr ? *named : toml_table.table(),
+                       named != nullptr
+                           ? "no [[bus]] is named '" + node.bus + "'; correct one of the names"
+                           : "there are several buses; add bus = \"NAME\" with the name of one");
+  } else if (node.unit != 0) {
+    const ModbusAddress unit{static_cast<std::uint8_t>(node.unit)};
+    const DeviceSettings* const device = device_at(*bus, unit);
+    const std::string who = "unit " + std::to_string(node.unit) + " of " + bus->name;
+    if (!has_unit(*bus, unit)) {
+      toml_table.mistake(*toml_table.find("unit"),
+                         who +
+                             " is not asked; add it to the units of its bus or of a "
+                             "[[bus.device]]");
+    } else if (device == nullptr || device->profile == node_profile) {
+      toml_table.mistake(*toml_table.find("unit"),
+                         who +
+                             " tells its serial and where it stands itself; give it another "
+                             "profile in a [[bus.device]], or take this [[node]] out");
+    }
+  }
+  for (const NodeSettings& other : settings.nodes) {
+    if (other.bus == node.bus && other.unit == node.unit) {
+      toml_table.mistake(toml_table.table(), "the device of " + other.source +
+                                                 " once more; put what is known into one [[node]]");
+    }
+    if (node.serial && other.serial == node.serial) {
+      toml_table.mistake(*toml_table.find("serial"), "serial " + std::to_string(*node.serial) +
+                                                         " is that of " + other.source +
+                                                         " too; give one another");
+    }
+  }
+  settings.nodes.push_back(std::move(node));
+}
+
 // ---- The whole file.
+
+// Those of the file itself come first: they take the place of others of their name.
+void read_all_profiles(TomlTable& file, const std::filesystem::path& folder, Settings& settings,
+                       std::vector<std::string>& mistakes) {
+  const KeyTable& table = key_table("");
+  read_keys(table, file, folder, &settings);
+  file.each("profile", [&](TomlTable& toml_table) {
+    settings.device_profiles.push_back(read_profile(toml_table));
+  });
+  const toml::node* const named = file.find("profiles");
+  const std::string path = named != nullptr ? settings.profiles : ETCM_PROFILES;
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) {
+    if (named != nullptr && !path.empty()) {
+      file.mistake(*named, "there is no " + path + "; give a file with profiles, or a folder");
+    }
+    return;
+  }
+  for (Profile& profile : read_profiles(path, mistakes)) {
+    settings.device_profiles.push_back(std::move(profile));
+  }
+}
 
 void note_site(TomlTable& toml_table, Settings& settings) {
   settings.site.source = toml_table.place();
@@ -227,7 +317,8 @@ struct TableWork {
   std::string_view table;
   void (*work)(TomlTable&, Settings&);
 };
-constexpr TableWork list_readers[] = {{"bus", read_bus}, {"feature", read_feature}};
+constexpr TableWork list_readers[] = {
+    {"bus", read_bus}, {"node", read_node}, {"feature", read_feature}};
 constexpr TableWork checks[] = {
     {"site", note_site}, {"poll", check_poll}, {"gpio", check_gpio}, {"http", check_http}};
 
@@ -255,8 +346,11 @@ void read_table(TomlTable& file, const KeyTable& table, const std::filesystem::p
   });
 }
 
-void read_all(TomlTable& file, const std::filesystem::path& folder, Settings& settings) {
+void read_all(TomlTable& file, const std::filesystem::path& folder, Settings& settings,
+              std::vector<std::string>& mistakes) {
+  read_all_profiles(file, folder, settings, mistakes);
   for (const KeyTable& table : key_tables()) {
+    if (*table.name == '\0') continue;
     if (table.required != nullptr) file.require(table.name, table.required);
     if (table.kind != KeyTable::Kind::list) {
       read_table(file, table, folder, settings);
@@ -284,11 +378,13 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
   }
   const std::size_t before = mistakes.size();
   TomlTable file(path, parsed, "", mistakes);
-  read_all(file, std::filesystem::path(path).parent_path(), settings);
+  read_all(file, std::filesystem::path(path).parent_path(), settings, mistakes);
   file.finish();
   // Keys come in alphabetical order; a person reads from the top of the file.
   const auto line = [&](const std::string& mistake) {
-    return std::strtoul(mistake.c_str() + path.size() + 1, nullptr, 10);
+    return mistake.starts_with(path + ":")
+               ? std::strtoul(mistake.c_str() + path.size() + 1, nullptr, 10)
+               : 0;  // of another file, which is read first
   };
   std::stable_sort(mistakes.begin() + static_cast<std::ptrdiff_t>(before), mistakes.end(),
                    [&](const std::string& a, const std::string& b) { return line(a) < line(b); });
@@ -300,12 +396,25 @@ std::string link_name(const BusSettings& bus) {
   return line != nullptr ? line->path : to_string(std::get<port::SocketAddress>(bus.link));
 }
 
-port::Duration timeout_of(const BusSettings& bus, ModbusAddress address) {
-  port::Duration timeout = bus.timeout;
-  for (const UnitTimeout& other : bus.unit_timeouts) {
-    if (other.units.contains(address)) timeout = other.timeout;
+const DeviceSettings* device_at(const BusSettings& bus, ModbusAddress address) {
+  const DeviceSettings* found = nullptr;
+  for (const DeviceSettings& device : bus.devices) {
+    for (const UnitRange range : device.units) {
+      if (range.contains(address)) found = &device;
+    }
   }
-  return timeout;
+  return found;
+}
+
+port::Duration timeout_of(const BusSettings& bus, ModbusAddress address) {
+  const DeviceSettings* const device = device_at(bus, address);
+  return device != nullptr ? device->timeout : bus.timeout;
+}
+
+const Profile* find_profile(const Settings& settings, const std::string& name) {
+  const auto found = std::find_if(settings.device_profiles.begin(), settings.device_profiles.end(),
+                                  [&](const Profile& profile) { return profile.name == name; });
+  return found != settings.device_profiles.end() ? &*found : nullptr;
 }
 
 }  // namespace etcm::firmware

@@ -12,10 +12,12 @@
 #include "etcm/port/clock.h"
 #include "etcm/port/serial_line.h"
 #include "etcm/port/socket_address.h"
+#include "firmware/profile/profile.h"
 #include "firmware/protocol/modbus_address.h"
 #include "firmware/protocol/node_registers.h"
 #include "firmware/site/feature_end.h"
 #include "firmware/site/site_domain.h"
+#include "firmware/site/site_plane.h"
 
 namespace etcm::firmware {
 
@@ -60,10 +62,16 @@ struct GpioSettings {
   port::Duration debounce{};
 };
 
-struct UnitTimeout {
-  UnitRange units;
-  port::Duration timeout{};
-  friend constexpr bool operator==(const UnitTimeout&, const UnitTimeout&) = default;
+// The profile of nodes that serve our own registers.
+inline constexpr const char* node_profile = "etcm";
+
+// A [[bus.device]]: what answers at these units of a bus.
+struct DeviceSettings {
+  std::vector<UnitRange> units;
+  std::string profile;       // its name
+  port::Duration timeout{};  // for an answer
+  port::Duration pause{};    // of the bus, after each answer
+  friend bool operator==(const DeviceSettings&, const DeviceSettings&) = default;
 };
 
 struct BusSettings {
@@ -75,8 +83,8 @@ struct BusSettings {
   port::Duration scan_budget{};     // of each interval, where others want the bus
   WordOrder word_order = WordOrder::abcd;
   port::Duration timeout{};
-  std::vector<UnitTimeout> unit_timeouts{};  // of units that need another one; the last one counts
-  port::Duration quiet{};                    // of a serial line, after a wait in vain
+  std::vector<DeviceSettings> devices{};  // of a unit that is in several the last one counts
+  port::Duration quiet{};                 // of a serial line, after a wait in vain
   std::uint32_t outstanding_max = 0;
   std::optional<LineSettings> send_enable;  // switches the transceiver of a serial line
 };
@@ -84,6 +92,8 @@ struct BusSettings {
 // What the bus is named that has no name of its own: the address or the path.
 std::string link_name(const BusSettings& bus);
 
+// What the settings say of the device at this unit; null: it is a node, with the bus's own timeout.
+const DeviceSettings* device_at(const BusSettings& bus, ModbusAddress address);
 // How long this unit of the bus may take to answer.
 port::Duration timeout_of(const BusSettings& bus, ModbusAddress address);
 
@@ -108,6 +118,20 @@ struct FeatureSettings {
   std::string source;  // where it was configured: "file:line"
 };
 
+// What is known of the device at a unit that it does not tell itself.
+struct NodeSettings {
+  std::string bus;
+  std::uint32_t unit = 0;
+  std::optional<std::uint32_t> serial{};
+  // Where it was surveyed, in 10^-9 of what the site file counts in, or of degrees.
+  std::optional<std::int64_t> x{};
+  std::optional<std::int64_t> y{};
+  std::optional<std::int64_t> longitude{};
+  std::optional<std::int64_t> latitude{};
+  std::string source{};  // as above
+  friend bool operator==(const NodeSettings&, const NodeSettings&) = default;
+};
+
 struct AnchorSettings {
   Position position;
   std::string source;  // as above
@@ -130,6 +154,10 @@ struct SiteSettings {
   std::int64_t unit_length = site_nano;  // of a unit of the mesh
   SiteOrigin origin;                     // the mesh's (0, 0)
   bool round = false;                    // to the nearest unit
+
+  SitePlane plane() const {
+    return {.unit_length = unit_length, .origin_x = origin.x, .origin_y = origin.y};
+  }
 };
 
 struct ServerSettings {
@@ -166,6 +194,9 @@ struct Settings {
   PollSettings poll;
   WriteBackSettings write_back;
   std::vector<BusSettings> buses;
+  std::string profiles;  // a file or a folder; empty: those that are installed
+  std::vector<Profile> device_profiles;
+  std::vector<NodeSettings> nodes;
   ServerSettings server;
   std::optional<HttpSettings> http;
   std::optional<FileSettings> files;
@@ -178,6 +209,9 @@ struct Settings {
   std::vector<AnchorSettings> anchors;
   SiteDomain domain;
 };
+
+// The profile of this name; null where there is none, and for node_profile.
+const Profile* find_profile(const Settings& settings, const std::string& name);
 
 // Reads the file. Every mistake in it adds one line "file:line: what is wrong; the cure" to
 // `mistakes`; the settings are good for use only when there are none. Relative paths in the file

@@ -41,6 +41,13 @@ constexpr Key with_rtu(Key key) {
 constexpr Meaning<PolyNodes> poly_nodes[] = {{"serials", PolyNodes::serials},
                                              {"anchors", PolyNodes::anchors}};
 
+constexpr Key profile_keys[] = {
+    {"profiles", path_from_file<&Settings::profiles>(),
+     unset(R"("profiles.toml")", "`" ETCM_PROFILES "`"), restart,
+     "a file with [profiles of devices](profiles.md), or a folder of such; a `[[profile]]` may "
+     "stand in this file too"},
+};
+
 constexpr Key site_keys[] = {
     {"file", path_from_file<&Settings::site, &SiteSettings::path>(), required(R"("site.geojson")"),
      at_once, "a `.geojson`, or a Triangle `.poly`"},
@@ -154,11 +161,37 @@ constexpr Key bus_keys[] = {
               "this. For a unit that has answered later it is longer for a while, up to a second"}),
 };
 
-constexpr Key slow_keys[] = {
-    {"units", units<&SlowUnits::units>(), required(R"("7")"), at_once, "which of them",
+constexpr Key device_keys[] = {
+    {"units", units<&DeviceSettings::units>(), required(R"("7")"), restart,
+     "where they answer; units that the bus does not name itself are added to its `units`",
      "`\"7\"`, `\"12-14\"`"},
-    {"timeout", duration<&SlowUnits::timeout>(1ms), required(R"("500ms")"), at_once,
-     "for an answer of these"},
+    {"profile", text<&DeviceSettings::profile>(), standard(R"("etcm")"), restart,
+     "what they are: the name of a [profile](profiles.md); `etcm` is a node of our own", "name"},
+    {"timeout", duration<&DeviceSettings::timeout>(1ms), unset(R"("500ms")", "that of the bus"),
+     at_once, "for an answer of these"},
+    {"pause", duration<&DeviceSettings::pause>(0ms), unset(R"("20ms")", "that of the profile"),
+     restart, "silence that they need after an answer"},
+};
+
+constexpr std::int64_t plane_max = site_nano * 1'000'000'000;
+
+constexpr Key node_keys[] = {
+    {"bus", text<&NodeSettings::bus>(), unset(R"("yard")", "the only one"), restart,
+     "where its device answers: the name of a bus", "name"},
+    {"unit", count<&NodeSettings::unit>(1, unit_max), required("7"), restart,
+     "the unit of its device"},
+    {"serial", optional_count<&NodeSettings::serial>(0, Serial::none_value - 1),
+     unset("1007", "1000 times the number of its bus, and the unit"), restart,
+     "by which it is known, where the device itself tells none"},
+    {"x", decimal<&NodeSettings::x>(plane_max), unset(R"("120.5")", "the device tells it"), restart,
+     "where it was surveyed, in what the site file counts in; with `y`"},
+    {"y", decimal<&NodeSettings::y>(plane_max), unset(R"("-40")", "the device tells it"), restart,
+     "as `x`"},
+    {"longitude", decimal<&NodeSettings::longitude>(180 * site_nano),
+     unset(R"("10.3951")", "the device tells it"), restart,
+     "where it was surveyed, in degrees (WGS 84), east is positive; with `latitude`"},
+    {"latitude", decimal<&NodeSettings::latitude>(90 * site_nano),
+     unset(R"("63.4305")", "the device tells it"), restart, "as `longitude`, north is positive"},
 };
 
 constexpr Key write_back_keys[] = {
@@ -253,6 +286,7 @@ void emplace(Settings& settings) {
 using TableKind = KeyTable::Kind;
 
 constexpr KeyTable tables[] = {
+    {"", TableKind::always, "", "before all tables", profile_keys},
     {"site", TableKind::optional, "no site file",
      "features, anchors and the domain, [drawn in a file](site.md)", site_keys},
     {"mesh", TableKind::always, "required", "the memory of the mesh is taken once, at the start",
@@ -260,8 +294,12 @@ constexpr KeyTable tables[] = {
     {"poll", TableKind::always, "", "how the nodes are asked, on all buses", poll_keys},
     {"bus", TableKind::list, "one or more", "a connection with Modbus TCP, or a serial port",
      bus_keys, "[[bus]] with tcp or rtu, and units"},
-    {"bus.slow", TableKind::list, "as many as needed",
-     "after its `[[bus]]`: units that need longer than the others", slow_keys},
+    {"bus.device", TableKind::list, "as many as needed",
+     "after its `[[bus]]`: units that are other devices, or need longer than the others",
+     device_keys},
+    {"node", TableKind::list, "as many as needed",
+     "[a device](profiles.md) that does not know where it stands, or is to have a serial",
+     node_keys},
     {"write_back", TableKind::always, "", "what nodes are told", write_back_keys},
     {"gpio", TableKind::always, "",
      "lines by name, or `\"CHIP:OFFSET\"`; `\"!NAME\"` is active when low. `gpioinfo` lists them",
@@ -305,12 +343,13 @@ BusKind kind_of(const BusSettings& bus) {
 }
 
 std::string heading_of(const KeyTable& table) {
+  if (*table.name == '\0') return {};
   const std::string heading = "[" + std::string(table.name) + "]";
   return table.kind == TableKind::list ? "[" + heading + "]" : heading;
 }
 
 std::string path_of(const KeyTable& table, const Key& key) {
-  return heading_of(table) + " " + key.name;
+  return heading_of(table) + (*table.name == '\0' ? "" : " ") + key.name;
 }
 
 }  // namespace etcm::firmware

@@ -43,7 +43,8 @@ struct Key {
   BusKind bus = BusKind::any;
 };
 
-// A table of the file: "[poll]", or "[[bus]]", which may be there several times.
+// A table of the file: "[poll]", or "[[bus]]", which may be there several times; without a name
+// the file itself.
 struct KeyTable {
   enum class Kind : std::uint8_t {
     always,    // its defaults hold without it
@@ -74,7 +75,7 @@ constexpr bool is_key_of(const Key& key, BusKind kind) {
   return key.bus == BusKind::any || key.bus == kind;
 }
 
-// Whether it belongs to a table of another list, as [[bus.slow]] does.
+// Whether it belongs to a table of another list, as [[bus.device]] does.
 constexpr bool is_nested(const KeyTable& table) {
   return std::string_view(table.name).find('.') != std::string_view::npos;
 }

@@ -108,10 +108,14 @@ std::string printed_buses(const KeyTable& table) {
 }
 
 std::string printed(const KeyTable& table) {
+  std::string keys;
+  if (*table.name == '\0') {
+    for (const Key& key : table.keys) keys += "\n" + printed(key, false);
+    return keys;
+  }
   const std::string text = "\n" + comment(sentence(table.text));
   if (std::string_view(table.name) == "bus") return text + printed_buses(table);
   const bool is_active = table.kind == KeyTable::Kind::always;
-  std::string keys;
   for (const Key& key : table.keys) keys += printed(key, is_active && is_needed(key));
   return text + (is_active ? "" : "#") + heading_of(table) + "\n" + keys;
 }
@@ -122,8 +126,9 @@ std::string describe_settings() {
   std::string text =
       "| key | unit, range | default | at a reload | meaning |\n|---|---|---|---|---|\n";
   for (const KeyTable& table : key_tables()) {
-    text += "| **`" + heading_of(table) + "`** | | " + table.standard +
-            (*table.standard != '\0' ? " " : "") + "| | " + table.text + " |\n";
+    const std::string heading = heading_of(table);
+    text += "| " + (heading.empty() ? heading : "**`" + heading + "`** ") + "| | " +
+            table.standard + (*table.standard != '\0' ? " " : "") + "| | " + table.text + " |\n";
     for (const Key& key : table.keys) {
       const Standard& standard = key.standard;
       text += std::string("| `") + key.name + "` | " + grouped(range_text(key)) + " | " +

@@ -174,6 +174,24 @@ std::optional<std::optional<LineSettings>> read(const BoardLineType&, const Give
   return LineSettings{.name = text->substr(is_active_low ? 1 : 0), .is_active_low = is_active_low};
 }
 
+std::optional<std::optional<std::uint32_t>> read(const OptionalCountType& type, const GivenKey& key,
+                                                 const toml::node& node) {
+  const auto found = read(CountType{{}, type.least, type.most, {}}, key, node);
+  if (!found) return std::nullopt;
+  return std::optional(*found);
+}
+
+std::optional<std::optional<std::int64_t>> read(const DecimalType& type, const GivenKey& key,
+                                                const toml::node& node) {
+  const auto found = parse_nano(node, -type.most);
+  if (found && *found <= type.most) return std::optional(*found);
+  return wrong(key, node,
+               quoted(key) + " must be a decimal from -" + std::to_string(type.most / site_nano) +
+                   " to " + std::to_string(type.most / site_nano) +
+                   ", with at most nine digits behind the point, in quotes; write it as " +
+                   key.example);
+}
+
 std::optional<std::int64_t> read(const ScaleType&, const GivenKey& key, const toml::node& node) {
   const auto found = parse_nano(node, 1);
   if (found) return found;
@@ -219,6 +237,10 @@ std::string range(const AddressType&) { return "`\"ADDRESS:PORT\"`"; }
 std::string range(const NetworksType&) { return "list of networks"; }
 std::string range(const UnitsType&) { return "`\"1-60\"`, `\"1-3,9\"`"; }
 std::string range(const BoardLineType&) { return "line"; }
+std::string range(const OptionalCountType& type) {
+  return std::to_string(type.least) + " ... " + std::to_string(type.most);
+}
+std::string range(const DecimalType&) { return "decimal in quotes"; }
 std::string range(const ScaleType&) { return "decimal in quotes"; }
 std::string range(const OriginType&) { return "two decimals in quotes"; }
 

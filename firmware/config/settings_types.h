@@ -22,74 +22,80 @@ namespace etcm::firmware {
 
 class TomlTable;
 
-// A [[bus.slow]] as it is written: one timeout for several ranges.
-struct SlowUnits {
-  std::vector<UnitRange> units;
-  port::Duration timeout{};
-};
-
 // What the keys of one table are read into.
-using Target = std::variant<Settings*, BusSettings*, SlowUnits*, FeatureSettings*>;
+using Target =
+    std::variant<Settings*, BusSettings*, DeviceSettings*, NodeSettings*, FeatureSettings*>;
 
 // One value in a target.
 template <class Value>
-struct Field {
+struct Access {
   Value (*get)(Target);
   void (*set)(Target, Value);
 };
 
 struct DurationType {
-  Field<port::Duration> field;
+  Access<port::Duration> field;
   port::Duration least;
 };
 struct CountType {
-  Field<std::uint32_t> field;
+  Access<std::uint32_t> field;
   std::uint32_t least;
   std::uint32_t most;
   std::string_view measure;  // of a count that is a measure, or empty
 };
 struct ChoiceType {
-  Field<std::size_t> field;  // which of the words
+  Access<std::size_t> field;  // which of the words
   std::span<const std::string_view> words;
 };
 struct BaudType {
-  Field<std::uint32_t> field;
+  Access<std::uint32_t> field;
 };
 struct FlagType {
-  Field<bool> field;
+  Access<bool> field;
 };
 struct TextType {
-  Field<std::string> field;
+  Access<std::string> field;
 };
 // From the folder of the configuration file.
 struct PathType {
-  Field<std::string> field;
+  Access<std::string> field;
 };
 struct AddressType {
-  Field<port::SocketAddress> field;
+  Access<port::SocketAddress> field;
 };
 struct NetworksType {
-  Field<std::vector<port::Network>> field;
+  Access<std::vector<port::Network>> field;
 };
 struct UnitsType {
-  Field<std::vector<UnitRange>> field;
+  Access<std::vector<UnitRange>> field;
 };
 // "!" before the name: active when low.
 struct BoardLineType {
-  Field<std::optional<LineSettings>> field;
+  Access<std::optional<LineSettings>> field;
+};
+// A count that need not be there.
+struct OptionalCountType {
+  Access<std::optional<std::uint32_t>> field;
+  std::uint32_t least;
+  std::uint32_t most;
+};
+// A decimal of either sign, in 10^-9, that need not be there.
+struct DecimalType {
+  Access<std::optional<std::int64_t>> field;
+  std::int64_t most;  // either way
 };
 // A positive decimal, exactly, in 10^-9.
 struct ScaleType {
-  Field<std::int64_t> field;
+  Access<std::int64_t> field;
 };
 // Two decimals, as above but of either sign.
 struct OriginType {
-  Field<SiteOrigin> field;
+  Access<SiteOrigin> field;
 };
 
-using ValueType =
-    std::variant<DurationType, CountType, ChoiceType, BaudType, FlagType, TextType, PathType,
-                 AddressType, NetworksType, UnitsType, BoardLineType, ScaleType, OriginType>;
+using ValueType = std::variant<DurationType, CountType, ChoiceType, BaudType, FlagType, TextType,
+                               PathType, AddressType, NetworksType, UnitsType, BoardLineType,
+                               OptionalCountType, DecimalType, ScaleType, OriginType>;
 
 // A key as it stands in a file.
 struct GivenKey {
@@ -160,7 +166,7 @@ auto& value_at(Target target) {
 }
 
 template <class Value, auto... path>
-constexpr Field<Value> field() {
+constexpr Access<Value> field() {
   return {[](Target target) { return static_cast<Value>(value_at<Value, path...>(target)); },
           [](Target target, Value value) {
             auto& held = value_at<Value, path...>(target);
@@ -238,6 +244,14 @@ constexpr UnitsType units() {
 template <auto... path>
 constexpr BoardLineType board_line() {
   return {detail::field<std::optional<LineSettings>, path...>()};
+}
+template <auto... path>
+constexpr OptionalCountType optional_count(std::uint32_t least, std::uint32_t most) {
+  return {detail::field<std::optional<std::uint32_t>, path...>(), least, most};
+}
+template <auto... path>
+constexpr DecimalType decimal(std::int64_t most) {
+  return {detail::field<std::optional<std::int64_t>, path...>(), most};
 }
 template <auto... path>
 constexpr ScaleType scale() {

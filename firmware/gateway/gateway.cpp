@@ -28,7 +28,8 @@ std::int64_t squared_distance(Position a, Position b) {
 Gateway::Gateway(std::shared_ptr<const Settings> settings, Mesh& mesh, const GatewayPorts& ports)
     : settings_(std::move(settings)),
       ports_(ports),
-      poller_(settings_->poll, ports.buses, *this, ports.log, this),
+      devices_(*settings_, ports.projection),
+      poller_(settings_->poll, ports.buses, *this, ports.log, this, &devices_),
       nodes_(poller_.unit_count()),
       kept_(mesh, *settings_),
       site_(kept_, nodes_, ports.clock, ports.log),
@@ -108,6 +109,7 @@ void Gateway::step(port::Instant now) {
 void Gateway::update_settings(std::shared_ptr<const Settings> settings, port::Instant now) {
   const bool is_faster = settings->poll.interval < settings_->poll.interval;
   settings_ = std::move(settings);
+  devices_.update_site(*settings_);
   const PollSettings& poll = settings_->poll;
   const port::Instant heard_by = poller_.update_settings(poll, settings_->buses, now);
   presence_.update_settings(poll, is_faster ? heard_by : now, now);

@@ -28,6 +28,7 @@
 #include "firmware/persist/file_publisher.h"
 #include "firmware/persist/state_saver.h"
 #include "firmware/persist/state_transfer.h"
+#include "firmware/polling/device.h"
 #include "firmware/polling/poller.h"
 #include "firmware/publish/image_pool.h"
 #include "firmware/publish/neighbour_distributor.h"
@@ -44,8 +45,9 @@ inline constexpr int publish_share = 20;
 struct GatewayPorts {
   std::span<const PolledBus> buses;
   port::MeshServer& server;
-  port::MeshFiles* files = nullptr;  // null: no files are wanted
-  port::Store* store = nullptr;      // null: nothing outlives a restart
+  port::MeshFiles* files = nullptr;              // null: no files are wanted
+  const port::Projection* projection = nullptr;  // null: all is in the plane
+  port::Store* store = nullptr;                  // null: nothing outlives a restart
   const port::Clock& clock;
   port::Log& log;
 };
@@ -112,6 +114,7 @@ class Gateway final : private ReadingListener, private RequestSource {
 
   std::shared_ptr<const Settings> settings_;
   const GatewayPorts ports_;
+  DeviceTable devices_;
   Poller poller_;
   NodeTable nodes_;
   KeptMesh kept_;

@@ -24,7 +24,7 @@ port::Duration exchange_floor_of(const BusSettings& bus) {
 
 port::Duration cost_max_of(const BusSettings& bus) {
   port::Duration timeout = bus.timeout;
-  for (const UnitTimeout& other : bus.unit_timeouts) timeout = std::max(timeout, other.timeout);
+  for (const DeviceSettings& device : bus.devices) timeout = std::max(timeout, device.timeout);
   const bool is_line = std::holds_alternative<port::SerialLine>(bus.link);
   return timeout + (is_line ? bus.quiet + exchange_floor_of(bus) : port::Duration{});
 }
@@ -279,7 +279,7 @@ void BusSchedule::note_failure(ModbusAddress address, bool is_miss, port::Instan
   ask_again(address, is_at_once ? unit.due : due);
 }
 
-void BusSchedule::note_torn(ModbusAddress address) {
+void BusSchedule::note_more(ModbusAddress address) {
   ask_again(address, units_[address.value].due);
 }
 

@@ -71,12 +71,13 @@ class BusSchedule {
   port::Instant next_due(port::Instant now) const;
   port::Instant discovery_start(port::Instant now) const;
 
-  // What came of a question: note_cost() first, then one of the four.
+  // What came of a question: note_cost() first, then one of the four below.
   void note_cost(ModbusAddress address, const port::BusAnswer& answer, port::Instant now);
   void note_success(ModbusAddress address, port::Instant now);
   // `is_miss`: no answer to this question, so that a frame may have been lost.
   void note_failure(ModbusAddress address, bool is_miss, port::Instant now);
-  void note_torn(ModbusAddress address);
+  // It is to be asked once more at once: a torn read, or the next part of what is read.
+  void note_more(ModbusAddress address);
   void note_link_lost(ModbusAddress address, port::Instant now);
 
   // A node is said to be there: the unit is asked next, before all that are due and however often

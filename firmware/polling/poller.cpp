@@ -12,7 +12,8 @@ constexpr std::uint8_t torn_repeats_max = 3;
 }  // namespace
 
 Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
-               ReadingListener& listener, port::Log& log, RequestSource* requests)
+               ReadingListener& listener, port::Log& log, RequestSource* requests,
+               const DeviceTable* devices)
     : listener_(listener), log_(log), requests_(requests) {
   buses_.reserve(buses.size());
   for (const PolledBus& polled : buses) {
@@ -21,20 +22,28 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
                       .schedule = BusSchedule(settings, bus, *polled.bus),
                       .unit_at = std::vector<UnitIndex>(256, UnitIndex::none())});
     const BusIndex number{bus_count() - 1};
-    add_units(number, bus.units, true);
-    add_units(number, bus.assign, true);
-    if (!bus.assign.empty()) add_units(number, {{{default_unit.value, default_unit.value}}}, true);
-    add_units(number, bus.scan, false);
+    add_units(number, bus.units, true, devices);
+    add_units(number, bus.assign, true, devices);
+    if (!bus.assign.empty()) {
+      add_units(number, {{{default_unit.value, default_unit.value}}}, true, devices);
+    }
+    add_units(number, bus.scan, false, devices);
   }
 }
 
-void Poller::add_units(BusIndex number, std::span<const UnitRange> ranges, bool is_listed) {
+void Poller::add_units(BusIndex number, std::span<const UnitRange> ranges, bool is_listed,
+                       const DeviceTable* devices) {
   Bus& bus = buses_[number.value];
   for (const UnitRange range : ranges) {
     for (const ModbusAddress address : range) {
       if (!bus.unit_at[address.value].is_none()) continue;
       bus.unit_at[address.value] = UnitIndex{unit_count()};
       units_.push_back({.bus = number, .address = address});
+      if (devices != nullptr) {
+        Unit& unit = units_.back();
+        unit.device = devices->at(number, address);
+        if (unit.device != nullptr) unit.swept.reserve(unit.device->register_count());
+      }
       bus.schedule.add_unit(address, is_listed);
     }
   }
@@ -69,6 +78,7 @@ void Poller::step(port::Instant now) {
 }
 
 bool Poller::ask_next(BusIndex number, port::Instant now) {
+  if (buses_[number.value].paused_until > now) return false;
   if (request_start(number, now) <= now && start_request(number, now)) return true;
   Bus& bus = buses_[number.value];
   while (const std::optional<BusSchedule::Question> question = bus.schedule.next_question(now)) {
@@ -92,6 +102,15 @@ bool Poller::ask_next(BusIndex number, port::Instant now) {
 port::RegisterRead Poller::read_of(UnitIndex unit) const {
   const BusSchedule& schedule = schedule_of(unit);
   const ModbusAddress address = address_of(unit);
+  if (const Device* const device = units_[unit.value].device) {
+    const RegisterSpan block = device->blocks()[units_[unit.value].block];
+    return {.address = address.value,
+            .kind = device->kind(),
+            .first = block.first,
+            .count = block.count,
+            .timeout = schedule.timeout(address),
+            .ticket = unit.value};
+  }
   return {.address = address.value,
           .first = node_register_first,
           .count = node_register_count,
@@ -118,9 +137,10 @@ port::Instant Poller::next_deadline() const {
     const Bus& bus = buses_[number.value];
     deadline = std::min(deadline, bus.bus->next_deadline());
     if (!bus.bus->ready()) continue;
-    deadline =
-        std::min({deadline, request_start(number, stepped_at_),
-                  bus.schedule.discovery_start(stepped_at_), bus.schedule.next_due(stepped_at_)});
+    const port::Instant next =
+        std::min({request_start(number, stepped_at_), bus.schedule.discovery_start(stepped_at_),
+                  bus.schedule.next_due(stepped_at_)});
+    deadline = std::min(deadline, std::max(next, bus.paused_until));
   }
   return deadline;
 }
@@ -153,7 +173,14 @@ TextLine Poller::name(UnitIndex unit) const {
 
 void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant now) {
   const bool is_absence = port::is_absence(answer);
-  count_answer(units_[index.value], is_absence ? port::BusResult::timeout : answer.result, now);
+  Unit& unit = units_[index.value];
+  count_answer(unit, is_absence ? port::BusResult::timeout : answer.result, now);
+  if (unit.device != nullptr && !is_absence) {
+    Bus& bus = buses_[unit.bus.value];
+    bus.paused_until = std::max(bus.paused_until, now + unit.device->pause());
+  }
+  // What is to be believed comes from one sweep.
+  if (answer.result != port::BusResult::ok) unit.block = 0;
   BusSchedule& schedule = schedule_of(index);
   schedule.note_cost(address_of(index), answer, now);
   if (port::is_of_converter(answer.result, answer.exception)) {
@@ -177,16 +204,31 @@ void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant 
   }
 }
 
+bool Poller::complete_sweep(const port::BusAnswer& answer, Unit& unit) {
+  if (unit.block == 0) unit.swept.clear();
+  unit.swept.insert(unit.swept.end(), answer.registers.begin(), answer.registers.end());
+  unit.block = static_cast<std::uint8_t>(unit.block + 1);
+  if (unit.block < unit.device->blocks().size()) return false;
+  unit.block = 0;
+  return true;
+}
+
 void Poller::take_registers(const port::BusAnswer& answer, UnitIndex index, port::Instant now) {
   Unit& unit = units_[index.value];
   BusSchedule& schedule = schedule_of(index);
   NodeReading reading;
-  const ReadingFault fault =
-      decode_node(answer.registers, bus(unit.bus).word_order, reading, answer.left_out);
+  ReadingFault fault = ReadingFault::none;
+  if (unit.device == nullptr) {
+    fault = decode_node(answer.registers, bus(unit.bus).word_order, reading, answer.left_out);
+  } else if (complete_sweep(answer, unit)) {
+    fault = unit.device->decode(unit.swept, reading);
+  } else {
+    return schedule.note_more(unit.address);
+  }
   if (fault == ReadingFault::torn && unit.torn_repeats < torn_repeats_max) {
     ++unit.torn_repeats;
     ++unit.counters.torn;
-    return schedule.note_torn(unit.address);
+    return schedule.note_more(unit.address);
   }
   unit.torn_repeats = 0;
   if (fault != ReadingFault::none) {

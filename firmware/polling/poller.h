@@ -12,6 +12,7 @@
 #include "firmware/logging/text_line.h"
 #include "firmware/polling/bus_request.h"
 #include "firmware/polling/bus_schedule.h"
+#include "firmware/polling/device.h"
 #include "firmware/polling/indices.h"
 #include "firmware/polling/poll_counters.h"
 #include "firmware/protocol/node_registers.h"
@@ -36,9 +37,9 @@ class ReadingListener {
 // The order is that of bus_schedule.h.
 class Poller {
  public:
-  // All arguments but settings must outlive the poller.
+  // All arguments but settings must outlive the poller. Without devices all units are nodes.
   Poller(const PollSettings& settings, std::span<const PolledBus> buses, ReadingListener& listener,
-         port::Log& log, RequestSource* requests = nullptr);
+         port::Log& log, RequestSource* requests = nullptr, const DeviceTable* devices = nullptr);
 
   // Takes what was answered and asks the units that are due.
   void step(port::Instant now);
@@ -78,6 +79,8 @@ class Poller {
   port::Instant write_free_at(UnitIndex unit) const;
   ModbusAddress address_of(UnitIndex unit) const { return units_[unit.value].address; }
   const UnitCounters& counters(UnitIndex unit) const { return units_[unit.value].counters; }
+  // Serves our registers; else it is a device with a profile.
+  bool is_node(UnitIndex unit) const { return units_[unit.value].device == nullptr; }
   // Else it is only looked for.
   bool is_listed(UnitIndex unit) const { return schedule_of(unit).is_listed(address_of(unit)); }
   // Whether a bus has had a unit to ask, or a question under way for longer than that may be, and
@@ -91,6 +94,9 @@ class Poller {
     BusIndex bus;
     ModbusAddress address;
     std::uint8_t torn_repeats = 0;
+    const Device* device = nullptr;      // null: a node
+    std::uint8_t block = 0;              // of its sweep, that is asked next
+    std::vector<std::uint16_t> swept{};  // registers of the blocks before it
     UnitCounters counters{};
   };
   struct Bus {
@@ -102,13 +108,15 @@ class Poller {
     bool request_under_way = false;
     port::Instant request_asked_at{};
     BusCounters counters{};
+    port::Instant paused_until{};  // a device needs silence
   };
 
   const BusSchedule& schedule_of(UnitIndex unit) const {
     return buses_[bus_of(unit).value].schedule;
   }
   BusSchedule& schedule_of(UnitIndex unit) { return buses_[bus_of(unit).value].schedule; }
-  void add_units(BusIndex bus, std::span<const UnitRange> ranges, bool is_listed);
+  void add_units(BusIndex bus, std::span<const UnitRange> ranges, bool is_listed,
+                 const DeviceTable* devices);
   port::RegisterRead read_of(UnitIndex unit) const;
 
   bool ask_next(BusIndex bus, port::Instant now);
@@ -117,6 +125,8 @@ class Poller {
   void finish_request(BusIndex bus, const port::BusAnswer& answer, port::Instant now);
 
   void take(const port::BusAnswer& answer, UnitIndex unit, port::Instant now);
+  // False: the sweep of the device has more blocks.
+  bool complete_sweep(const port::BusAnswer& answer, Unit& unit);
   void take_registers(const port::BusAnswer& answer, UnitIndex unit, port::Instant now);
   void count_answer(Unit& unit, port::BusResult result, port::Instant now);
   // Why a question failed. Silence is no news of a unit that was never there; after a miss a frame

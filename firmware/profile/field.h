@@ -14,6 +14,7 @@ struct Condition {
   struct Interval {
     std::int64_t least = 0;  // in 10^-9, as `most`
     std::int64_t most = 0;
+    friend bool operator==(const Interval&, const Interval&) = default;
   };
   Number number;
   std::vector<Interval> any_of;
@@ -21,6 +22,7 @@ struct Condition {
 
   // False where there is no number.
   bool holds(const Sweep& sweep) const;
+  friend bool operator==(const Condition&, const Condition&) = default;
 };
 
 // How an angle is written.
@@ -39,6 +41,7 @@ struct Field {
   // In 10^-9, of what comes out.
   std::optional<std::int64_t> least;
   std::optional<std::int64_t> most;
+  friend bool operator==(const Field&, const Field&) = default;
 };
 
 FieldValue decode(const Field& field, const Sweep& sweep);

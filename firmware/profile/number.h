@@ -74,6 +74,7 @@ struct Number {
   Fraction scale = Fraction::of(1);
   std::int64_t offset_nano = 0;     // after the scale
   std::vector<std::uint64_t> none;  // bits of the mask that mean that there is no number
+  friend bool operator==(const Number&, const Number&) = default;
 };
 
 struct FieldValue {

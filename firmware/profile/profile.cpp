@@ -61,16 +61,16 @@ bool hold_all(std::span<const Condition> conditions, const Sweep& sweep) {
                      [&](const Condition& condition) { return condition.holds(sweep); });
 }
 
-Position position_of(const Profile& profile, const Sweep& sweep) {
+DevicePosition position_of(const Profile& profile, const Sweep& sweep) {
   if (profile.positioning == Profile::Positioning::surveyed) return {};
-  if (!hold_all(profile.valid, sweep)) return {.state = Position::State::invalid};
+  if (!hold_all(profile.valid, sweep)) return {.state = DevicePosition::State::invalid};
   const FieldValue east = decode(profile.east, sweep);
   const FieldValue north = decode(profile.north, sweep);
   if (!east.is_value() || !north.is_value()) return {};
   if (profile.positioning == Profile::Positioning::degrees && !is_on_earth(east.nano, north.nano)) {
     return {};
   }
-  return {.state = Position::State::value, .east_nano = east.nano, .north_nano = north.nano};
+  return {.state = DevicePosition::State::value, .east_nano = east.nano, .north_nano = north.nano};
 }
 
 FieldValue reading_of(const Profile::Reading& reading, const Sweep& sweep) {

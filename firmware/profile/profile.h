@@ -21,6 +21,7 @@ struct Profile {
     std::string unit;  // as a person writes it, or empty
     Field value;
     std::vector<Condition> valid;  // of this reading: all hold
+    friend bool operator==(const Reading&, const Reading&) = default;
   };
 
   std::string name;
@@ -35,6 +36,7 @@ struct Profile {
   std::vector<Reading> readings;
   std::uint16_t block_max = 125;  // registers that the device gives at once
   std::uint16_t gap_max = 0;      // registers of no use that may be read between others
+  friend bool operator==(const Profile&, const Profile&) = default;
 };
 
 // Every number's registers, with repetitions.
@@ -46,7 +48,7 @@ std::vector<RegisterSpan> blocks_of(const Profile& profile);
 
 // ---- What a sweep of these blocks says. None of these allocates.
 
-struct Position {
+struct DevicePosition {
   enum class State : std::uint8_t {
     value,
     invalid,  // the device says so
@@ -60,7 +62,7 @@ struct Position {
   bool is_value() const { return state == State::value; }
 };
 
-Position position_of(const Profile& profile, const Sweep& sweep);
+DevicePosition position_of(const Profile& profile, const Sweep& sweep);
 
 // None where the reading's own test does not hold.
 FieldValue reading_of(const Profile::Reading& reading, const Sweep& sweep);

@@ -147,6 +147,11 @@ const char* explain(ReadingFault fault) {
       return "position beyond +-16777216 units: correct `word_order` of the bus, or the node's "
              "origin or "
              "unit";
+    case ReadingFault::no_serial:
+      return "no serial in the registers of `serial`: correct its profile, or take `serial` out";
+    case ReadingFault::off_the_plane:
+      return "its place is beyond the plane of the mesh: set `origin` in [site] to a corner of the "
+             "site, or correct its profile";
   }
   return "";
 }

@@ -65,6 +65,9 @@ enum class ReadingFault : std::uint8_t {
   torn,  // the node changed the registers while they were read: read again
   bad_serial,
   bad_position,  // |x| or |y| above position_max while the fix is valid
+  // Of other devices (firmware/profile):
+  no_serial,      // its serial register has none
+  off_the_plane,  // it is where the mesh cannot be
 };
 
 // In which order the bytes of a 32-bit value come, A the highest. Where the bytes of a register are

@@ -81,8 +81,10 @@ bool NeighbourDistributor::next(BusIndex bus, port::Instant now, BusRequest& req
     job.cursor = (job.cursor + 1) % static_cast<std::uint32_t>(delivered_.size());
     --job.unchecked;
     const NodeRecord& node = records[slot];
-    if (!node.is_known() || node.unit_index.is_none() || poller_.bus_of(node.unit_index) != bus)
+    if (!node.is_known() || node.unit_index.is_none() || poller_.bus_of(node.unit_index) != bus ||
+        !poller_.is_node(node.unit_index)) {
       continue;
+    }
     DeliveredConfig& told = delivered_[slot];
     if (!needs_write(node, told, job, now)) continue;
     job.slot = slot;

@@ -23,13 +23,24 @@ RtuBus::RtuBus(RtuLine& line, Log& log, const RtuBusOptions& options)
 RtuBus::~RtuBus() { set_send_enable(false); }
 
 RtuBus::Ways RtuBus::ways_of(const RegisterRead& read) const {
-  const bool has_both = !units_[read.address].has_no_holding;
+  const auto may_ask = [&](std::uint8_t function) {
+    const bool is_holding = function == read_holding_registers;
+    switch (read.kind) {
+      case RegisterKind::input_or_holding:
+        return !is_holding || !units_[read.address].has_no_holding;
+      case RegisterKind::input:
+        return !is_holding;
+      case RegisterKind::holding:
+        return is_holding;
+    }
+    return false;
+  };
   Ways found;
   for (std::uint16_t left_out = 0; left_out <= read.spare && left_out < read.count; ++left_out) {
     const RegisterRange range{.first = static_cast<std::uint16_t>(read.first + left_out),
                               .count = static_cast<std::uint16_t>(read.count - left_out)};
     for (const std::uint8_t function : {read_input_registers, read_holding_registers}) {
-      if (function == read_holding_registers && !has_both) continue;
+      if (!may_ask(function)) continue;
       if (found.count == Ways::count_max) return found;
       found.ways[found.count++] = {.function = function, .range = range};
     }
@@ -237,7 +248,7 @@ void RtuBus::report_late(std::uint8_t number, Duration lateness) {
   log_.write(Level::warning,
              "bus " + options_.name + ": unit " + address + " answered too late, after " +
                  std::to_string(late) +
-                 " ms, and was not believed; give it a longer timeout: [[bus.slow]] with units = "
+                 " ms, and was not believed; give it a longer timeout: [[bus.device]] with units = "
                  "\"" +
                  address + "\" and timeout = \"" + std::to_string(advised) + "ms\"");
 }

@@ -38,10 +38,12 @@ bool TcpBus::ready() const {
 void TcpBus::start_read(const RegisterRead& read, Instant now) {
   std::array<std::uint8_t, frame_bytes_max> frame;
   const RegisterRange range{.first = read.first, .count = read.count};
+  const std::uint8_t function =
+      read.kind == RegisterKind::holding ? read_holding_registers : read_input_registers;
   const std::size_t pdu =
-      write_read_request(std::span(frame).subspan(mbap_header_bytes), read_input_registers, range);
+      write_read_request(std::span(frame).subspan(mbap_header_bytes), function, range);
   send({.address = read.address,
-        .function = read_input_registers,
+        .function = function,
         .range = range,
         .ticket = read.ticket,
         .timeout = read.timeout},
@@ -170,7 +172,7 @@ void TcpBus::complete(const TcpRequest& request, BusResult result) {
   answer.address = request.address;
   answer.ticket = request.ticket;
   answer.result = result;
-  const bool has_registers = result == BusResult::ok && request.function == read_input_registers;
+  const bool has_registers = result == BusResult::ok && request.function != write_holding_registers;
   answer.count = has_registers ? request.range.count : std::uint16_t{0};
   if (result != BusResult::exception) answer.exception = 0;
   if (is_of_converter(result, answer.exception)) queue_.note_converter();
@@ -192,7 +194,7 @@ void TcpBus::report_late(const LateTransaction& late) {
       late.has_come
           ? " was answered for too late, after " + in_ms(late.latency) + " ms"
           : " was not answered for, and held up the others for " + in_ms(late.latency) + " ms";
-  const std::string slow = late.has_come ? ", and [[bus.slow]] with units = \"" + address +
+  const std::string slow = late.has_come ? ", and [[bus.device]] with units = \"" + address +
                                                "\" and timeout = \"" + in_ms(advised) + "ms\""
                                          : "";
   log_.write(Level::warning, "bus " + options_.name + ": unit " + address + what +

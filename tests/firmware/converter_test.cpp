@@ -245,7 +245,7 @@ TEST(Converter, IsSaidOnceWithWhatToSet) {
   ASSERT_EQ(site.log.lines.size(), 2u) << site.logged();
   const std::string& line = site.log.lines.back();
   EXPECT_EQ(line.find("bus yard: unit 21 was answered for too late, after 1000 ms"), 0u) << line;
-  EXPECT_NE(line.find("set outstanding = 1, and [[bus.slow]] with units = \"21\" and timeout = "
+  EXPECT_NE(line.find("set outstanding = 1, and [[bus.device]] with units = \"21\" and timeout = "
                       "\"1300ms\""),
             std::string::npos)
       << line;

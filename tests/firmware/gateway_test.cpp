@@ -321,7 +321,8 @@ TEST(Gateway, AbsentUnitsAreNotAskedTogether) {
 
 TEST(Gateway, AUnitMayHaveATimeoutOfItsOwn) {
   Rig rig;
-  rig.settings.buses[0].unit_timeouts = {{.units = {.first = 7, .last = 8}, .timeout = 700ms}};
+  rig.settings.buses[0].devices = {
+      {.units = {{.first = 7, .last = 8}}, .profile = node_profile, .timeout = 700ms}};
   rig.run(200ms);
   EXPECT_EQ(rig.bus.timeouts[6], rig.settings.buses[0].timeout);
   EXPECT_EQ(rig.bus.timeouts[7], 700ms);

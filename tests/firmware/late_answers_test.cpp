@@ -155,7 +155,7 @@ struct LateUnitsOnABus {
   std::uint8_t units = 1;  // the last one
   port::Duration interval = 1s;
   bool is_interrupted = false;
-  std::vector<UnitTimeout> unit_timeouts{};
+  std::vector<DeviceSettings> devices{};
 };
 
 class LateSite final : public ReadingListener {
@@ -170,7 +170,7 @@ class LateSite final : public ReadingListener {
                   .link = serial_,
                   .units = {{.first = site.first, .last = site.units}},
                   .timeout = answer_timeout,
-                  .unit_timeouts = site.unit_timeouts,
+                  .devices = site.devices,
                   .quiet = 50ms,
                   .outstanding_max = 1,
                   .send_enable = {}} {
@@ -252,12 +252,13 @@ TEST(LateAnswers, TheLogSaysHowLateTheyAreAndItsAdviceHelps) {
   const int lateness_ms = number_behind("after ");
   EXPECT_GE(lateness_ms, 1350);
   EXPECT_LE(lateness_ms, 1350 + 25);
-  EXPECT_NE(line.find("[[bus.slow]] with units = \"1\""), std::string::npos) << line;
+  EXPECT_NE(line.find("[[bus.device]] with units = \"1\""), std::string::npos) << line;
   const int advised_ms = number_behind("timeout = \"");
   EXPECT_GE(advised_ms, 1350);
   EXPECT_LE(advised_ms, 2 * 1350);
-  LateSite mended({.unit_timeouts = {{.units = {.first = 1, .last = 1},
-                                      .timeout = std::chrono::milliseconds(advised_ms)}}},
+  LateSite mended({.devices = {{.units = {{.first = 1, .last = 1}},
+                                .profile = node_profile,
+                                .timeout = std::chrono::milliseconds(advised_ms)}}},
                   [](auto...) { return 1350ms; });
   mended.run_for(60s);
   EXPECT_GE(mended.readings[1], 30u);

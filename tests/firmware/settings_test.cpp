@@ -152,15 +152,59 @@ units = "1"
   EXPECT_EQ(settings.buses[1].quiet, 50ms);
 }
 
+TEST_F(SettingsFile, ProfilesThatAreNowhereAreAMistake) {
+  read("profiles = \"nowhere.toml\"\n[mesh]\nvertices_max = 10\n" + std::string(R"([[bus]]
+tcp = "127.0.0.1:1500"
+units = "1"
+)"));
+  ASSERT_EQ(mistakes_.size(), 1u);
+  EXPECT_TRUE(mistakes_[0].starts_with(path_ + ":1: there is no ")) << mistakes_[0];
+}
+
+TEST_F(SettingsFile, DevicesAndSurveyedNodesAreRead) {
+  const Settings settings = read_sound(R"([[profile]]
+name = "meter"
+pause = "30ms"
+[[profile.reading]]
+name = "level"
+value = { register = 0, type = "u16" }
+[[bus]]
+tcp = "127.0.0.1:1500"
+name = "yard"
+units = "1-3"
+[[bus.device]]
+units = "3,7"
+profile = "meter"
+timeout = "600ms"
+[[node]]
+unit = 7
+serial = 42
+x = "1.5"
+y = -2
+)");
+  const BusSettings& bus = settings.buses[0];
+  EXPECT_EQ(bus.units, (std::vector<UnitRange>{{1, 3}, {7, 7}}));
+  EXPECT_EQ(device_at(bus, ModbusAddress{1}), nullptr);
+  ASSERT_NE(device_at(bus, ModbusAddress{7}), nullptr);
+  EXPECT_EQ(device_at(bus, ModbusAddress{7})->profile, "meter");
+  EXPECT_EQ(device_at(bus, ModbusAddress{7})->pause, 30ms) << "that of the profile";
+  EXPECT_NE(find_profile(settings, "meter"), nullptr);
+  ASSERT_EQ(settings.nodes.size(), 1u);
+  EXPECT_EQ(settings.nodes[0].bus, "yard");
+  EXPECT_EQ(settings.nodes[0].serial, 42u);
+  EXPECT_EQ(settings.nodes[0].x, 1'500'000'000);
+  EXPECT_EQ(settings.nodes[0].y, -2'000'000'000);
+}
+
 TEST_F(SettingsFile, SomeUnitsMayTakeLonger) {
   const Settings settings = read_sound(R"([[bus]]
 tcp = "127.0.0.1:1500"
 units = "1-20"
 timeout = "80ms"
-[[bus.slow]]
+[[bus.device]]
 units = "7,12-14"
 timeout = "600ms"
-[[bus.slow]]
+[[bus.device]]
 units = "20"
 timeout = "20ms"
 [[bus]]
@@ -214,6 +258,13 @@ std::string serial(const std::string& lines) {
 }
 
 std::string bus(const std::string& lines) { return "[[bus]]\ntcp = \"127.0.0.1:502\"\n" + lines; }
+
+// A device that has a profile, in lines 4 to 14.
+std::string meter(const std::string& lines) {
+  return "[[profile]]\nname = \"meter\"\n[[profile.reading]]\nname = \"level\"\n"
+         "value = { register = 0, type = \"u16\" }\n" +
+         serial("[[bus.device]]\nunits = \"1\"\nprofile = \"meter\"\n") + lines;
+}
 
 class SettingsMistake : public SettingsFile, public testing::WithParamInterface<Mistake> {};
 
@@ -280,13 +331,24 @@ INSTANTIATE_TEST_SUITE_P(
                 "word_order 'little' is unknown", "\"CDAB\""},
         Mistake{"outstanding_on_a_line", serial("outstanding = 4\n"), 7,
                 "'outstanding' is unknown in [[bus]]", "known here: assign, baud"},
-        Mistake{"slow_unit_of_no_bus",
-                serial("") + "[[bus.slow]]\nunits = \"1,9\"\ntimeout = \"1s\"\n", 8,
-                "unit 9 is not among the units of its bus", "add it there"},
-        Mistake{"slow_unit_without_timeout", serial("") + "[[bus.slow]]\nunits = \"1\"\n", 7,
-                "'timeout' is missing in [[bus.slow]]", "add it"},
-        Mistake{"slow_as_table", serial("") + "[bus.slow]\nunits = \"1\"\n", 7,
-                "must be a list of tables", "[[bus.slow]]"},
+        Mistake{"device_without_units", serial("") + "[[bus.device]]\ntimeout = \"1s\"\n", 7,
+                "'units' is missing in [[bus.device]]", "add it"},
+        Mistake{"device_of_no_profile",
+                serial("") + "[[bus.device]]\nunits = \"1\"\nprofile = \"none\"\n", 9,
+                "there is no profile 'none'", "take one of etcm"},
+        Mistake{"node_that_tells_itself", serial("") + "[[node]]\nunit = 1\nserial = 5\n", 8,
+                "tells its serial and where it stands itself", "give it another profile"},
+        Mistake{"node_of_no_bus", serial("") + "[[node]]\nbus = \"x\"\nunit = 1\n", 8,
+                "no [[bus]] is named 'x'", "correct one of the names"},
+        Mistake{"node_at_no_unit", serial("") + "[[node]]\nunit = 200\n", 8, "is not asked",
+                "add it to the units"},
+        Mistake{"node_with_half_a_place", meter("") + "[[node]]\nunit = 1\nx = 5\n", 17,
+                "'x' and 'y' go together", "add 'y'"},
+        Mistake{"node_too_far_north",
+                meter("") + "[[node]]\nunit = 1\nlongitude = 5\nlatitude = 91\n", 18,
+                "'latitude' must be a decimal from -90 to 90", "in quotes"},
+        Mistake{"device_as_table", serial("") + "[bus.device]\nunits = \"1\"\n", 7,
+                "must be a list of tables", "[[bus.device]]"},
         Mistake{"bad_scan", bus("scan = \"0-9\"\n"), 6, "'scan' must list", "\"1-60\""},
         Mistake{"default_unit_given", bus("assign = \"240-247\"\n"), 6, "247 is where new nodes",
                 "take it out"},

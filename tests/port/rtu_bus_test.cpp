@@ -173,6 +173,37 @@ TEST_F(SerialBus, ReadsRegisters) {
   EXPECT_EQ(value_, 42);
 }
 
+TEST_F(SerialBus, AsksForTheRegistersThatAreMeant) {
+  for (int turn = 0; turn < 3; ++turn) {
+    become_ready();
+    bus().start_read({.address = 7,
+                      .kind = RegisterKind::holding,
+                      .first = 0,
+                      .count = 2,
+                      .timeout = answer_timeout},
+                     now_);
+    EXPECT_EQ(take(rtu_read_request_bytes), rtu_of(7, {read_holding_registers, 0, 0, 0, 2}));
+    say(two_registers(7, 42, read_holding_registers));
+    EXPECT_EQ(result(), BusResult::ok);
+    EXPECT_EQ(value_, 42);
+  }
+}
+
+// It has no other way to tell the answer to the next question from this one's.
+TEST_F(SerialBus, AsksOneWayOnceUntilItsLateAnswerCanComeNoMore) {
+  const RegisterRead read{.address = 7,
+                          .kind = RegisterKind::holding,
+                          .first = 0,
+                          .count = 2,
+                          .timeout = answer_timeout};
+  become_ready();
+  bus().start_read(read, now_);
+  take(rtu_read_request_bytes);
+  const Instant asked = now_;
+  while (!result() && now_ < asked + 1s) pass(1ms);
+  EXPECT_GE(bus().read_free_at(read, now_), asked + 5s);
+}
+
 TEST_F(SerialBus, AnAnswerMayComeByteByByte) {
   request(7);
   for (const std::uint8_t byte : two_registers(7, 42)) {

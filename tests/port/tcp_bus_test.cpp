@@ -127,6 +127,24 @@ TEST_F(Bus, ReadsRegisters) {
   EXPECT_EQ(found.registers[1], 42);
 }
 
+TEST_F(Bus, AsksForTheRegistersThatAreMeant) {
+  connect();
+  bus_->start_read(
+      {.address = 7, .kind = RegisterKind::holding, .first = 0, .count = 2, .timeout = 50ms}, now_);
+  Bytes bytes;
+  EXPECT_TRUE(turn_until(loop_, [&] {
+    receive_available(peer_.get(), bytes);
+    return bytes.size() >= 12;
+  }));
+  EXPECT_EQ(Bytes(bytes.begin() + 6, bytes.end()), (Bytes{7, 3, 0, 0, 0, 2}));
+  const auto transaction = static_cast<std::uint16_t>(bytes[0] << 8 | bytes[1]);
+  send_bytes(peer_.get(), frame_of(transaction, 7, {3, 4, 0, 42, 0, 43}));
+  const BusAnswer found = answer();
+  EXPECT_EQ(found.result, BusResult::ok);
+  ASSERT_EQ(found.registers.size(), 2u);
+  EXPECT_EQ(found.registers[1], 43);
+}
+
 TEST_F(Bus, ALateAnswerNeverBecomesTheNextRequestsData) {
   connect();
   const std::uint16_t late = request(7);

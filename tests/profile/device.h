@@ -64,7 +64,7 @@ class Device {
 
   const Profile& profile() const { return profile_; }
   const std::vector<RegisterSpan>& blocks() const { return blocks_; }
-  Position position() { return position_of(profile_, sweep()); }
+  DevicePosition position() { return position_of(profile_, sweep()); }
   FieldValue reading(std::size_t i = 0) { return reading_of(profile_.readings.at(i), sweep()); }
   std::optional<std::uint32_t> serial() { return serial_of(profile_, sweep()); }
 

@@ -212,7 +212,7 @@ TEST(ProfileProperty, AnyRegistersAreReadInSomeWay) {
           device.set(static_cast<std::uint16_t>(at), {ends[bits % std::size(ends)]});
         }
       }
-      const Position position = device.position();
+      const DevicePosition position = device.position();
       if (position.is_value() && profile.positioning == Profile::Positioning::degrees) {
         EXPECT_LE(std::abs(position.east_nano), 180 * nano_per_one);
         EXPECT_LE(std::abs(position.north_nano), 90 * nano_per_one);

@@ -124,7 +124,7 @@ TEST(ProfilePosition, IsWithinTheEarth) {
   EXPECT_TRUE(is_position(0, 1));
   EXPECT_TRUE(is_position(1, 0));
   EXPECT_FALSE(is_position(999, 1));
-  EXPECT_EQ(device.position().state, Position::State::none);
+  EXPECT_EQ(device.position().state, DevicePosition::State::none);
 }
 
 TEST(ProfilePosition, HasItsCoordinates) {
@@ -139,9 +139,9 @@ TEST(ProfilePosition, IsInvalidWhereTheDeviceSaysSo) {
       on_earth("valid = [{ register = 5000, equals = 1 }, { register = 5001, at_least = 4 }]");
   EXPECT_EQ(device.blocks().size(), 2u);
   device.set(0, {7, 48});
-  EXPECT_EQ(device.position().state, Position::State::invalid);
+  EXPECT_EQ(device.position().state, DevicePosition::State::invalid);
   device.set(5000, {1, 3});
-  EXPECT_EQ(device.position().state, Position::State::invalid);
+  EXPECT_EQ(device.position().state, DevicePosition::State::invalid);
   device.set(5000, {1, 4});
   EXPECT_TRUE(device.position().is_value());
 }
@@ -158,7 +158,7 @@ TEST(ProfilePosition, IsAnywhereInThePlane) {
 }
 
 TEST(ProfilePosition, IsNoneWhereItWasSurveyed) {
-  EXPECT_EQ(device_of("register = 0").position().state, Position::State::none);
+  EXPECT_EQ(device_of("register = 0").position().state, DevicePosition::State::none);
 }
 
 TEST(ProfileSerial, IsAWholeNumber) {

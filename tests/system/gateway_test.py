@@ -435,7 +435,7 @@ class OnASerialLine(GatewayCase):
         self.assertEqual(gateway.stop(), 0)
         self.assertNotIn("joined", gateway.log())
         self.assertGreaterEqual(int(said.group(1)), 1350)
-        patient = start("patient", f'[[bus.slow]]\nunits = "1"\ntimeout = "{said.group(2)}ms"\n')
+        patient = start("patient", f'[[bus.device]]\nunits = "1"\ntimeout = "{said.group(2)}ms"\n')
         patient.wait_for_line(r"node 1 joined at \(10, 20\)")
         self.assertEqual(patient.stop(), 0)
 

@@ -71,13 +71,13 @@ std::string meaning_of(const FieldValue& value, const std::string& unit) {
   return "";
 }
 
-const char* meaning_of(const firmware::Position& position) {
+const char* meaning_of(const firmware::DevicePosition& position) {
   switch (position.state) {
-    case firmware::Position::State::value:
+    case firmware::DevicePosition::State::value:
       return "yes";
-    case firmware::Position::State::invalid:
+    case firmware::DevicePosition::State::invalid:
       return "no: the device says that it is not valid";
-    case firmware::Position::State::none:
+    case firmware::DevicePosition::State::none:
       return "no: a coordinate is no value, or both are 0 degrees";
   }
   return "";

@@ -28,9 +28,14 @@ enum class BusResult : std::uint8_t {
 };
 inline constexpr std::size_t bus_result_count = 5;
 
+// Which registers of a unit. A unit that serves the same as input and as holding registers may be
+// asked in either way, and a bus whose answers carry no number tells late ones apart by it.
+enum class RegisterKind : std::uint8_t { input_or_holding, input, holding };
+
 struct RegisterRead {
   std::uint8_t address = 0;
-  std::uint16_t first = 0;  // input register, 0-based
+  RegisterKind kind = RegisterKind::input_or_holding;
+  std::uint16_t first = 0;  // 0-based
   std::uint16_t count = 0;
   Duration
       timeout{};  // how long the unit may take; the time of bytes on a serial line is not counted
@@ -89,7 +94,7 @@ class NodeBus {
   // For how much longer than its timeout a request may be under way.
   virtual Duration delay_max() const { return {}; }
 
-  // Sends a request for input registers (FC 4; a bus may take FC 3, where nodes serve the same).
+  // Sends a request for registers: FC 4, or FC 3.
   // REQUIRES: ready().
   virtual void start_read(const RegisterRead& read, Instant now) = 0;
 

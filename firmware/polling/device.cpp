@@ -1,0 +1,123 @@
+#include "firmware/polling/device.h"
+
+#include <algorithm>
+
+#include "firmware/site/site_plane.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+const NodeSettings* node_at(const Settings& settings, const BusSettings& bus,
+                            ModbusAddress address) {
+  for (const NodeSettings& node : settings.nodes) {
+    if (node.bus == bus.name && node.unit == address.value) return &node;
+  }
+  return nullptr;
+}
+
+std::optional<Position> position_of(const NodeSettings& node, const SiteSettings& site,
+                                    const port::Projection* projection) {
+  if (node.x && node.y) return nearest_position(site.plane(), *node.x, *node.y);
+  if (!node.longitude || !node.latitude || projection == nullptr) return std::nullopt;
+  const auto found =
+      projection->to_plane({.longitude = *node.longitude, .latitude = *node.latitude});
+  return found ? nearest_position(site.plane(), found->x, found->y) : std::nullopt;
+}
+
+}  // namespace
+
+Serial serial_at(BusIndex bus, ModbusAddress address) {
+  constexpr std::uint32_t per_bus = 1000;
+  return Serial{per_bus * (bus.value + 1) + address.value};
+}
+
+Device::Device(Profile profile, const port::Projection* projection, Serial serial,
+               port::Duration pause)
+    : profile_(std::move(profile)),
+      projection_(projection),
+      blocks_(blocks_of(profile_)),
+      serial_(serial),
+      pause_(pause) {
+  for (const RegisterSpan block : blocks_) register_count_ += block.count;
+}
+
+void Device::set_site(const SitePlane& plane, std::optional<Position> surveyed) {
+  plane_ = plane;
+  surveyed_ = surveyed;
+}
+
+std::optional<Position> Device::position_in(const Sweep& sweep, ReadingFault& fault) const {
+  const DevicePosition told = position_of(profile_, sweep);
+  if (!told.is_value()) return std::nullopt;
+  port::PlanePoint point{.x = told.east_nano, .y = told.north_nano};
+  if (profile_.positioning == Profile::Positioning::degrees) {
+    const auto found =
+        projection_ == nullptr
+            ? std::nullopt
+            : projection_->to_plane({.longitude = told.east_nano, .latitude = told.north_nano});
+    if (!found) {
+      fault = ReadingFault::off_the_plane;
+      return std::nullopt;
+    }
+    point = *found;
+  }
+  const auto position = nearest_position(plane_, point.x, point.y);
+  if (!position) fault = ReadingFault::off_the_plane;
+  return position;
+}
+
+ReadingFault Device::decode(std::span<const std::uint16_t> registers, NodeReading& reading) const {
+  const Sweep sweep(blocks_, registers);
+  NodeReading found;
+  found.serial = serial_;
+  if (profile_.serial) {
+    const std::optional<std::uint32_t> serial = serial_of(profile_, sweep);
+    if (!serial) return ReadingFault::no_serial;
+    found.serial = Serial{*serial};
+  }
+  ReadingFault fault = ReadingFault::none;
+  const std::optional<Position> position = surveyed_ ? surveyed_ : position_in(sweep, fault);
+  if (fault != ReadingFault::none) return fault;
+  if (position) {
+    found.position = *position;
+    found.status = node_status::fix_valid;
+  }
+  reading = found;
+  return ReadingFault::none;
+}
+
+DeviceTable::DeviceTable(const Settings& settings, const port::Projection* projection)
+    : projection_(projection) {
+  for (BusIndex bus{0}; bus.value < settings.buses.size(); ++bus.value) {
+    const BusSettings& on = settings.buses[bus.value];
+    for (const ModbusAddress address : UnitRange{.first = 1, .last = unit_max}) {
+      const DeviceSettings* const device = device_at(on, address);
+      const Profile* const profile =
+          device == nullptr ? nullptr : find_profile(settings, device->profile);
+      if (profile == nullptr) continue;
+      Serial serial = serial_at(bus, address);
+      const NodeSettings* const node = node_at(settings, on, address);
+      if (node != nullptr && node->serial) serial = Serial{*node->serial};
+      devices_.try_emplace({bus.value, address.value}, *profile, projection, serial, device->pause);
+    }
+  }
+  update_site(settings);
+}
+
+void DeviceTable::update_site(const Settings& settings) {
+  for (auto& [where, device] : devices_) {
+    const NodeSettings* const node =
+        node_at(settings, settings.buses[where.first], ModbusAddress{where.second});
+    device.set_site(settings.site.plane(), node != nullptr
+                                               ? position_of(*node, settings.site, projection_)
+                                               : std::nullopt);
+  }
+}
+
+const Device* DeviceTable::at(BusIndex bus, ModbusAddress address) const {
+  const auto found = devices_.find({bus.value, address.value});
+  return found != devices_.end() ? &found->second : nullptr;
+}
+
+}  // namespace etcm::firmware

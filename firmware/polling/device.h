@@ -1,0 +1,78 @@
+// Devices that somebody else made: which registers of them are read, and what these say of a node.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "etcm/port/clock.h"
+#include "etcm/port/node_bus.h"
+#include "etcm/port/projection.h"
+#include "firmware/config/settings.h"
+#include "firmware/polling/indices.h"
+#include "firmware/profile/profile.h"
+#include "firmware/protocol/modbus_address.h"
+#include "firmware/protocol/node_registers.h"
+#include "firmware/site/site_plane.h"
+
+namespace etcm::firmware {
+
+// One at a unit. What it reports is read in blocks, one after the other: a sweep. Position and
+// serial come from one complete sweep.
+class Device {
+ public:
+  // `projection` must outlive this; null where there are no degrees.
+  Device(Profile profile, const port::Projection* projection, Serial serial, port::Duration pause);
+
+  // The plane of the site, and where in it the device was surveyed.
+  void set_site(const SitePlane& plane, std::optional<Position> surveyed);
+
+  std::span<const RegisterSpan> blocks() const { return blocks_; }
+  std::uint32_t register_count() const { return register_count_; }
+  port::RegisterKind kind() const {
+    return profile_.function == 3 ? port::RegisterKind::holding : port::RegisterKind::input;
+  }
+  port::Duration pause() const { return pause_; }  // of the bus, after each answer
+
+  // `registers` are those of blocks(). Sets `reading` only when there is no fault. A device that
+  // does not know where it stands has no fix.
+  ReadingFault decode(std::span<const std::uint16_t> registers, NodeReading& reading) const;
+
+ private:
+  // None where the device tells no place, or one beyond the plane: then there is a fault.
+  std::optional<Position> position_in(const Sweep& sweep, ReadingFault& fault) const;
+
+  Profile profile_;
+  const port::Projection* projection_;
+  std::vector<RegisterSpan> blocks_;
+  std::uint32_t register_count_ = 0;
+  Serial serial_;  // of a device that tells none
+  SitePlane plane_;
+  std::optional<Position> surveyed_;
+  port::Duration pause_;
+};
+
+// Those of a configuration.
+class DeviceTable {
+ public:
+  // `projection` must outlive this; null where there are no degrees.
+  explicit DeviceTable(const Settings& settings, const port::Projection* projection = nullptr);
+
+  // The site may have another plane; which devices there are stays.
+  void update_site(const Settings& settings);
+
+  // Null: a node of our own.
+  const Device* at(BusIndex bus, ModbusAddress address) const;
+
+ private:
+  const port::Projection* projection_;
+  std::map<std::pair<std::uint32_t, std::uint8_t>, Device> devices_;
+};
+
+// By which a device is known that tells no serial.
+Serial serial_at(BusIndex bus, ModbusAddress address);
+
+}  // namespace etcm::firmware

@@ -1,0 +1,309 @@
+// Devices that somebody else made, from the settings to the mesh.
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fakes.h"
+#include "firmware/polling/device.h"
+#include "support/scratch_folder.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A line with devices: each has registers of its own, and answers what is asked of it after
+// `latency`, one request at a time.
+class DeviceBus final : public port::NodeBus {
+ public:
+  struct Asked {
+    std::uint8_t address;
+    port::RegisterKind kind;
+    std::uint16_t first, count;
+    port::Instant at;
+    friend bool operator==(const Asked&, const Asked&) = default;
+  };
+
+  bool ready() const override { return !request_; }
+  bool is_one_line() const override { return true; }
+  void start_read(const port::RegisterRead& read, port::Instant now) override {
+    asked.push_back({read.address, read.kind, read.first, read.count, now});
+    request_ = read;
+    done_at_ = now + (is_silent(read.address) ? read.timeout : latency);
+  }
+  void start_write(const port::RegisterWrite& write, port::Instant) override {
+    ADD_FAILURE() << "wrote to unit " << int{write.address};
+  }
+  void advance(port::Instant now) override { now_ = now; }
+  bool take_answer(port::BusAnswer& answer) override {
+    if (!request_ || now_ < done_at_) return false;
+    answer = {.address = request_->address, .ticket = request_->ticket, .registers = {}};
+    handed_.clear();
+    const auto& registers = devices[request_->address];
+    if (is_silent(request_->address)) {
+      answer.result = port::BusResult::timeout;
+    } else {
+      for (unsigned at = request_->first; at < request_->first + unsigned{request_->count}; ++at) {
+        const auto found = registers.find(static_cast<std::uint16_t>(at));
+        if (found == registers.end()) {
+          answer.result = port::BusResult::exception;
+          answer.exception = 2;
+          break;
+        }
+        handed_.push_back(found->second);
+      }
+    }
+    answer.registers = handed_;
+    request_.reset();
+    if (on_answer) on_answer(asked.back());
+    return true;
+  }
+  port::Instant next_deadline() const override { return request_ ? done_at_ : port::never; }
+
+  void put(std::uint8_t unit, std::uint16_t first, const std::vector<std::uint16_t>& values) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      devices[unit][static_cast<std::uint16_t>(first + i)] = values[i];
+    }
+  }
+  void silence(std::uint8_t unit) { devices.erase(unit); }
+  bool is_silent(std::uint8_t unit) const { return !devices.contains(unit); }
+
+  port::Duration latency = 5ms;
+  std::map<std::uint8_t, std::map<std::uint16_t, std::uint16_t>> devices;
+  std::vector<Asked> asked;
+  std::function<void(const Asked&)> on_answer;
+
+ private:
+  std::optional<port::RegisterRead> request_;
+  port::Instant done_at_{}, now_{};
+  std::vector<std::uint16_t> handed_;
+};
+
+// Position of 32 bits in two blocks far apart, and whether it is good in the second.
+constexpr const char* settings_text = R"(
+[[profile]]
+name = "rover"
+function = 4
+valid = { register = 500, equals = 1 }
+x = { register = 10, type = "i32", scale = "0.001" }
+y = { register = 501, type = "i32", scale = "0.001" }
+[[profile]]
+name = "meter"
+[[profile.reading]]
+name = "level"
+value = { register = 3, type = "u16" }
+[mesh]
+vertices_max = 100
+[poll]
+interval = "100ms"
+timeout = "50ms"
+stale_after = "1s"
+leave_after = "3s"
+[[bus]]
+tcp = "127.0.0.1:502"
+name = "yard"
+outstanding = 1
+units = "1"
+[[bus.device]]
+units = "2-3"
+profile = "rover"
+[[bus.device]]
+units = "7"
+profile = "meter"
+pause = "40ms"
+[[node]]
+unit = 7
+x = "2.6"
+y = "-400"
+)";
+
+class Devices : public testing::Test {
+ protected:
+  void start(const std::string& more = "") {
+    std::vector<std::string> mistakes;
+    rig_.settings = read_settings(folder_.write("site.toml", settings_text + more), mistakes);
+    ASSERT_TRUE(mistakes.empty()) << mistakes.front();
+    rig_.settings.files = FileSettings{.folder = "", .name = "", .interval = 500ms};
+    rig_.start_with({&bus_});
+  }
+  // A node of our own.
+  void put_node(std::uint8_t unit, std::int32_t x, std::int32_t y) {
+    const NodeRegisters registers =
+        encode_node({.serial = Serial{9}, .position = {x, y}, .status = node_status::fix_valid}, 7);
+    bus_.put(unit, 0, {registers.begin(), registers.end()});
+  }
+  void put_rover(std::uint8_t unit, std::int32_t x_mm, std::int32_t y_mm, bool is_valid = true) {
+    const auto high = [](std::int32_t value) {
+      return static_cast<std::uint16_t>(static_cast<std::uint32_t>(value) >> 16);
+    };
+    bus_.put(unit, 10, {high(x_mm), static_cast<std::uint16_t>(x_mm)});
+    bus_.put(unit, 500, {is_valid, high(y_mm), static_cast<std::uint16_t>(y_mm)});
+  }
+  // Where the nodes of the mesh are, by serial.
+  std::map<std::uint32_t, std::pair<std::int64_t, std::int64_t>> nodes() const {
+    std::map<std::uint32_t, std::pair<std::int64_t, std::int64_t>> found;
+    for (const SnapshotVertex& vertex : rig_.gateway->snapshot().vertices) {
+      if (vertex.kind != VertexKind::node) continue;
+      found[vertex.serial.value] = {vertex.point.x / subunits_per_unit,
+                                    vertex.point.y / subunits_per_unit};
+    }
+    return found;
+  }
+
+  test::ScratchFolder folder_;
+  DeviceBus bus_;
+  Rig rig_;
+};
+
+using Places = std::map<std::uint32_t, std::pair<std::int64_t, std::int64_t>>;
+
+TEST_F(Devices, OfThreeKindsAreInOneMesh) {
+  put_node(1, 50, 60);
+  put_rover(2, 100'400, -7'600);
+  put_rover(3, 0, 200'500);
+  bus_.put(7, 3, {1234});
+  start();
+  rig_.run(1s);
+  EXPECT_EQ(nodes(),
+            (Places{{9, {50, 60}}, {1002, {100, -8}}, {1003, {0, 201}}, {1007, {3, -400}}}));
+  EXPECT_EQ(rig_.gateway->snapshot().state, 0);
+}
+
+TEST_F(Devices, AreReadInTheFewestBlocksWithTheirFunction) {
+  put_rover(2, 0, 0);
+  start();
+  rig_.run(300ms);
+  std::vector<DeviceBus::Asked> of_rover;
+  for (DeviceBus::Asked asked : bus_.asked) {
+    asked.at = {};
+    if (asked.address == 2) of_rover.push_back(asked);
+  }
+  const std::vector<DeviceBus::Asked> sweep = {{2, port::RegisterKind::input, 10, 2, {}},
+                                               {2, port::RegisterKind::input, 500, 3, {}}};
+  ASSERT_GE(of_rover.size(), 2u);
+  EXPECT_EQ((std::vector(of_rover.begin(), of_rover.begin() + 2)), sweep);
+}
+
+// Half of the old place and half of the new one would be a place where it never was.
+TEST_F(Devices, APlaceComesFromOneCompleteSweep) {
+  put_rover(2, 100'000, 100'000);
+  start();
+  rig_.run(500ms);
+  ASSERT_TRUE(nodes().contains(1002));
+  int second_blocks = 0;
+  bus_.on_answer = [&](const DeviceBus::Asked& asked) {
+    if (asked.address != 2 || asked.first != 10 || ++second_blocks != 1) return;
+    // The second block of this sweep is lost; meanwhile the device moves.
+    put_rover(2, 900'000, 900'000);
+    bus_.devices[2].erase(500);
+  };
+  rig_.run(100ms);
+  EXPECT_EQ(nodes().at(1002), (std::pair<std::int64_t, std::int64_t>{100, 100}));
+  put_rover(2, 900'000, 900'000);
+  rig_.run(2s);
+  EXPECT_EQ(nodes().at(1002), (std::pair<std::int64_t, std::int64_t>{900, 900}));
+}
+
+TEST_F(Devices, AnInvalidPlaceIsNone) {
+  put_rover(2, 100'000, 100'000, false);
+  start();
+  rig_.run(500ms);
+  EXPECT_TRUE(nodes().empty());
+  EXPECT_EQ(rig_.gateway->snapshot().waiting_count, 1u);
+  put_rover(2, 100'000, 100'000);
+  rig_.run(500ms);
+  EXPECT_EQ(nodes().size(), 1u);
+}
+
+TEST_F(Devices, APlaceBeyondThePlaneIsNamedWithItsCure) {
+  put_rover(2, 0, 0);
+  start("[site]\nfile = \"none\"\nunit = \"0.0000001\"\n");
+  put_rover(2, 2'000'000, 0);
+  rig_.run(500ms);
+  EXPECT_EQ(rig_.log.count("beyond the plane of the mesh: set `origin` in [site]"), 1u);
+}
+
+TEST_F(Devices, ASurveyedOneIsThereWhileItsUnitAnswers) {
+  put_rover(2, 0, 0);
+  bus_.put(7, 3, {1234});
+  start();
+  rig_.run(500ms);
+  ASSERT_TRUE(nodes().contains(1007));
+  bus_.silence(7);
+  rig_.run(5s);
+  EXPECT_FALSE(nodes().contains(1007));
+  EXPECT_EQ(rig_.gateway->snapshot().missing_count, 1u);
+  bus_.put(7, 3, {0});
+  rig_.run(3s);
+  EXPECT_TRUE(nodes().contains(1007)) << "a replaced device is the same node";
+}
+
+TEST_F(Devices, HaveTheSerialThatTheyAreGiven) {
+  put_rover(2, 0, 0);
+  start("[[node]]\nunit = 2\nserial = 77\n");
+  rig_.run(500ms);
+  EXPECT_EQ(nodes(), (Places{{77, {0, 0}}}));
+}
+
+TEST_F(Devices, TellTheirSerialWhereTheyHaveOne) {
+  std::string text = R"(
+[[profile]]
+name = "named"
+serial = { register = 20, type = "u32" }
+x = { register = 30, type = "i16" }
+y = { register = 31, type = "i16" }
+[[bus]]
+tcp = "127.0.0.1:503"
+name = "gate"
+outstanding = 1
+[[bus.device]]
+units = "5"
+profile = "named"
+)";
+  DeviceBus gate;
+  gate.put(5, 20, {1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 10, 20});
+  std::vector<std::string> mistakes;
+  rig_.settings = read_settings(folder_.write("site.toml", settings_text + text), mistakes);
+  ASSERT_FALSE(mistakes.empty()) << "two buses, and a [[node]] that names none";
+  text = "[[node]]\nbus = \"gate\"\nunit = 5\nx = 9\ny = 9\n" + text;
+  std::string all = settings_text;
+  all.replace(all.find("[[node]]\n"), 9, "[[node]]\nbus = \"yard\"\n");
+  mistakes.clear();
+  rig_.settings = read_settings(folder_.write("site.toml", all + text), mistakes);
+  ASSERT_TRUE(mistakes.empty()) << mistakes.front();
+  rig_.settings.files = FileSettings{.folder = "", .name = "", .interval = 500ms};
+  rig_.start_with({&bus_, &gate});
+  rig_.run(500ms);
+  EXPECT_EQ(nodes(), (Places{{65538, {9, 9}}})) << "surveyed comes before told";
+}
+
+// DeviceBus fails the test at any write.
+TEST_F(Devices, AreToldNothing) {
+  for (const std::uint8_t unit : {std::uint8_t{2}, std::uint8_t{3}})
+    put_rover(unit, 1000 * unit, 0);
+  bus_.put(7, 3, {1});
+  start("[write_back]\nenabled = true\n");
+  rig_.run(3s);
+  EXPECT_EQ(nodes().size(), 3u);
+}
+
+TEST_F(Devices, TheBusIsSilentForThePauseAfterAnAnswer) {
+  put_node(1, 0, 0);
+  bus_.put(7, 3, {1});
+  start();
+  rig_.run(2s);
+  int pauses = 0;
+  for (std::size_t i = 1; i < bus_.asked.size(); ++i) {
+    if (bus_.asked[i - 1].address != 7) continue;
+    ++pauses;
+    EXPECT_GE(bus_.asked[i].at - bus_.asked[i - 1].at, bus_.latency + 40ms);
+  }
+  EXPECT_GT(pauses, 10);
+}
+
+}  // namespace
+}  // namespace etcm::firmware
