@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 
 #include "command.h"
 #include "firmware/profile/profile_reader.h"
@@ -19,16 +20,23 @@ using firmware::RegisterSpan;
 struct ProbeOptions {
   BusOptions bus{"1", "0.5"};
   std::string profile;
-  std::string path = ETCM_PROFILES;
+  std::string path;  // empty: those that were installed
 };
 
-const Profile& find_profile(const std::vector<Profile>& profiles, const ProbeOptions& options) {
+std::string installed_profiles() {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  return (program.parent_path() / ETCM_PROFILES).lexically_normal();
+}
+
+const Profile& find_profile(const std::vector<Profile>& profiles, const std::string& name,
+                            const std::string& path) {
   std::string names;
   for (const Profile& profile : profiles) {
-    if (profile.name == options.profile) return profile;
+    if (profile.name == name) return profile;
     names += (names.empty() ? "" : ", ") + profile.name;
   }
-  throw UsageError("--profile " + options.profile + ": no such profile in " + options.path +
+  throw UsageError("--profile " + name + ": no such profile in " + path +
                    "; there are: " + (names.empty() ? "none" : names));
 }
 
@@ -157,9 +165,20 @@ void print(const Profile& profile, const firmware::Sweep& sweep) {
   table.print();
 }
 
-// One sweep of all blocks.
-std::optional<ErrorDetail> read_sweep(Master& master, std::uint8_t unit, const Profile& profile,
-                                      std::span<const RegisterSpan> blocks, Registers& registers) {
+// What to do about one that reading these registers met.
+std::string complaint_of(const Profile& profile, RegisterSpan block, const ErrorDetail& detail) {
+  const bool is_exception = detail.kind == ErrorDetail::Kind::exception && !detail.is_absence();
+  if (!is_exception) return to_string(detail) + cure_of(detail);
+  const std::uint32_t first = profile.counts_from + block.first;
+  return "registers " + std::to_string(first) + " to " + std::to_string(first + block.count - 1) +
+         ": " + to_string(detail) +
+         "; see which of them the device has, and correct 'register', 'function', 'counts_from' or "
+         "'gap_max' of the profile";
+}
+
+// One sweep of all blocks. Why there is none, or an empty text.
+std::string read_sweep(Master& master, std::uint8_t unit, const Profile& profile,
+                       std::span<const RegisterSpan> blocks, Registers& registers) {
   registers.clear();
   for (const RegisterSpan block : blocks) {
     const std::size_t before = registers.size();
@@ -167,15 +186,16 @@ std::optional<ErrorDetail> read_sweep(Master& master, std::uint8_t unit, const P
     const auto error_detail =
         master.read(unit, profile.function, block.first, std::span(registers).subspan(before));
     if (profile.pause > port::Duration{}) master.link().pause(profile.pause);
-    if (error_detail) return error_detail;
+    if (error_detail) return complaint_of(profile, block, *error_detail);
   }
-  return std::nullopt;
+  return "";
 }
 
 int probe(const ProbeOptions& options) {
   const auto units = options.bus.units();
-  const std::vector<Profile> profiles = read_profiles(options.path);
-  const Profile& profile = find_profile(profiles, options);
+  const std::string path = options.path.empty() ? installed_profiles() : options.path;
+  const std::vector<Profile> profiles = read_profiles(path);
+  const Profile& profile = find_profile(profiles, options.profile, path);
   const auto blocks = firmware::blocks_of(profile);
   const port::Duration timeout = options.bus.timeout();
   const auto link = options.bus.open();
@@ -183,9 +203,10 @@ int probe(const ProbeOptions& options) {
   Registers registers;
   int result = exit_ok;
   for (const std::uint8_t unit : units) {
-    if (const auto error_detail = read_sweep(master, unit, profile, blocks, registers)) {
-      std::fprintf(stderr, "etcm-bus: unit %u on %s: %s%s\n", unit, link->name().c_str(),
-                   to_string(*error_detail).c_str(), cure_of(*error_detail).c_str());
+    const std::string complaint = read_sweep(master, unit, profile, blocks, registers);
+    if (!complaint.empty()) {
+      std::fprintf(stderr, "etcm-bus: unit %u on %s: %s\n", unit, link->name().c_str(),
+                   complaint.c_str());
       result = exit_trouble;
       continue;
     }
@@ -204,8 +225,8 @@ void add_probe_command(CLI::App& program, Run& run) {
   const auto options = std::make_shared<ProbeOptions>();
   options->bus.add_to(*command);
   command->add_option("--profile", options->profile, "name of the profile")->required();
-  command->add_option("--profiles", options->path, "file or folder with profiles")
-      ->capture_default_str();
+  command->add_option("--profiles", options->path,
+                      "file or folder with profiles; without it those that were installed");
   command->callback([options, &run] { run = [options] { return probe(*options); }; });
 }
 
