@@ -350,7 +350,7 @@ std::optional<std::int64_t> read_whole(TomlTable& table, const char* key, std::i
 std::string read_text(TomlTable& table, const char* key) {
   const toml::node* const node = table.find(key);
   if (node == nullptr) return "";
-  const std::string text = node->value_exact<std::string>().value_or("");
+  std::string text = node->value_exact<std::string>().value_or("");
   const bool is_readable = std::none_of(text.begin(), text.end(), [](char c) {
     return static_cast<unsigned char>(c) < ' ' || c == '\x7f';
   });

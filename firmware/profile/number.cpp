@@ -126,7 +126,7 @@ std::optional<Decimal> decimal_of(std::string_view text) {
 }
 
 FieldValue text_value_of(const Number& number, Registers registers, int exponent) {
-  std::array<char, 2 * ascii_registers_max> letters;
+  std::array<char, std::size_t{2} * ascii_registers_max> letters;
   std::size_t size = 0;
   for (const std::uint16_t word : registers) {
     const std::uint16_t ordered = number.order.are_bytes_swapped ? swap_bytes(word) : word;

@@ -65,7 +65,7 @@ std::string decimal_text(std::int64_t nano) {
 }
 
 std::string meaning_of(const FieldValue& value, const std::string& unit) {
-  const std::string shown = decimal_text(value.nano) + (unit.empty() ? "" : " " + unit);
+  std::string shown = decimal_text(value.nano) + (unit.empty() ? "" : " " + unit);
   switch (value.state) {
     case FieldValue::State::value:
       return shown;
