@@ -42,6 +42,13 @@ int run(const std::string& config, bool is_check) {
       }
     }
     if (!mistakes.empty()) return exit_bad_settings;
+    for (const std::string& warning : settings->warnings) {
+      if (is_check) {
+        std::fprintf(stderr, "warning: %s\n", warning.c_str());
+      } else {
+        log.write(port::Level::warning, warning);
+      }
+    }
     if (is_check) {
       std::printf("%s: good\n", config.c_str());
       return EXIT_SUCCESS;

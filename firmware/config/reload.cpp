@@ -91,12 +91,13 @@ void take_over_buses(Settings& current, Settings& next, std::vector<std::string>
   }
 }
 
-void tell(const std::vector<std::string>& mistakes, const std::string& path, port::Log& log) {
-  const std::size_t told = std::min(mistakes.size(), reload_mistakes_max);
-  for (std::size_t i = 0; i < told; ++i) log.write(port::Level::error, mistakes[i]);
-  if (told == mistakes.size()) return;
-  log.write(port::Level::error, path + ": " + std::to_string(mistakes.size() - told) +
-                                    " more mistakes; --check-config tells them all");
+void tell(const std::vector<std::string>& lines, const char* kind, port::Level level,
+          const std::string& path, port::Log& log) {
+  const std::size_t told = std::min(lines.size(), reload_mistakes_max);
+  for (std::size_t i = 0; i < told; ++i) log.write(level, lines[i]);
+  if (told == lines.size()) return;
+  log.write(level, path + ": " + std::to_string(lines.size() - told) + " more " + kind +
+                       "; --check-config tells them all");
 }
 
 }  // namespace
@@ -134,12 +135,13 @@ std::shared_ptr<const Settings> reload(const std::string& path, const Settings& 
     mistakes.push_back(path + ": " + error.what());
   }
   if (!mistakes.empty()) {
-    tell(mistakes, path, log);
+    tell(mistakes, "mistakes", port::Level::error, path, log);
     log.write(port::Level::error,
               "the configuration is not taken over, the old one stays; correct "
               "it and send SIGHUP again");
     return nullptr;
   }
+  tell(next.warnings, "warnings", port::Level::warning, path, log);
   auto settings = std::make_shared<Settings>(current);
   for (const std::string& key : take_over(*settings, next)) {
     log.write(port::Level::warning, path + ": needs a restart: " + key);

@@ -9,6 +9,7 @@
 
 #include "etcm/files/error.h"
 #include "etcm/files/record_reader.h"
+#include "firmware/config/cross_checks.h"
 #include "firmware/config/settings_keys.h"
 #include "firmware/config/settings_types.h"
 #include "firmware/profile/profile_reader.h"
@@ -380,6 +381,7 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
   TomlTable file(path, parsed, "", mistakes);
   read_all(file, std::filesystem::path(path).parent_path(), settings, mistakes);
   file.finish();
+  if (mistakes.size() == before) check_across(parsed, path, settings, mistakes);
   // Keys come in alphabetical order; a person reads from the top of the file.
   const auto line = [&](const std::string& mistake) {
     return mistake.starts_with(path + ":")
@@ -394,6 +396,12 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
 std::string link_name(const BusSettings& bus) {
   const auto* const line = std::get_if<port::SerialLine>(&bus.link);
   return line != nullptr ? line->path : to_string(std::get<port::SocketAddress>(bus.link));
+}
+
+port::Duration exchange_floor(const port::SerialLine& line) {
+  constexpr std::int64_t question_characters = 8;
+  constexpr std::int64_t answer_characters = 5 + 2 * node_register_count;
+  return (question_characters + answer_characters) * character_time(line) + 2 * frame_silence(line);
 }
 
 const DeviceSettings* device_at(const BusSettings& bus, ModbusAddress address) {

@@ -92,6 +92,9 @@ struct BusSettings {
 // What the bus is named that has no name of its own: the address or the path.
 std::string link_name(const BusSettings& bus);
 
+// The least time that a question to a unit and its answer take on a line.
+port::Duration exchange_floor(const port::SerialLine& line);
+
 // What the settings say of the device at this unit; null: it is a node, with the bus's own timeout.
 const DeviceSettings* device_at(const BusSettings& bus, ModbusAddress address);
 // How long this unit of the bus may take to answer.
@@ -208,6 +211,8 @@ struct Settings {
   std::vector<FeatureSettings> features;
   std::vector<AnchorSettings> anchors;
   SiteDomain domain;
+  // Lines "file:line: what; the cure" about what can work, but hardly as it was meant.
+  std::vector<std::string> warnings;
 };
 
 // The profile of this name; null where there is none, and for node_profile.

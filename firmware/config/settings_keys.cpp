@@ -153,7 +153,7 @@ constexpr Key bus_keys[] = {
               standard(R"("adapter")"), restart,
               "who switches the transceiver: the adapter itself, or the driver by RTS "
               "(TIOCSRS485)"}),
-    with_rtu({"rs485_line", board_line<&BusSettings::send_enable>(), unset(R"("LINE_NAME")"),
+    with_rtu({"rs485_line", board_line<&BusSettings::send_enable>(), unset(R"("RS485_DE")"),
               restart,
               "a digital line that switches the transceiver: active while the gateway sends"}),
     with_rtu({"quiet", duration<&BusSettings::quiet>(0ms), standard(R"("50ms")"), restart,
@@ -202,13 +202,13 @@ constexpr Key write_back_keys[] = {
 };
 
 constexpr Key gpio_keys[] = {
-    {"alert", board_line<&Settings::gpio, &GpioSettings::alert>(), unset(R"("LINE_NAME")"), restart,
-     "input: up while a new node waits at unit 247"},
-    {"join_button", board_line<&Settings::gpio, &GpioSettings::join_button>(),
-     unset(R"("LINE_NAME")"), restart, "input: the same, by hand"},
+    {"alert", board_line<&Settings::gpio, &GpioSettings::alert>(), unset(R"("NODE_ALERT")"),
+     restart, "input: up while a new node waits at unit 247"},
+    {"join_button", board_line<&Settings::gpio, &GpioSettings::join_button>(), unset(R"("JOIN")"),
+     restart, "input: the same, by hand"},
     {"status_led", board_line<&Settings::gpio, &GpioSettings::status_led>(),
-     unset(R"("LINE_NAME")"), restart, "output: [flashes tell](wiring.md) how the gateway is"},
-    {"watchdog", board_line<&Settings::gpio, &GpioSettings::watchdog>(), unset(R"("LINE_NAME")"),
+     unset(R"("STATUS_LED")"), restart, "output: [flashes tell](wiring.md) how the gateway is"},
+    {"watchdog", board_line<&Settings::gpio, &GpioSettings::watchdog>(), unset(R"("WATCHDOG")"),
      restart,
      "output for an external watchdog: changes its level every 500 ms while the gateway's loop "
      "turns"},

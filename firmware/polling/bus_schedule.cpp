@@ -13,13 +13,9 @@ constexpr std::uint32_t failures_free = 2;
 constexpr std::uint32_t doublings_max = 16;
 // A unit that is only looked for, was found, and has not answered so often is looked for again.
 constexpr std::uint32_t failures_of_the_lost = 8;
-// Bytes on a serial line for one question and one answer.
-constexpr std::int64_t exchange_characters = 8 + 29;
-
 port::Duration exchange_floor_of(const BusSettings& bus) {
   const auto* const line = std::get_if<port::SerialLine>(&bus.link);
-  return line == nullptr ? port::Duration{}
-                         : exchange_characters * character_time(*line) + 2 * frame_silence(*line);
+  return line == nullptr ? port::Duration{} : exchange_floor(*line);
 }
 
 port::Duration cost_max_of(const BusSettings& bus) {

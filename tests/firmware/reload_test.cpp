@@ -61,6 +61,12 @@ TEST_F(Reload, WhatCanChangeChanges) {
   EXPECT_EQ(log_.count("is read again"), 1u);
 }
 
+TEST_F(Reload, WhatIsWarnedOfAtTheStartIsWarnedOfAgain) {
+  ASSERT_TRUE(
+      reload_with(with("interval = \"100ms\"", "interval = \"100ms\"\nleave_after = \"4s\"")));
+  EXPECT_EQ(log_.count("site.toml:6: stale_after (5 s) is longer than leave_after (4 s)"), 1u);
+}
+
 TEST_F(Reload, WhatCannotIsSaid) {
   for (const auto& [from, to, key] :
        {std::tuple{"vertices_max = 50", "vertices_max = 60", "[mesh] vertices_max"},

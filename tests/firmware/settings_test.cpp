@@ -360,7 +360,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"two_switch", serial("rs485 = \"kernel\"\nrs485_line = \"DE\"\n"), 8,
                 "both the driver and a line", "take rs485 or"},
         Mistake{"line_as_number", "[gpio]\nstatus_led = 4\n" + serial(""), 5, "must be a text",
-                "status_led = \"LINE_NAME\""},
+                "status_led = \"STATUS_LED\""},
         Mistake{"baud_of_a_socket", bus("units = \"1\"\nbaud = 9600\n"), 7,
                 "'baud' is unknown in [[bus]]", "known here"},
         Mistake{"nearly_a_key", "[poll]\nintervall = \"1s\"\n" + bus("units = \"1\"\n"), 5,

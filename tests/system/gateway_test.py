@@ -490,6 +490,17 @@ class CommandLine(GatewayCase):
         self.assertIn("site.toml:8: 'unit' is unknown in [[bus]]; did you mean 'units'?", done.stderr)
         self.assertIn("no.poly", done.stderr)
 
+    def test_what_works_worse_than_meant_is_a_warning(self):
+        (self.folder / "site.toml").write_text(
+            '[mesh]\nvertices_max = 9\n[[bus]]\ntcp = "127.0.0.1:1"\nunits = "1-10"\n'
+            '[server]\nlisten = "127.0.0.1:0"\n')
+        done = self.run_gateway("--config", "site.toml", "--check-config")
+        self.assertEqual((done.returncode, done.stdout), (0, "site.toml: good\n"), done.stderr)
+        self.assertIn("warning: site.toml:2: the buses have 10 units", done.stderr)
+        gateway = self.start("gateway", [PROGRAMS / "etcm-gateway", "--config", "site.toml"])
+        gateway.wait_for_line(r"warning: site.toml:2: the buses have 10 units")
+        self.assertEqual(gateway.stop(), 0, gateway.log())
+
     def test_the_settings_it_prints_are_good_as_they_stand(self):
         printed = self.run_gateway("--settings")
         self.assertEqual(printed.returncode, 0, printed.stderr)

@@ -1,0 +1,211 @@
+#include "firmware/config/cross_checks.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <string_view>
+#include <utility>
+
+namespace etcm::firmware {
+
+namespace {
+
+// "5 s", "0.25 s".
+std::string seconds(port::Duration duration) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.4g s",
+                std::chrono::duration<double>(duration).count());
+  return text.data();
+}
+
+// The units that a bus always asks, but for the one where new nodes answer: each may be a node.
+std::size_t asked_count(const BusSettings& bus) {
+  std::size_t count = 0;
+  for (const ModbusAddress unit : UnitRange{.first = 1, .last = unit_max}) {
+    const auto contains = [unit](UnitRange range) { return range.contains(unit); };
+    count += std::any_of(bus.units.begin(), bus.units.end(), contains) ||
+                     std::any_of(bus.assign.begin(), bus.assign.end(), contains)
+                 ? 1
+                 : 0;
+  }
+  return count;
+}
+
+// Whether a connection to `to` ends where somebody listens at `at`. The address of no host, to
+// which one may connect, is this machine.
+bool reaches(const port::SocketAddress& to, const port::SocketAddress& at) {
+  if (to.port != at.port) return false;
+  const bool is_here = to.host == 0 || port::this_machine.contains(to.host);
+  if (at.host == 0) return is_here;
+  return to.host == at.host || (to.host == 0 && at == port::SocketAddress{0x7f000001, at.port});
+}
+
+// Whether a name with "/dev/" before it or without is the same line.
+std::string_view without_folder(std::string_view line) {
+  constexpr std::string_view folder = "/dev/";
+  return line.starts_with(folder) ? line.substr(folder.size()) : line;
+}
+
+class CrossCheck {
+ public:
+  CrossCheck(const toml::table& file, const std::string& path, const Settings& settings)
+      : file_(file), path_(path), settings_(settings) {}
+
+  void run() {
+    check_times();
+    check_room();
+    for (std::size_t i = 0; i < settings_.buses.size(); ++i) {
+      check_address(i);
+      check_sweep(i);
+    }
+    check_lines();
+  }
+
+  static std::vector<std::string> in_order(std::vector<std::pair<std::uint32_t, std::string>> all) {
+    std::stable_sort(all.begin(), all.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<std::string> lines;
+    for (auto& [line, text] : all) lines.push_back(std::move(text));
+    return lines;
+  }
+
+  std::vector<std::string> mistakes() const { return in_order(mistakes_); }
+  std::vector<std::string> warnings() const { return in_order(warnings_); }
+
+ private:
+  using Lines = std::vector<std::pair<std::uint32_t, std::string>>;
+
+  void add(Lines& to, const toml::node* node, const std::string& what) const {
+    const std::uint32_t line = node == nullptr ? 1 : node->source().begin.line;
+    to.emplace_back(line, path_ + ":" + std::to_string(line) + ": " + what);
+  }
+
+  // The first of the keys that the table has, or the table.
+  const toml::node* find(const char* table, std::initializer_list<const char*> keys) const {
+    const toml::node* const node = file_.get(table);
+    return node == nullptr ? nullptr : find(*node->as_table(), keys);
+  }
+  const toml::node* find_in_bus(std::size_t bus, std::initializer_list<const char*> keys) const {
+    return find(*(*file_.get_as<toml::array>("bus"))[bus].as_table(), keys);
+  }
+  static const toml::node* find(const toml::table& table, std::initializer_list<const char*> keys) {
+    for (const char* const key : keys) {
+      if (const toml::node* const node = table.get(key)) return node;
+    }
+    return &table;
+  }
+
+  void check_times() {
+    const PollSettings& poll = settings_.poll;
+    const std::string stale_after = "stale_after (" + seconds(poll.stale_after) + ") is ";
+    if (poll.stale_after < poll.interval) {
+      add(mistakes_, find("poll", {"stale_after", "interval"}),
+          stale_after + "shorter than interval (" + seconds(poll.interval) +
+              "), so every node would be stale between two questions; make stale_after several "
+              "times as long as interval");
+    } else if (poll.stale_after > poll.leave_after) {
+      add(warnings_, find("poll", {"stale_after", "leave_after"}),
+          stale_after + "longer than leave_after (" + seconds(poll.leave_after) +
+              "), so a silent node leaves before it is marked stale; make leave_after longer than "
+              "stale_after");
+    }
+  }
+
+  void check_room() {
+    std::size_t units = 0;
+    for (const BusSettings& bus : settings_.buses) units += asked_count(bus);
+    if (units <= settings_.mesh.vertices_max) return;
+    add(warnings_, find("mesh", {"vertices_max"}),
+        "the buses have " + std::to_string(units) + " units, and vertices_max is " +
+            std::to_string(settings_.mesh.vertices_max) +
+            ", so nodes may find no room in the mesh; set it to twice as many as there are nodes");
+  }
+
+  void check_address(std::size_t bus) {
+    const auto* const address = std::get_if<port::SocketAddress>(&settings_.buses[bus].link);
+    if (address == nullptr) return;
+    const auto wrong = [&](const std::string& what) {
+      add(mistakes_, find_in_bus(bus, {"tcp"}), what);
+    };
+    const auto is_itself = [&](const char* does) {
+      wrong(to_string(*address) + " is where this gateway itself " + does +
+            "; give the address of the converter or of the nodes");
+    };
+    if (address->port == 0) {
+      wrong("nobody answers at port 0; give the port of the converter, such as " +
+            to_string(port::SocketAddress{address->host, 502}));
+    } else if (reaches(*address, settings_.server.listen)) {
+      is_itself("serves the mesh");
+    } else if (settings_.http && reaches(*address, settings_.http->listen)) {
+      is_itself("shows its page");
+    }
+  }
+
+  // Of a bus over TCP it is not known how fast it is.
+  void check_sweep(std::size_t number) {
+    const BusSettings& bus = settings_.buses[number];
+    const auto* const line = std::get_if<port::SerialLine>(&bus.link);
+    if (line == nullptr) return;
+    const std::size_t units = asked_count(bus);
+    const port::Duration sweep = static_cast<std::int64_t>(units) * exchange_floor(*line);
+    if (sweep <= settings_.poll.stale_after) return;
+    add(warnings_, find_in_bus(number, {"units", "assign"}),
+        "to ask all " + std::to_string(units) + " units of bus '" + bus.name + "' takes " +
+            seconds(sweep) + " at " + std::to_string(line->baud) +
+            " baud at the least, and stale_after is " + seconds(settings_.poll.stale_after) +
+            ", so nodes would be stale between two answers; raise baud or stale_after, or divide "
+            "the units between two buses");
+  }
+
+  // A line of the board does one thing.
+  void check_lines() {
+    struct Use {
+      std::string_view line;
+      std::string what;
+      const toml::node* node;
+    };
+    std::vector<Use> uses;
+    const auto use = [&](const std::optional<LineSettings>& line, std::string what,
+                         const toml::node* node) {
+      if (line) uses.push_back({without_folder(line->name), std::move(what), node});
+    };
+    const GpioSettings& gpio = settings_.gpio;
+    use(gpio.alert, "alert", find("gpio", {"alert"}));
+    use(gpio.join_button, "join_button", find("gpio", {"join_button"}));
+    use(gpio.status_led, "status_led", find("gpio", {"status_led"}));
+    use(gpio.watchdog, "watchdog", find("gpio", {"watchdog"}));
+    for (std::size_t i = 0; i < settings_.buses.size(); ++i) {
+      use(settings_.buses[i].send_enable, "rs485_line of bus '" + settings_.buses[i].name + "'",
+          find_in_bus(i, {"rs485_line"}));
+    }
+    std::stable_sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) {
+      return a.node->source().begin.line < b.node->source().begin.line;
+    });
+    for (auto later = uses.begin(); later != uses.end(); ++later) {
+      const auto earlier = std::find_if(
+          uses.begin(), later, [&](const Use& other) { return other.line == later->line; });
+      if (earlier == later) continue;
+      add(mistakes_, later->node,
+          "the line " + std::string(later->line) + " is " + earlier->what +
+              " already; give each a line of its own");
+    }
+  }
+
+  const toml::table& file_;
+  const std::string& path_;
+  const Settings& settings_;
+  Lines mistakes_;
+  Lines warnings_;
+};
+
+}  // namespace
+
+void check_across(const toml::table& file, const std::string& path, Settings& settings,
+                  std::vector<std::string>& mistakes) {
+  CrossCheck check(file, path, settings);
+  check.run();
+  for (std::string& mistake : check.mistakes()) mistakes.push_back(std::move(mistake));
+  if (mistakes.empty()) settings.warnings = check.warnings();
+}
+
+}  // namespace etcm::firmware

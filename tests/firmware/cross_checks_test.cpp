@@ -1,0 +1,139 @@
+// What is wrong between the settings of several tables: each with its line and a cure.
+#include "firmware/config/cross_checks.h"
+
+#include <gtest/gtest.h>
+
+#include "firmware/config/settings.h"
+#include "support/scratch_folder.h"
+
+namespace etcm::firmware {
+namespace {
+
+struct Row {
+  const char* name;
+  std::string text;  // after three good lines
+  int line;
+  const char* what;
+  const char* cure;
+};
+
+std::string serial(const std::string& lines) {
+  return "[[bus]]\nrtu = \"/dev/ttyS0\"\nunits = \"1\"\n" + lines;
+}
+
+std::string bus(const std::string& address, const std::string& lines = "units = \"1\"\n") {
+  return "[[bus]]\ntcp = \"" + address + "\"\n" + lines;
+}
+
+class CrossChecks : public testing::Test {
+ protected:
+  Settings read(const std::string& text) {
+    path_ = folder_.write("site.toml", "# a site\n[mesh]\nvertices_max = 10\n" + text);
+    mistakes_.clear();
+    return read_settings(path_, mistakes_);
+  }
+  void expect_only(const std::vector<std::string>& lines, const Row& row) const {
+    ASSERT_EQ(lines.size(), 1u) << testing::PrintToString(lines);
+    const std::string begin = path_ + ":" + std::to_string(row.line) + ": ";
+    EXPECT_EQ(lines[0].substr(0, begin.size()), begin);
+    EXPECT_NE(lines[0].find(row.what), std::string::npos) << lines[0];
+    EXPECT_NE(lines[0].find(std::string("; ") + row.cure), std::string::npos) << lines[0];
+  }
+
+  test::ScratchFolder folder_;
+  std::string path_;
+  std::vector<std::string> mistakes_;
+};
+
+class CrossMistake : public CrossChecks, public testing::WithParamInterface<Row> {};
+
+TEST_P(CrossMistake, IsNamedWithItsLineAndCure) {
+  const Settings settings = read(GetParam().text);
+  expect_only(mistakes_, GetParam());
+  EXPECT_TRUE(settings.warnings.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Rows, CrossMistake,
+    testing::Values(
+        Row{"stale_before_it_is_asked_again",
+            "[poll]\ninterval = \"10s\"\nleave_after = \"1min\"\n" + bus("127.0.0.1:502"), 5,
+            "stale_after (5 s) is shorter than interval (10 s)", "make stale_after"},
+        Row{"stale_before_it_is_asked_again_by_its_own_line",
+            "[poll]\nstale_after = \"999ms\"\n" + bus("127.0.0.1:502"), 5,
+            "stale_after (0.999 s) is shorter than interval (1 s)", "make stale_after"},
+        Row{"no_port", bus("127.0.0.1:0"), 5, "port 0", "give the port"},
+        Row{"itself", bus("127.0.0.1:1602") + "[server]\nlisten = \"127.0.0.1:1602\"\n", 5,
+            "127.0.0.1:1602 is where this gateway itself serves the mesh", "give the address of"},
+        Row{"itself_by_default", bus("127.0.0.1:1502"), 5, "this gateway itself serves the mesh",
+            "give the address of"},
+        Row{"itself_at_every_address",
+            bus("127.0.0.2:1602") + "[server]\nlisten = \"0.0.0.0:1602\"\n", 5,
+            "this gateway itself serves the mesh", "give the address of"},
+        Row{"itself_at_no_address", bus("0.0.0.0:1502"), 5, "this gateway itself serves the mesh",
+            "give the address of"},
+        Row{"its_page", bus("127.0.0.1:8080") + "[http]\n", 5, "this gateway itself shows its page",
+            "give the address of"},
+        Row{"alert_is_the_led",
+            "[gpio]\nstatus_led = \"A\"\nalert = \"!A\"\n" + serial("") + "assign = \"2\"\n", 6,
+            "the line A is status_led already", "give each a line"},
+        Row{"watchdog_is_the_led_by_its_path",
+            "[gpio]\nwatchdog = \"/dev/gpiochip0:3\"\nstatus_led = \"gpiochip0:3\"\n" + serial(""),
+            6, "is watchdog already", "give each a line"},
+        Row{"direction_is_the_led",
+            "[gpio]\nstatus_led = \"DE\"\n" + serial("rs485_line = \"DE\"\n"), 9,
+            "the line DE is status_led already", "give each a line"},
+        Row{"two_buses_switch_one_line",
+            serial("rs485_line = \"DE\"\n") +
+                "[[bus]]\nrtu = \"/dev/ttyS1\"\nunits = \"1\"\nrs485_line = \"DE\"\n",
+            11, "the line DE is rs485_line of bus '/dev/ttyS0' already", "give each a line"}),
+    [](const auto& row) { return std::string(row.param.name); });
+
+class CrossWarning : public CrossChecks, public testing::WithParamInterface<Row> {};
+
+TEST_P(CrossWarning, IsNamedWithItsLineAndCure) {
+  const Settings settings = read(GetParam().text);
+  EXPECT_TRUE(mistakes_.empty()) << testing::PrintToString(mistakes_);
+  expect_only(settings.warnings, GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Rows, CrossWarning,
+    testing::Values(
+        Row{"leaves_before_it_is_stale", "[poll]\nstale_after = \"31s\"\n" + bus("127.0.0.1:502"),
+            5, "stale_after (31 s) is longer than leave_after (30 s)", "make leave_after"},
+        Row{"leaves_before_it_is_stale_by_the_other_line",
+            "[poll]\nleave_after = \"4s\"\n" + bus("127.0.0.1:502"), 5,
+            "stale_after (5 s) is longer than leave_after (4 s)", "make leave_after"},
+        Row{"more_units_than_vertices",
+            bus("127.0.0.1:502", "units = \"1-6\"\n") +
+                bus("127.0.0.1:503", "units = \"1-3\"\nassign = \"10-11\"\n"),
+            3, "the buses have 11 units", "set it to twice as many"},
+        Row{"a_line_too_slow_for_its_units",
+            "features_max = 1\n[poll]\nstale_after = \"2s\"\n" +
+                serial("baud = 1200\nname = \"yard\"\n") +
+                "[[bus]]\nrtu = \"/dev/ttyS1\"\nunits = \"1-6\"\nbaud = 1200\n",
+            14,
+            "to ask all 6 units of bus '/dev/ttyS1' takes 2.42 s at 1200 baud at the least, and "
+            "stale_after is 2 s",
+            "raise baud or stale_after"}),
+    [](const auto& row) { return std::string(row.param.name); });
+
+TEST_F(CrossChecks, WhatIsSoundIsNotWarnedOf) {
+  const Settings settings =
+      read("[poll]\ninterval = \"5s\"\n[gpio]\nstatus_led = \"A\"\nwatchdog = \"B\"\n" +
+           serial("rs485_line = \"DE\"\n") + bus("127.0.0.1:1503") +
+           bus("127.0.0.1:1502", "units = \"2-8\"\n") + "[server]\nlisten = \"10.0.0.1:1502\"\n");
+  EXPECT_TRUE(mistakes_.empty()) << testing::PrintToString(mistakes_);
+  EXPECT_TRUE(settings.warnings.empty()) << testing::PrintToString(settings.warnings);
+}
+
+// 247 is asked where units are assigned, but no node stays there.
+TEST_F(CrossChecks, AUnitThatIsLookedForNeedsNoVertex) {
+  const Settings settings =
+      read(bus("127.0.0.1:502", "units = \"1-5\"\nassign = \"10-14\"\nscan = \"20-200\"\n"));
+  EXPECT_TRUE(settings.warnings.empty()) << testing::PrintToString(settings.warnings);
+}
+
+}  // namespace
+}  // namespace etcm::firmware
