@@ -10,6 +10,7 @@
 #include "etcm/files/decimal.h"
 #include "etcm/files/error.h"
 #include "etcm/files/json.h"
+#include "etcm/port/utf8.h"
 #include "firmware/config/site.h"
 
 namespace etcm::firmware {
@@ -44,11 +45,7 @@ std::string printable(std::string text) {
   std::replace_if(
       text.begin(), text.end(),
       [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }, ' ');
-  if (text.size() > name_bytes_max) {
-    std::size_t end = name_bytes_max;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;
-    text.resize(end);
-  }
+  text.resize(port::cut_utf8(text, name_bytes_max).size());
   return text;
 }
 

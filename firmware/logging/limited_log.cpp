@@ -6,6 +6,8 @@
 #include <span>
 #include <tuple>
 
+#include "etcm/port/utf8.h"
+
 namespace etcm::firmware {
 
 namespace {
@@ -79,8 +81,10 @@ void LimitedLog::flush() {
 
 void LimitedLog::Record::leave_out(std::string_view line, std::uint32_t count) {
   left_out += count;
-  sample_size = static_cast<std::uint8_t>(std::min(line.size(), sample.size()));
-  std::copy_n(line.begin(), sample_size, sample.begin());
+  const std::string_view fits = port::cut_utf8(line, sample.size());
+  is_sample_cut = fits.size() < line.size();
+  sample_size = static_cast<std::uint8_t>(fits.size());
+  std::copy(fits.begin(), fits.end(), sample.begin());
 }
 
 bool LimitedLog::Record::take_line(bool is_new) {
@@ -165,12 +169,11 @@ void LimitedLog::tell_kind(Record& kind, port::Instant now) {
 
 void LimitedLog::tell(Record& record, const char* likeness, port::Instant now) {
   if (record.left_out == 0) return;
-  const bool is_cut = record.sample_size == record.sample.size();
   const auto minutes = std::chrono::ceil<std::chrono::minutes>(now - record.window_start).count();
   std::array<char, 256> text{};
   const int length = std::snprintf(
       text.data(), text.size(), "%.*s%s [left out: %" PRIu32 " %s in the last %lld min]",
-      static_cast<int>(record.sample_size), record.sample.data(), is_cut ? "..." : "",
+      static_cast<int>(record.sample_size), record.sample.data(), record.is_sample_cut ? "..." : "",
       record.left_out, likeness, static_cast<long long>(minutes));
   record.left_out = 0;
   log_.write(record.level,

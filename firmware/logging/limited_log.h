@@ -56,7 +56,8 @@ class LimitedLog final : public port::Log {
     std::uint32_t left_out = 0;
     port::Level level = port::Level::info;
     std::uint8_t sample_size = 0;
-    std::array<char, 119> sample{};  // the last line left out, as far as it fits
+    bool is_sample_cut = false;
+    std::array<char, 118> sample{};  // the last line left out, as far as it fits
 
     bool is_over(port::Instant now) const { return now - window_start >= window; }
     // It would be no different if it had never been.

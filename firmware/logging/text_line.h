@@ -1,4 +1,5 @@
-// A line of text that is put together without a heap: what does not fit is cut off.
+// A line of text in UTF-8 that is put together without a heap: from the first character on that
+// does not fit all is cut off.
 #pragma once
 
 #include <algorithm>
@@ -8,14 +9,18 @@
 #include <cstddef>
 #include <string_view>
 
+#include "etcm/port/utf8.h"
+
 namespace etcm::firmware {
 
 class TextLine {
  public:
   TextLine& operator<<(std::string_view text) {
-    const std::size_t count = std::min(text.size(), text_.size() - size_);
-    std::copy_n(text.begin(), count, text_.begin() + static_cast<std::ptrdiff_t>(size_));
-    size_ += count;
+    if (is_cut_) return *this;
+    const std::string_view fits = port::cut_utf8(text, text_.size() - size_);
+    std::copy(fits.begin(), fits.end(), text_.begin() + static_cast<std::ptrdiff_t>(size_));
+    size_ += fits.size();
+    is_cut_ = fits.size() < text.size();
     return *this;
   }
 
@@ -32,6 +37,7 @@ class TextLine {
  private:
   std::array<char, 480> text_;
   std::size_t size_ = 0;
+  bool is_cut_ = false;
 };
 
 }  // namespace etcm::firmware

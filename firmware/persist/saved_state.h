@@ -31,7 +31,8 @@ inline constexpr std::uint32_t saved_state_version = 2;
 // The bus of a node that answers nowhere at the moment.
 inline constexpr std::uint16_t no_saved_bus = 0xffff;
 
-// How a bus is named there: what follows is cut off.
+// How a bus is named there: what follows is cut off. It is compared and never shown, so it may end
+// inside a character.
 inline constexpr std::size_t saved_bus_name_max = 255;
 inline std::string_view saved_bus_name(std::string_view name) {
   return name.substr(0, saved_bus_name_max);

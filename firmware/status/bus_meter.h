@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "etcm/port/utf8.h"
 #include "firmware/polling/poller.h"
 
 namespace etcm::firmware {
@@ -12,7 +13,7 @@ namespace etcm::firmware {
 // As much of its name as every document has room for.
 inline std::string_view bus_label(const Poller& poller, BusIndex bus) {
   constexpr std::size_t shown_max = 200;
-  return std::string_view(poller.bus(bus).name).substr(0, shown_max);
+  return port::cut_utf8(poller.bus(bus).name, shown_max);
 }
 
 inline constexpr port::Duration bus_meter_interval = std::chrono::seconds(10);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "etcm/port/utf8.h"
+
 namespace etcm::firmware {
 
 RecentEvents::RecentEvents(const port::Clock& clock, port::Log& next)
@@ -12,14 +14,9 @@ void RecentEvents::write(port::Level level, std::string_view line) {
   Kept& kept = kept_[place_of(written_++)];
   kept.at = clock_.now();
   kept.level = level;
-  std::size_t size = std::min(line.size(), kept.text.size());
-  // Not in the middle of a character of UTF-8.
-  while (size < line.size() && size > 0 &&
-         (static_cast<unsigned char>(line[size]) & 0xc0) == 0x80) {
-    --size;
-  }
-  kept.size = static_cast<std::uint16_t>(size);
-  std::copy_n(line.begin(), size, kept.text.begin());
+  const std::string_view fits = port::cut_utf8(line, kept.text.size());
+  kept.size = static_cast<std::uint16_t>(fits.size());
+  std::copy(fits.begin(), fits.end(), kept.text.begin());
 }
 
 std::uint32_t RecentEvents::count() const {

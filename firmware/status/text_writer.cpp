@@ -17,31 +17,38 @@ TextWriter& TextWriter::seconds(port::Duration duration) {
   return decimal(std::chrono::duration<double>(duration).count(), 6);
 }
 
+std::size_t TextWriter::character(std::string_view text) {
+  const std::size_t size = port::utf8_character(text);
+  *this << (size == 0 ? "?" : text.substr(0, size));
+  return std::max<std::size_t>(size, 1);
+}
+
 TextWriter& TextWriter::json(std::string_view text) {
   constexpr std::string_view digits = "0123456789abcdef";
   *this << "\"";
-  for (const char& character : text) {
-    const auto code = static_cast<unsigned char>(character);
-    if (character == '"' || character == '\\') {
-      *this << "\\" << std::string_view(&character, 1);
-    } else if (code < 0x20) {
+  while (!text.empty()) {
+    const auto code = static_cast<unsigned char>(text.front());
+    if (code < 0x20) {
       *this << "\\u00" << digits.substr(code >> 4, 1) << digits.substr(code & 15, 1);
-    } else {
-      *this << std::string_view(&character, 1);
+      text.remove_prefix(1);
+      continue;
     }
+    if (code == '"' || code == '\\') *this << "\\";
+    text.remove_prefix(character(text));
   }
   return *this << "\"";
 }
 
 TextWriter& TextWriter::label(std::string_view text) {
   *this << "\"";
-  for (const char& character : text) {
-    if (character == '\n') {
+  while (!text.empty()) {
+    if (text.front() == '\n') {
       *this << "\\n";
-    } else {
-      if (character == '"' || character == '\\') *this << "\\";
-      *this << std::string_view(&character, 1);
+      text.remove_prefix(1);
+      continue;
     }
+    if (text.front() == '"' || text.front() == '\\') *this << "\\";
+    text.remove_prefix(character(text));
   }
   return *this << "\"";
 }

@@ -1,6 +1,7 @@
 // Text into memory that is there: numbers, and texts as JSON and Prometheus want them.
 //
-// What does not fit is left out, so the room must be sized for the longest text; is_full() tells.
+// From the first character on that does not fit all is left out, so the room must be sized for the
+// longest text; is_full() tells.
 #pragma once
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <string_view>
 
 #include "etcm/port/clock.h"
+#include "etcm/port/utf8.h"
 
 namespace etcm::firmware {
 
@@ -20,13 +22,15 @@ class TextWriter {
 
   std::string_view text() const { return {room_.data(), size_}; }
   bool is_full() const { return is_full_; }
-  void clear() { size_ = 0; }
+  void clear() {
+    size_ = 0;
+    is_full_ = false;
+  }
 
   TextWriter& operator<<(std::string_view text) {
-    if (text.size() > room_.size() - size_) {
-      is_full_ = true;
-      text = text.substr(0, room_.size() - size_);
-    }
+    if (is_full_) return *this;
+    is_full_ = text.size() > room_.size() - size_;
+    text = port::cut_utf8(text, room_.size() - size_);
     std::copy(text.begin(), text.end(), room_.data() + size_);
     size_ += text.size();
     return *this;
@@ -44,11 +48,13 @@ class TextWriter {
     return take(std::to_chars(room_.data() + size_, room_.data() + room_.size(), value, 16));
   }
   TextWriter& yes_or_no(bool value) { return *this << (value ? "true" : "false"); }
-  // In quotation marks.
+  // In quotation marks; what is no UTF-8 becomes "?".
   TextWriter& json(std::string_view text);
   TextWriter& label(std::string_view text);  // of a metric
 
  private:
+  // As JSON and labels have it where nothing needs an escape. Returns its bytes in `text`.
+  std::size_t character(std::string_view text);
   TextWriter& take(std::to_chars_result written) {
     if (written.ec == std::errc{}) {
       size_ = static_cast<std::size_t>(written.ptr - room_.data());

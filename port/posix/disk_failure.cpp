@@ -5,9 +5,14 @@
 #include <cstdio>
 #include <cstring>
 
+#include "etcm/port/utf8.h"
+
 namespace etcm::port {
 
 namespace {
+
+// The rest of the line is shorter than the room that this leaves.
+constexpr std::size_t place_bytes_max = 300;
 
 // Null: none but to look at the place.
 const char* cure_of(int error) {
@@ -36,6 +41,7 @@ std::string_view DiskFailure::describe(std::string_view place, const char* actio
   // strerrordesc_np() needs no memory and no locale, unlike strerror().
   const char* const what = ::strerrordesc_np(error);
   const char* const cure = cure_of(error);
+  place = cut_utf8(place, place_bytes_max);
   const int length = std::snprintf(words_.data(), words_.size(), "%.*s: %s (%s); %s%s%s",
                                    static_cast<int>(place.size()), place.data(), action,
                                    what != nullptr ? what : "unknown error",

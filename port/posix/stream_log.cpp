@@ -12,6 +12,8 @@
 #include <cstring>
 #include <ctime>
 
+#include "etcm/port/utf8.h"
+
 namespace etcm::port {
 
 namespace {
@@ -98,16 +100,15 @@ bool StreamLog::try_write(Level level, std::string_view line) {
         text.begin());
   };
   append(reader_ == Reader::journal ? journal_prefix(level) : plain_prefix(level));
-  const std::size_t start = size;
-  std::size_t cut = std::min(line.size(), line_max);
-  // Never inside a character of UTF-8.
-  while (cut < line.size() && cut > 0 && (line[cut] & 0xc0) == 0x80) --cut;
-  append(line.substr(0, cut));
-  std::replace_if(
-      text.begin() + static_cast<std::ptrdiff_t>(start),
-      text.begin() + static_cast<std::ptrdiff_t>(size),
-      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
-  if (cut < line.size()) append(cut_mark);
+  std::string_view left = cut_utf8(line, line_max);
+  const bool is_cut = left.size() < line.size();
+  while (!left.empty()) {
+    const auto first = static_cast<unsigned char>(left.front());
+    const std::size_t bytes = first < 0x20 || first == 0x7f ? 0 : utf8_character(left);
+    append(bytes == 0 ? "?" : left.substr(0, bytes));
+    left.remove_prefix(std::max<std::size_t>(bytes, 1));
+  }
+  if (is_cut) append(cut_mark);
   append("\n");
   // What fails is lost: there is nobody else to tell.
   static_cast<void>(!::write(descriptor_, text.data(), size));

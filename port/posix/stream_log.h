@@ -20,7 +20,7 @@ class StreamLog final : public Log {
 
   // The descriptor stays the caller's.
   explicit StreamLog(int descriptor);
-  // A line end or another control character in it becomes a "?".
+  // A line end, another control character and what is no UTF-8 become "?".
   void write(Level level, std::string_view line) override;
 
  private:

@@ -12,6 +12,8 @@
 #include <optional>
 #include <string>
 
+#include "etcm/port/utf8.h"
+
 namespace etcm::port {
 
 namespace {
@@ -78,7 +80,7 @@ void SystemdNotify::tell(ServiceEvent event) {
 void SystemdNotify::tell_status(std::string_view line) {
   std::array<char, 256> text;
   constexpr std::string_view head = "STATUS=";
-  line = line.substr(0, text.size() - head.size());
+  line = cut_utf8(line, text.size() - head.size());
   char* const start = std::copy(head.begin(), head.end(), text.begin());
   char* const end = std::copy(line.begin(), line.end(), start);
   // A line end would begin another assignment.

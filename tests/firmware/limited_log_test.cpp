@@ -11,7 +11,9 @@
 #include <string>
 
 #include "fakes.h"
+#include "firmware/logging/text_line.h"
 #include "support/allocation_watch.h"
+#include "support/utf8_check.h"
 
 namespace etcm::firmware {
 namespace {
@@ -253,6 +255,27 @@ TEST(LimitedLogMemory, IsTakenAtTheStart) {
   log.flush();
   EXPECT_EQ(watch.allocations(), 0u);
   EXPECT_EQ(counted.lines, LimitedLog::lines_free + 1);
+}
+
+TEST_F(LimitedLogTest, WhatWasLeftOutIsCutBetweenCharacters) {
+  for (std::size_t before = 108; before < 118; ++before) {
+    const std::string line = std::string(before, 'y') + "\u20ac\u20ac\u20ac";
+    for (int i = 0; i < 9; ++i) log_.write(Level::warning, line);
+  }
+  log_.flush();
+  EXPECT_EQ(written_.count("left out"), 10u);
+  EXPECT_EQ(written_.count("... [left out"), 8u);  // two fit whole
+  for (const std::string& line : written_.lines) EXPECT_TRUE(test::is_utf8(line)) << line;
+}
+
+TEST(TextLineTest, IsCutBetweenCharactersAndEndsThere) {
+  for (std::size_t before = 470; before < 482; ++before) {
+    TextLine line;
+    line << std::string(before, 'y') << "\u20ac\u20ac\u20ac\u20ac"
+         << "z" << 7;
+    EXPECT_TRUE(test::is_utf8(line.view())) << before;
+    EXPECT_EQ(line.view().find('z'), std::string_view::npos) << before;
+  }
 }
 
 }  // namespace

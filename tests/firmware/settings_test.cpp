@@ -400,5 +400,15 @@ TEST_F(SettingsFile, AFileThatIsNotThereIsAMistake) {
   EXPECT_NE(mistakes_[0].find("; give the path of the settings"), std::string::npos);
 }
 
+TEST_F(SettingsFile, WhatIsNoUtf8IsAMistakeWithItsLine) {
+  for (const char* const name : {"\xff", "yard \xe2\x82", "\xc0\xaf", "\xed\xa0\x80"}) {
+    read("[mesh]\nvertices_max = 9\n[[bus]]\ntcp = \"127.0.0.1:502\"\nname = \"" +
+         std::string(name) + "\"\nunits = \"1\"\n");
+    ASSERT_EQ(mistakes_.size(), 1u) << name;
+    EXPECT_TRUE(mistakes_[0].starts_with(path_ + ":5: ")) << mistakes_[0];
+    EXPECT_NE(mistakes_[0].find("invalid utf-8"), std::string::npos) << mistakes_[0];
+  }
+}
+
 }  // namespace
 }  // namespace etcm::firmware

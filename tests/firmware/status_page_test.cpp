@@ -8,6 +8,7 @@
 
 #include "fakes.h"
 #include "firmware/status/page_files.h"
+#include "support/utf8_check.h"
 
 namespace etcm::firmware {
 namespace {
@@ -429,6 +430,38 @@ TEST_F(StatusPageTest, FilesAreThereAndNothingElse) {
        {"/index.html", "/map.js/", "//", "/../etc/passwd", "/embed.cmake", "/ "}) {
     get(path);
     EXPECT_EQ(answer_.status, port::web_status::not_found) << path;
+  }
+}
+
+// Names are cut for each document, and may be longer than any of them has room for.
+TEST_F(StatusPageTest, EveryDocumentIsUtf8WhateverTheNameOfABus) {
+  for (const std::string name : {"\u00e4", "\u20ac", "\U0001f600", "\xff", "\xe2\x82"}) {
+    for (std::size_t before = 190; before < 204; ++before) {
+      Rig rig;
+      rig.settings.buses[0].name = std::string(before, 'y') + name;
+      for (int i = 0; i < 30; ++i) rig.settings.buses[0].name += name;
+      rig.start();
+      rig.put_square();
+      RecentEvents events(rig.clock, rig.log);
+      events.write(port::Level::warning, "bus " + rig.settings.buses[0].name + ": is silent");
+      const StatusSources sources{.gateway = *rig.gateway,
+                                  .events = events,
+                                  .masters = masters_,
+                                  .readers = readers_,
+                                  .version = "1.2.3",
+                                  .started_at = rig.clock.now()};
+      StatusPage page(sources, 1);
+      rig.run(1s);
+      for (const char* const path :
+           {"/status.json", "/mesh.geojson", "/ages.json", "/metrics", "/healthz"}) {
+        ASSERT_EQ(page.begin(0, path).status, 200) << path;
+        std::string text;
+        std::vector<char> out(1000);
+        while (const std::size_t size = page.read(0, out)) text.append(out.data(), size);
+        page.end(0);
+        EXPECT_TRUE(test::is_utf8(text)) << path << " with " << before << " bytes before " << name;
+      }
+    }
   }
 }
 

@@ -150,5 +150,11 @@ TEST_F(StreamLogTest, AllocatesNothing) {
   EXPECT_EQ(watch.allocations(), 0u);
 }
 
+TEST_F(StreamLogTest, WhatIsNoUtf8IsReplaced) {
+  StreamLog log(writer_.get());
+  log.write(Level::info, "a\xff b\xe2\x82 \u20ac \xc0\xaf \xed\xa0\x80 c\xe2");
+  EXPECT_EQ(read_all(), "a? b?? \u20ac ?? ??? c?\n");
+}
+
 }  // namespace
 }  // namespace etcm::port

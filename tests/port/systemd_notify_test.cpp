@@ -75,6 +75,8 @@ TEST_F(SystemdNotifyTest, KeepsAStatusALine) {
   EXPECT_EQ(received(), "STATUS=a MAINPID=1");
   manager.tell_status(std::string(10'000, 'x'));
   EXPECT_EQ(received().size(), 256u);
+  manager.tell_status("a" + std::string(246, 'x') + "\u20ac");
+  EXPECT_EQ(received(), "STATUS=a" + std::string(246, 'x'));
   manager.tell_status("");
   EXPECT_EQ(received(), "STATUS=");
 }
