@@ -1,6 +1,7 @@
 // A text that is made piece by piece: what is large needs no memory, and is never made in one go.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -26,6 +27,12 @@ struct Cursor {
   // What stands before the next element of a list.
   std::string_view separator() { return std::exchange(has_begun, true) ? "," : ""; }
 };
+
+// How long ago `since` was for a reader who asked at `asked_at`. What has come since then, while
+// the reader took what stands before it, is new.
+constexpr port::Duration age_of(port::Instant since, port::Instant asked_at) {
+  return std::max<port::Duration>(asked_at - since, {});
+}
 
 class Document {
  public:

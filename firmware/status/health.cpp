@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "firmware/status/document.h"
+
 namespace etcm::firmware {
 
 namespace {
@@ -18,7 +20,7 @@ bool are_buses_heard(const StatusSources& sources, port::Instant now, TextWriter
   const SilenceClock& clock = sources.gateway.presence().clock();
   for (BusIndex bus{0}; bus.value < poller.bus_count(); ++bus.value) {
     if (clock.silence_of(bus) <= sources.gateway.settings().poll.leave_after) continue;
-    const port::Duration silence = now - std::max(clock.heard_at(bus), sources.started_at);
+    const port::Duration silence = age_of(std::max(clock.heard_at(bus), sources.started_at), now);
     reason << "bus " << bus_label(poller, bus) << ": no unit has answered for "
            << whole_seconds(silence) << " s; check its cable and power";
     return false;

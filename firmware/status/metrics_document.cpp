@@ -167,7 +167,7 @@ void write_unit_answer_max(const Context& context, std::uint32_t index, TextWrit
 
 void write_node(const Context& context, Serial serial, port::Instant since, TextWriter& piece) {
   piece << context.name << "{serial=\"" << serial.value << "\"} ";
-  piece.seconds(context.asked_at - since) << "\n";
+  piece.seconds(age_of(since, context.asked_at)) << "\n";
 }
 
 const NodeRecord& record(const Context& context, std::uint32_t index) {
@@ -221,7 +221,7 @@ constexpr std::array families{
     Family{"etcm_build_info", "gauge", "Version of the gateway.", Scope::gateway, write_build},
     Family{"etcm_uptime_seconds", "gauge", "Time since the gateway was started.", Scope::gateway,
            [](const Context& context, std::uint32_t, TextWriter& piece) {
-             plain_seconds(context, context.asked_at - context.sources.started_at, piece);
+             plain_seconds(context, age_of(context.sources.started_at, context.asked_at), piece);
            }},
     Family{"etcm_generation", "gauge", "Generation of the mesh that was published last.",
            Scope::gateway,

@@ -71,7 +71,7 @@ void StatusDocument::write_head(port::Instant asked_at, TextWriter& piece) const
   piece << "{\"version\":";
   piece.json(sources_.version) << ",\"instance\":\"";
   piece.hex(instance_of(sources_))
-      << "\",\"uptime_ms\":" << (asked_at - sources_.started_at) / 1ms
+      << "\",\"uptime_ms\":" << age_of(sources_.started_at, asked_at) / 1ms
       << ",\"generation\":" << snapshot.generation << ",\"state\":{\"partial\":";
   piece.yes_or_no((snapshot.state & snapshot_state::partial) != 0) << ",\"stale\":";
   piece.yes_or_no((snapshot.state & snapshot_state::stale) != 0) << ",\"budget_hit\":";
@@ -124,7 +124,7 @@ void StatusDocument::write_missing(Cursor& cursor, port::Instant asked_at,
     const NodeRecord& node = nodes[cursor.item++];
     if (!node.is_missing) continue;
     piece << cursor.separator() << "{\"serial\":" << node.serial.value
-          << ",\"since_ms\":" << (asked_at - node.heard_at) / 1ms;
+          << ",\"since_ms\":" << age_of(node.heard_at, asked_at) / 1ms;
     write_unit(node.last_unit, piece);
     piece << "}";
     return;
@@ -147,7 +147,7 @@ void StatusDocument::write_quarantine(Cursor& cursor, port::Instant asked_at,
     return cursor.next_section();
   }
   const QuarantineEntry& entry = entries[cursor.item++];
-  piece << cursor.separator() << "{\"since_ms\":" << (asked_at - entry.since) / 1ms;
+  piece << cursor.separator() << "{\"since_ms\":" << age_of(entry.since, asked_at) / 1ms;
   if (!entry.serial.is_none()) piece << ",\"serial\":" << entry.serial.value;
   if (entry.feature != 0) piece << ",\"feature\":" << entry.feature;
   write_unit(entry.unit_index, piece);
@@ -179,7 +179,7 @@ void StatusDocument::write_bus(Cursor& cursor, port::Instant asked_at, TextWrite
   const Presence& presence = sources_.gateway.presence();
   if (presence.is_silent(bus)) {
     const port::Instant since = std::max(presence.clock().heard_at(bus), sources_.started_at);
-    piece << ",\"silent_ms\":" << (asked_at - since) / 1ms;
+    piece << ",\"silent_ms\":" << age_of(since, asked_at) / 1ms;
   }
   piece << "}";
 }
@@ -194,7 +194,7 @@ void StatusDocument::write_event(Cursor& cursor, port::Instant asked_at, TextWri
   ++cursor.item;
   const RecentEvent event = sources_.events.at(static_cast<std::uint32_t>(number - 1 - oldest));
   piece << cursor.separator() << "\n{\"number\":" << event.number
-        << ",\"age_ms\":" << (asked_at - event.at) / 1ms << ",\"level\":";
+        << ",\"age_ms\":" << age_of(event.at, asked_at) / 1ms << ",\"level\":";
   piece.json(word(event.level)) << ",\"text\":";
   piece.json(event.text) << "}";
 }
@@ -215,7 +215,7 @@ bool AgesDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWriter
         const NodeRecord& node = nodes[cursor.item++];
         if (!node.is_known() || !node.has_position()) continue;
         piece << cursor.separator() << "[" << node.serial.value << ","
-              << (asked_at - node.positioned_at) / 1ms << "]";
+              << age_of(node.positioned_at, asked_at) / 1ms << "]";
       }
       return true;
     }

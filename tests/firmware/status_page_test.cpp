@@ -465,5 +465,25 @@ TEST_F(StatusPageTest, EveryDocumentIsUtf8WhateverTheNameOfABus) {
   }
 }
 
+// A slow reader has the time of its question, and what it reads may have come since.
+TEST_F(StatusPageTest, NoAgeIsBelowZeroWhateverComesWhileItIsRead) {
+  rig_.settings.poll.leave_after = 2s;
+  open_page();
+  put_square();
+  rig_.put(6, 90'000'000, 0);  // outside
+  run(1s);
+  const std::regex below_zero(R"re((_seconds[^ \n]* |_ms":|,)-[0-9])re");
+  for (const char* const path : {"/metrics", "/status.json", "/ages.json"}) {
+    answer_ = page_->begin(0, path);
+    events_.write(port::Level::info, "later");
+    rig_.put(7, 30, 30);
+    rig_.put(8, 90'000'000, 7);
+    rig_.bus.silence(5);
+    run(5s);
+    const std::string text = rest(0);
+    EXPECT_FALSE(std::regex_search(text, below_zero)) << text;
+  }
+}
+
 }  // namespace
 }  // namespace etcm::firmware
