@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace etcm::firmware {
@@ -56,6 +58,7 @@ class CrossCheck {
     check_room();
     for (std::size_t i = 0; i < settings_.buses.size(); ++i) {
       check_address(i);
+      check_port(i);
       check_sweep(i);
     }
     check_lines();
@@ -139,6 +142,26 @@ class CrossCheck {
     } else if (settings_.http && reaches(*address, settings_.http->listen)) {
       is_itself("shows its page");
     }
+  }
+
+  // A serial port may have several names. One that is not there yet has none to compare; when it
+  // comes, the bus that finds it taken tells.
+  void check_port(std::size_t number) {
+    const std::filesystem::path path = port_of(number);
+    if (path.empty()) return;
+    for (std::size_t i = 0; i < number; ++i) {
+      if (port_of(i) != path) continue;
+      const auto name = [&](std::size_t bus) { return link_name(settings_.buses[bus]); };
+      add(mistakes_, find_in_bus(number, {"rtu"}),
+          name(number) + " is the serial port of bus '" + settings_.buses[i].name + "' too (" +
+              name(i) + ", both are " + path.string() + "); put the units of both into one");
+      return;
+    }
+  }
+  std::filesystem::path port_of(std::size_t bus) const {
+    const auto* const line = std::get_if<port::SerialLine>(&settings_.buses[bus].link);
+    std::error_code is_not_there;
+    return line == nullptr ? "" : std::filesystem::canonical(line->path, is_not_there);
   }
 
   // Of a bus over TCP it is not known how fast it is.

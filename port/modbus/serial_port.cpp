@@ -8,11 +8,15 @@
 #include <modbus/modbus.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <termios.h>
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <memory>
+#include <system_error>
 
 namespace etcm::port {
 
@@ -75,6 +79,41 @@ bool set_up(const SerialLine& line, std::string& why) {
   return true;
 }
 
+// Whether this process has locked what it has open as this.
+bool is_locked(const std::string& number) {
+  std::ifstream facts("/proc/self/fdinfo/" + number);
+  for (std::string line; std::getline(facts, line);) {
+    if (line.starts_with("lock:") && line.find("FLOCK") != std::string::npos) return true;
+  }
+  return false;
+}
+
+// The name under which this process itself has locked the device, or none.
+std::string own_name_of(int descriptor) {
+  namespace fs = std::filesystem;
+  struct stat wanted {};
+  if (::fstat(descriptor, &wanted) != 0) return {};
+  std::error_code error;
+  for (fs::directory_iterator at("/proc/self/fd", error), end; !error && at != end;
+       at.increment(error)) {
+    struct stat found {};
+    if (::stat(at->path().c_str(), &found) != 0 || !S_ISCHR(found.st_mode)) continue;
+    if (found.st_rdev != wanted.st_rdev || !is_locked(at->path().filename())) continue;
+    return fs::read_symlink(at->path(), error);
+  }
+  return {};
+}
+
+// Two programs on one line would take each other's answers, and so would two buses.
+bool lock(int descriptor, std::string& why) {
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return true;
+  const std::string own = own_name_of(descriptor);
+  why = own.empty() ? "another program has it; end that one (fuser -v names it)"
+                    : "it is the same port as " + own +
+                          ", which another [[bus]] has; put the units of both into one";
+  return false;
+}
+
 }  // namespace
 
 FileDescriptor open_serial(const SerialLine& line, std::string& why) {
@@ -87,12 +126,7 @@ FileDescriptor open_serial(const SerialLine& line, std::string& why) {
     if (error == ENOENT) why += "; ls /dev/serial/by-path lists the ports there are";
     return {};
   }
-  // Two programs on one line would take each other's answers.
-  if (::flock(port.get(), LOCK_EX | LOCK_NB) != 0) {
-    why = "another program has it; end that one (fuser -v names it)";
-    return {};
-  }
-  if (!set_up(line, why)) return {};
+  if (!lock(port.get(), why) || !set_up(line, why)) return {};
   if (!correct(port.get())) {
     why = std::strerror(errno);
     return {};

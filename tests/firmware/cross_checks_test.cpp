@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "firmware/config/settings.h"
 #include "support/scratch_folder.h"
 
@@ -133,6 +135,35 @@ TEST_F(CrossChecks, AUnitThatIsLookedForNeedsNoVertex) {
   const Settings settings =
       read(bus("127.0.0.1:502", "units = \"1-5\"\nassign = \"10-14\"\nscan = \"20-200\"\n"));
   EXPECT_TRUE(settings.warnings.empty()) << testing::PrintToString(settings.warnings);
+}
+
+TEST_F(CrossChecks, TwoNamesOfOneSerialPortAreAMistake) {
+  const std::string port = folder_.write("ttyUSB0", "");
+  const std::string link = folder_.path("by-id");
+  const std::string second_link = folder_.path("by-path");
+  std::filesystem::create_symlink("ttyUSB0", link);
+  std::filesystem::create_symlink(link, second_link);
+  const auto two = [](const std::string& a, const std::string& b) {
+    return "[[bus]]\nrtu = \"" + a + "\"\nunits = \"1\"\n[[bus]]\nrtu = \"" + b +
+           "\"\nunits = \"2\"\n";
+  };
+  for (const auto& [a, b] : {std::pair{port, link},
+                             {second_link, port},
+                             {link, second_link},
+                             {port, folder_.path("./ttyUSB0")}}) {
+    read(two(a, b));
+    expect_only(mistakes_, {.name = "",
+                            .text = "",
+                            .line = 8,
+                            .what = "is the serial port of bus '",
+                            .cure = "put the units of both into one"});
+    EXPECT_NE(mistakes_[0].find(a), std::string::npos) << mistakes_[0];
+    EXPECT_NE(mistakes_[0].find(b), std::string::npos) << mistakes_[0];
+  }
+  // An adapter may be plugged in later.
+  std::filesystem::remove(port);
+  read(two(link, second_link));
+  EXPECT_TRUE(mistakes_.empty()) << testing::PrintToString(mistakes_);
 }
 
 }  // namespace

@@ -2,15 +2,21 @@
 // which take every setting but parity.
 #include "modbus/serial_port.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <modbus/modbus.h>
+#include <sys/wait.h>
 #include <termios.h>
+#include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
+#include <filesystem>
 
 #include "peer.h"
 #include "pseudo_terminal.h"
 #include "support/emulated.h"
+#include "support/scratch_folder.h"
 
 namespace etcm::port {
 namespace {
@@ -69,11 +75,19 @@ TEST(SerialPort, OpensAgainAsItWas) {
 TEST(SerialPort, ThatAnotherProgramHasIsLeftAsItIsSet) {
   const nodes::PseudoTerminal cable;
   std::string why;
-  const FileDescriptor port = open_serial({.path = cable.path(), .baud = 9600}, why);
+  FileDescriptor port = open_serial({.path = cable.path(), .baud = 9600}, why);
   ASSERT_TRUE(port.is_open()) << why;
+  const pid_t other = ::fork();
+  if (other == 0) {
+    for (;;) ::pause();
+  }
+  port.close();  // now the other process alone has it
   EXPECT_FALSE(open_serial({.path = cable.path(), .baud = 1200}, why).is_open());
   EXPECT_NE(why.find("another program has it"), std::string::npos) << why;
+  port = FileDescriptor(::open(cable.path().c_str(), O_RDWR | O_NOCTTY));
   const termios settings = settings_of(port);
+  ::kill(other, SIGKILL);
+  ::waitpid(other, nullptr, 0);
   EXPECT_EQ(::cfgetispeed(&settings), speed_t{B9600});
 }
 
@@ -85,6 +99,20 @@ TEST(SerialPort, NothingThatCameIsNoEnd) {
   std::uint8_t byte = 0;
   EXPECT_EQ(::read(port.get(), &byte, 1), -1);
   EXPECT_EQ(errno, EAGAIN);
+}
+
+// Another name of it makes it no other port.
+TEST(SerialPort, ThatThisProgramHasIsNotSaidToBeAnotherPrograms) {
+  const nodes::PseudoTerminal cable;
+  const test::ScratchFolder folder;
+  const std::string link = folder.path("by-id");
+  std::filesystem::create_symlink(cable.path(), link);
+  std::string why;
+  const FileDescriptor port = open_serial({.path = cable.path()}, why);
+  ASSERT_TRUE(port.is_open()) << why;
+  EXPECT_FALSE(open_serial({.path = link}, why).is_open());
+  EXPECT_EQ(why, "it is the same port as " + cable.path() +
+                     ", which another [[bus]] has; put the units of both into one");
 }
 
 }  // namespace
