@@ -3,6 +3,7 @@
 #include <modbus/modbus.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace etcm::port {
 
@@ -11,7 +12,7 @@ RegisterServer::RegisterServer(EventLoop& loop, const SocketAddress& address,
                                std::shared_ptr<const RegisterImage> first)
     : identity_(identity),
       image_(std::move(first)),
-      pinned_(clients_max),
+      pins_(clients_max),
       listener_(loop, *this, address, clients_max) {}
 
 void RegisterServer::allow(std::vector<Network> networks, Log& log) {
@@ -43,6 +44,21 @@ void RegisterServer::exhausted(const char* why) {
                                 "[server] and [http]");
 }
 
+void RegisterServer::advance(Instant now) {
+  listener_.advance(now);
+  for (Pin& pin : pins_) {
+    if (pin.image == nullptr) continue;
+    if (std::exchange(pin.has_read_on, false)) pin.ends_at = now + keep_max;
+    if (pin.ends_at <= now) pin = {};
+  }
+}
+
+Instant RegisterServer::next_deadline() const {
+  Instant first = listener_.next_deadline();
+  for (const Pin& pin : pins_) first = std::min(first, pin.ends_at);
+  return first;
+}
+
 std::size_t RegisterServer::answer(std::size_t client, std::uint8_t address,
                                    std::span<const std::uint8_t> request,
                                    std::span<std::uint8_t> answer) {
@@ -53,10 +69,16 @@ std::size_t RegisterServer::answer(std::size_t client, std::uint8_t address,
 
   // Masters address "the device itself" as 0 or 255 on TCP.
   const std::uint32_t page = address == 0 || address == MODBUS_TCP_SLAVE ? 0u : address - 1u;
-  if (page == 0 && range->first == 0) pinned_[client] = image_;
-  const RegisterImage& image = *pinned_[client];
+  Pin& pin = pins_[client];
+  if (page == 0 && range->first == 0) pin = {.image = image_};
+  const RegisterImage& image = pin.image == nullptr ? *image_ : *pin.image;
   const std::size_t begin =
       std::min(std::size_t{page} * image.registers_per_unit, image.registers.size());
+  const std::size_t end = begin + range->first + range->count;
+  if (end > pin.read_to) {
+    pin.read_to = end;
+    pin.has_read_on = true;
+  }
   const auto behind = std::span(image.registers).subspan(begin);
   return replies_.to_read(
       request, 0, behind.first(std::min<std::size_t>(behind.size(), image.registers_per_unit)),

@@ -15,6 +15,10 @@ namespace etcm::port {
 
 class RegisterServer final : public MeshServer, private RequestHandler {
  public:
+  // A client goes on with the image whose header it has read for so long after that, and after each
+  // read that went beyond all before.
+  static constexpr Duration keep_max = std::chrono::seconds(10);
+
   // Serves `first` until something is published. The texts of `identity` must outlive this.
   RegisterServer(EventLoop& loop, const SocketAddress& address, std::size_t clients_max,
                  const Identity& identity, std::shared_ptr<const RegisterImage> first);
@@ -23,15 +27,23 @@ class RegisterServer final : public MeshServer, private RequestHandler {
   // As TcpListener has it. `log`, which must outlive this, is told which peers are rejected or hung
   // up on.
   void allow(std::vector<Network> networks, Log& log);
-  void advance(Instant now) { listener_.advance(now); }
-  Instant next_deadline() const { return listener_.next_deadline(); }
+  void advance(Instant now);
+  Instant next_deadline() const;
   const Acceptor& acceptor() const { return listener_.acceptor(); }
   SocketAddress address() const { return listener_.address(); }
   const ServiceCounters& counters() const { return listener_.counters(); }
 
  private:
-  void connected(std::size_t client) override { pinned_[client] = image_; }
-  void disconnected(std::size_t client) override { pinned_[client].reset(); }
+  // What a client goes on with, so that all it reads belongs together.
+  struct Pin {
+    std::shared_ptr<const RegisterImage> image;  // null: whatever is the newest
+    std::size_t read_to = 0;                     // no element from this one on was read
+    bool has_read_on = false;                    // since the last advance()
+    Instant ends_at = never;
+  };
+
+  void connected(std::size_t client) override { pins_[client] = {}; }
+  void disconnected(std::size_t client) override { pins_[client] = {}; }
   void rejected(const SocketAddress& peer, bool is_full) override;
   void displaced(const SocketAddress& peer) override;
   void exhausted(const char* why) override;
@@ -41,7 +53,7 @@ class RegisterServer final : public MeshServer, private RequestHandler {
 
   const Identity identity_;
   std::shared_ptr<const RegisterImage> image_;
-  std::vector<std::shared_ptr<const RegisterImage>> pinned_;  // by client
+  std::vector<Pin> pins_;  // by client
   Log* log_ = nullptr;
   Replies replies_;
   TcpListener listener_;

@@ -83,6 +83,55 @@ TEST_F(Server, AClientSeesOneImageUntilItReadsTheHeaderAgain) {
   EXPECT_EQ(ask(first, 1, 5), 2);
 }
 
+TEST_F(Server, AClientThatNeverReadsTheHeaderSeesTheNewestImage) {
+  const FileDescriptor client = connect_tcp(server_.address());
+  for (std::uint16_t value = 1; value < 10; ++value) {
+    server_.publish(image_of(value));
+    EXPECT_EQ(ask(client, 1, 10), value);
+    EXPECT_EQ(ask(client, 2, 7), value);
+  }
+}
+
+// A master that has looked at the header once, and then polls one register for ever.
+TEST_F(Server, AnImageIsNotKeptForWhoReadsTheSameAgainAndAgain) {
+  const FileDescriptor client = connect();
+  server_.publish(image_of(2));
+  for (const std::uint16_t first : {std::uint16_t{10}, std::uint16_t{500}}) {
+    EXPECT_EQ(ask(client, 1, 0), 2);
+    EXPECT_EQ(ask(client, 1, first), 2);
+    server_.publish(image_of(3));
+    server_.advance(start);
+    for (Duration passed = 0s; passed < RegisterServer::keep_max; passed += 500ms) {
+      server_.advance(start + passed);
+      EXPECT_EQ(ask(client, 1, first), 2) << passed.count();
+    }
+    EXPECT_EQ(server_.next_deadline(), start + RegisterServer::keep_max);
+    server_.advance(start + RegisterServer::keep_max);
+    EXPECT_EQ(ask(client, 1, first), 3);
+    server_.publish(image_of(4));
+    EXPECT_EQ(ask(client, 1, first), 4);
+    server_.publish(image_of(2));
+  }
+  EXPECT_EQ(server_.next_deadline(), never);
+}
+
+TEST_F(Server, AnImageIsKeptForWhoReadsOnHoweverLongItTakes) {
+  const FileDescriptor client = connect();
+  server_.publish(image_of(2));
+  Instant now = start;
+  for (std::uint16_t first = 1; first < 600; first += 50) {
+    now += RegisterServer::keep_max - 1ms;
+    EXPECT_EQ(ask(client, 1, first), 1);
+    server_.advance(now);
+  }
+  for (std::uint16_t first = 0; first < 300; first += 50) {
+    now += RegisterServer::keep_max - 1ms;
+    EXPECT_EQ(ask(client, 2, first), 1);
+    server_.advance(now);
+  }
+  EXPECT_EQ(ask(client, 1, 0), 2);
+}
+
 TEST_F(Server, NothingCanBeWritten) {
   const FileDescriptor client = connect();
   for (const int number : {5, 6, 15, 16, 22, 23, 43, 99}) {
@@ -340,6 +389,33 @@ TEST_F(Server, LibmodbusReadsIt) {
     done = true;
   });
   EXPECT_TRUE(turn_until(loop_, [&] { return done.load(); }));
+  client.join();
+}
+
+// libmodbus as a program that reads the header at its start, and polls what it needs.
+TEST_F(Server, LibmodbusPollsTheNewest) {
+  std::atomic<int> seen = 0;
+  std::thread client([&] {
+    modbus_t* master = modbus_new_tcp("127.0.0.1", server_.address().port);
+    EXPECT_EQ(modbus_connect(master), 0) << modbus_strerror(errno);
+    modbus_set_slave(master, 1);
+    std::uint16_t registers[4] = {};
+    EXPECT_EQ(modbus_read_input_registers(master, 0, 4, registers), 4);
+    seen = registers[0];
+    for (int i = 0; i < 100'000 && seen < 9; ++i) {
+      if (modbus_read_input_registers(master, 10, 2, registers) != 2) break;
+      EXPECT_EQ(registers[0], registers[1]);
+      seen = registers[0];
+    }
+    modbus_close(master);
+    modbus_free(master);
+  });
+  Instant now = start;
+  EXPECT_TRUE(turn_until(loop_, [&] {
+    server_.advance(now += 10ms);
+    if (seen > 0) server_.publish(image_of(9));
+    return seen == 9;
+  }));
   client.join();
 }
 

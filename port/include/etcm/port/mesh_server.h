@@ -17,8 +17,8 @@ struct RegisterImage {
 
 class MeshServer {
  public:
-  // From now on a client that reads the header sees `image`; one that does not goes on reading the
-  // image whose header it read last.
+  // From now on a client that reads the header sees `image`, and so does one that has read none;
+  // others go on with the image whose header they read last, while they read on in it.
   virtual void publish(std::shared_ptr<const RegisterImage> image) = 0;
 
  protected:
