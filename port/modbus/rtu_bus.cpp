@@ -231,19 +231,15 @@ bool RtuBus::note_late(const RtuAnswer& found, Instant now) {
   const Duration lateness = now - *asked_at;
   unit.latest = std::max(unit.latest, lateness);
   unit.lateness = std::max(unit.lateness, lateness);
-  report_late(found.address, lateness);
+  report_late(found.address, lateness, now);
   return true;
 }
 
-// Again where it is slower than the timeout that was named.
-void RtuBus::report_late(std::uint8_t number, Duration lateness) {
-  constexpr Duration step = std::chrono::milliseconds(100);
-  UnitState& unit = units_[number];
-  if (lateness <= unit.advised) return;
-  // A quarter more, as it will not always be the same.
-  unit.advised = (lateness + lateness / 4 + step - Duration(1)) / step * step;
+void RtuBus::report_late(std::uint8_t number, Duration lateness, Instant now) {
+  const std::optional<Duration> timeout = units_[number].advice.advise(lateness, now);
+  if (!timeout) return;
   const auto late = std::chrono::ceil<std::chrono::milliseconds>(lateness).count();
-  const auto advised = std::chrono::ceil<std::chrono::milliseconds>(unit.advised).count();
+  const auto advised = std::chrono::ceil<std::chrono::milliseconds>(*timeout).count();
   const std::string address = std::to_string(number);
   log_.write(Level::warning,
              "bus " + options_.name + ": unit " + address + " answered too late, after " +

@@ -30,6 +30,7 @@
 #include "etcm/port/log.h"
 #include "etcm/port/node_bus.h"
 #include "etcm/port/serial_line.h"
+#include "modbus/late_advice.h"
 #include "modbus/owed_answers.h"
 #include "modbus/rtu_line.h"
 #include "modbus/rtu_serial_line.h"
@@ -88,7 +89,7 @@ class RtuBus final : public NodeBus {
   struct UnitState {
     OwedAnswers owed;
     bool has_no_holding = false;  // it refuses FC 3
-    Duration advised{};           // the timeout that the log has named
+    LateAdvice advice;
     // From the end of a request to the end of a late answer:
     Duration latest{};    // the longest ever
     Duration lateness{};  // as remembered for the silence of the line
@@ -112,7 +113,7 @@ class RtuBus final : public NodeBus {
   void settle(const RtuAnswer& found, Instant now);
   void settle_exception(std::uint8_t exception, Instant now);
   bool note_late(const RtuAnswer& found, Instant now);
-  void report_late(std::uint8_t address, Duration lateness);
+  void report_late(std::uint8_t address, Duration lateness, Instant now);
   void owe(Instant now);
   void refuse(const Request& request);
   void give_up(Instant now);

@@ -79,7 +79,7 @@ void TcpBus::send(TcpRequest request, std::span<std::uint8_t> frame, std::size_t
 
 void TcpBus::advance(Instant now) {
   queue_.advance(now);
-  if (const auto late = queue_.take_late()) report_late(*late);
+  if (const auto late = queue_.take_late()) report_late(*late, now);
   give_up_silent(now);
   if (connection_.state() != FrameConnection::State::up && next_attempt() <= now) connect(now);
 }
@@ -180,12 +180,9 @@ void TcpBus::complete(const TcpRequest& request, BusResult result) {
   ++completed_count_;
 }
 
-// Again where it is slower than the timeout that was named.
-void TcpBus::report_late(const LateTransaction& late) {
-  if (late.latency <= advised_[late.address]) return;
-  constexpr Duration step = std::chrono::milliseconds(100);
-  const Duration advised = (late.latency + late.latency / 4 + step - Duration(1)) / step * step;
-  advised_[late.address] = advised;
+void TcpBus::report_late(const LateTransaction& late, Instant now) {
+  const std::optional<Duration> timeout = advice_[late.address].advise(late.latency, now);
+  if (!timeout) return;
   const auto in_ms = [](Duration time) {
     return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(time).count());
   };
@@ -195,7 +192,7 @@ void TcpBus::report_late(const LateTransaction& late) {
           ? " was answered for too late, after " + in_ms(late.latency) + " ms"
           : " was not answered for, and held up the others for " + in_ms(late.latency) + " ms";
   const std::string slow = late.has_come ? ", and [[bus.device]] with units = \"" + address +
-                                               "\" and timeout = \"" + in_ms(advised) + "ms\""
+                                               "\" and timeout = \"" + in_ms(*timeout) + "ms\""
                                          : "";
   log_.write(Level::warning, "bus " + options_.name + ": unit " + address + what +
                                  "; patience grows, " + std::to_string(queue_.window()) +

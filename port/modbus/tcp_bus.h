@@ -4,7 +4,7 @@
 // A late answer can never become another request's data: each request has its own transaction
 // number, and an answer whose number is not under way is thrown away. How many are under way, and
 // for how long each is waited for, follows from how they are answered (transaction_queue.h); the
-// log says once for each unit how slow it is and what to set.
+// log says for each unit how slow it is and what to set, and again (late_advice.h).
 //
 // A connection can freeze without a word: a converter that hangs, a firewall that has forgotten it.
 // So one on which requests were sent and nothing at all came back for tcp_silence_max, or three
@@ -22,6 +22,7 @@
 
 #include "etcm/port/log.h"
 #include "etcm/port/node_bus.h"
+#include "modbus/late_advice.h"
 #include "modbus/tcp_connection.h"
 #include "modbus/transaction_queue.h"
 
@@ -74,7 +75,7 @@ class TcpBus final : public NodeBus, private FrameConnection::Listener {
   void settle(const TcpRequest& request, const Frame& frame);
   Completed& place();
   void complete(const TcpRequest& request, BusResult result);
-  void report_late(const LateTransaction& late);
+  void report_late(const LateTransaction& late, Instant now);
   void give_up_silent(Instant now);
   void note_up();
   void connect(Instant now);
@@ -94,8 +95,8 @@ class TcpBus final : public NodeBus, private FrameConnection::Listener {
   bool is_silent_ = false;                  // for longer than it may be
   std::uint16_t last_transaction_ = 0;
   TransactionQueue queue_;
-  std::array<Duration, 256> advised_{};  // the timeouts that the log has named, by unit
-  std::vector<Completed> completed_;     // a ring; never more than outstanding_max are in it
+  std::array<LateAdvice, 256> advice_{};  // by unit
+  std::vector<Completed> completed_;      // a ring; never more than outstanding_max are in it
   std::size_t completed_begin_ = 0;
   std::size_t completed_count_ = 0;
 };

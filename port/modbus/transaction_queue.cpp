@@ -88,6 +88,11 @@ void TransactionQueue::take_answer(std::size_t index, Instant now) {
     in_time_ = 0;
     window_ = std::min(window_ + 1, window_max_);
   }
+  // Its timeout is too short all the same.
+  if (!is_late && patience_[answered.request.address] > Duration{} &&
+      latency > answered.request.timeout) {
+    note_late({.address = answered.request.address, .has_come = true, .latency = latency});
+  }
   for (std::size_t i = index + 1; i < entries_.size(); ++i) {
     Entry& behind = entries_[i];
     const bool has_moved_up = std::exchange(behind.has_moved_up, false);

@@ -41,7 +41,8 @@ struct TcpRequest {
   Instant sent_at{};
 };
 
-// An answer that came after the wait for it, or never and held up the others.
+// An answer that took longer than the timeout of a unit that has been late, or never came and held
+// up the others.
 struct LateTransaction {
   std::uint8_t address = 0;
   bool has_come = true;

@@ -251,6 +251,14 @@ TEST(Converter, IsSaidOnceWithWhatToSet) {
       << line;
 }
 
+TEST(Converter, IsSaidAgainWhileItGoesOn) {
+  ConverterSite site({.units = 21, .dead = {21}});
+  site.run_for(59min);
+  EXPECT_EQ(site.log.count("answered for too late"), 1u) << site.logged();
+  site.run_for(5h);
+  EXPECT_EQ(site.log.count("answered for too late"), 6u) << site.logged();
+}
+
 TEST(Converter, ALineThatWasOutIsBackWithinTwoPolls) {
   ConverterSite site({.units = 20});
   site.run_for(20s);

@@ -265,6 +265,18 @@ TEST(LateAnswers, TheLogSaysHowLateTheyAreAndItsAdviceHelps) {
 }
 
 // Its units owe answers then, and are asked all the same.
+TEST(LateAnswers, AreSaidAgainEachHourWhileTheyGoOn) {
+  bool is_late = true;
+  LateSite site({}, [&](auto...) { return is_late ? 1350ms : 10ms; });
+  site.run_for(59min);
+  EXPECT_EQ(site.log.count("unit 1 answered too late"), 1u) << site.logged();
+  site.run_for(5h);
+  EXPECT_EQ(site.log.count("unit 1 answered too late"), 6u) << site.logged();
+  is_late = false;
+  site.run_for(5h);
+  EXPECT_EQ(site.log.count("unit 1 answered too late"), 6u) << site.logged();
+}
+
 TEST(LateAnswers, ALineThatWasOutIsBackWithinTwoPolls) {
   for (const std::uint8_t units : {std::uint8_t{1}, std::uint8_t{10}}) {
     for (const port::Duration outage : {1500ms, 4000ms, 20'000ms, 61'000ms}) {
