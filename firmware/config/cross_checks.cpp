@@ -68,6 +68,7 @@ class CrossCheck {
     std::stable_sort(all.begin(), all.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<std::string> lines;
+    lines.reserve(all.size());
     for (auto& [line, text] : all) lines.push_back(std::move(text));
     return lines;
   }

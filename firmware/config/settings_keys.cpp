@@ -251,8 +251,9 @@ constexpr Key file_keys[] = {
      "made where there is none; while it cannot be, the mesh goes on without"},
     {"name", text<&Settings::files, &FileSettings::name>(), standard(R"("mesh")"), restart,
      "`NAME` of the files"},
-    {"interval", duration<&Settings::files, &FileSettings::interval>(1ms), standard(R"("1s")"),
-     at_once, "written at the most so often, and at the end"},
+    {"interval", duration<&Settings::files, &FileSettings::interval>(1ms), standard(R"("1min")"),
+     at_once,
+     "written at the most so often, and at the end; what that [costs a disk](capacity.md#disk)"},
 };
 
 constexpr Key state_keys[] = {

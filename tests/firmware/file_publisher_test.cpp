@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "etcm/files/mesh_text.h"
+#include "etcm/files/picture.h"
 #include "fakes.h"
 
 namespace etcm::firmware {
@@ -157,6 +159,37 @@ TEST(Files, OfALargeMeshAreWrittenLessOften) {
   }
   EXPECT_GE(files.attempts, 10);
   EXPECT_LE(files.attempts, 11);
+}
+
+// What a memory card bears: with nodes that never stand still, and the settings that are shipped.
+TEST(Files, OfJitteringNodesWriteLittleADayWithTheShippedSettings) {
+  std::vector<std::string> mistakes;
+  const Settings shipped = read_settings(ETCM_SHIPPED_SETTINGS, mistakes);
+  ASSERT_TRUE(mistakes.empty()) << mistakes.front();
+  Rig rig({}, shipped.mesh.vertices_max);
+  rig.settings.poll = shipped.poll;
+  rig.settings.files->interval = shipped.files->interval;
+  rig.settings.buses[0].units = {{.first = 1, .last = unit_max}};
+  std::uint32_t noise = 1;
+  const auto jitter = [&] { return static_cast<std::int32_t>((noise = noise * 69069 + 1) >> 30); };
+  std::size_t seen = 0;
+  std::uint64_t bytes = 0;
+  constexpr port::Duration time = 10min;
+  for (port::Duration passed{}; passed < time; passed += 1s) {
+    for (std::uint8_t unit = 1; unit <= unit_max; ++unit) {
+      rig.put(unit, unit % 16 * 40'000 + jitter(), unit / 16 * 40'000 + jitter());
+    }
+    rig.run(1s);
+    if (rig.files.attempts == seen) continue;
+    seen = rig.files.attempts;
+    bytes += files::text_of(files::write_node, *rig.files.last).size() +
+             files::text_of(files::write_ele, *rig.files.last).size() +
+             files::svg_text(*rig.files.last, {}).size();
+  }
+  EXPECT_EQ(rig.server.header("node_count"), unit_max);
+  const double megabytes_a_day = static_cast<double>(bytes) / 1e6 * (24h / time);
+  EXPECT_LE(megabytes_a_day, 100);
+  EXPECT_GE(seen, 5u) << "and yet they are written";
 }
 
 }  // namespace
