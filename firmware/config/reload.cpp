@@ -110,7 +110,15 @@ std::vector<std::string> take_over(Settings& settings, const Settings& next) {
   }
   take_over_buses(settings, taken, fixed);
   if (settings.device_profiles != next.device_profiles) fixed.push_back("[[profile]]");
-  if (settings.nodes != next.nodes) fixed.push_back(heading_of(key_table("node")));
+  const auto is_same_node = [](NodeSettings a, NodeSettings b) {
+    const auto keys = key_table("node").keys;
+    return std::all_of(keys.begin(), keys.end(),
+                       [&](const Key& key) { return is_same_value(key.type, &a, &b); });
+  };
+  if (!std::equal(settings.nodes.begin(), settings.nodes.end(), next.nodes.begin(),
+                  next.nodes.end(), is_same_node)) {
+    fixed.push_back(heading_of(key_table("node")));
+  }
   settings.site.source = next.site.source;
   settings.features = next.features;
   settings.anchors = next.anchors;

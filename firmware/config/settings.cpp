@@ -163,6 +163,7 @@ void check_against(TomlTable& toml_table, const BusSettings& bus, const BusSetti
 void read_device(TomlTable& toml_table, const Settings& settings, BusSettings& bus) {
   const KeyTable& table = key_table("bus.device");
   DeviceSettings device;
+  device.source = toml_table.place();
   set_defaults(table, &device);
   device.timeout = bus.timeout;
   read_keys(table, toml_table, {}, &device);
@@ -225,25 +226,15 @@ void read_feature(TomlTable& toml_table, Settings& settings) {
   settings.features.push_back(std::move(feature));
 }
 
-bool is_pair(TomlTable& toml_table, const char* first, const char* second) {
-  const toml::node* const one = toml_table.find(first);
-  const toml::node* const other = toml_table.find(second);
-  if ((one == nullptr) != (other == nullptr)) {
-    toml_table.mistake(one != nullptr ? *one : *other,
-                       std::string("'") + first + "' and '" + second + "' go together; add '" +
-                           (one == nullptr ? first : second) + "', or take the other out");
-  }
-  return one != nullptr && other != nullptr;
-}
-
 void read_node(TomlTable& toml_table, Settings& settings) {
   NodeSettings node{.bus = {}, .source = toml_table.place()};
   read_keys(key_table("node"), toml_table, {}, &node);
-  const bool is_in_plane = is_pair(toml_table, "x", "y");
-  const bool is_in_degrees = is_pair(toml_table, "longitude", "latitude");
-  if (is_in_plane && is_in_degrees) {
-    toml_table.mistake(*toml_table.find("x"),
-                       "a place in the plane and one in degrees; take one of them out");
+  const toml::node* const x = toml_table.find("x");
+  const toml::node* const y = toml_table.find("y");
+  if ((x == nullptr) != (y == nullptr)) {
+    toml_table.mistake(x != nullptr ? *x : *y, std::string("'x' and 'y' go together; add '") +
+                                                   (x == nullptr ? "x" : "y") +
+                                                   "', or take the other out");
   }
   if (node.bus.empty() && settings.buses.size() == 1) node.bus = settings.buses.front().name;
   const auto bus = std::find_if(settings.buses.begin(), settings.buses.end(),
@@ -292,7 +283,15 @@ void read_all_profiles(TomlTable& file, const std::filesystem::path& folder, Set
   const KeyTable& table = key_table("");
   read_keys(table, file, folder, &settings);
   file.each("profile", [&](TomlTable& toml_table) {
-    settings.device_profiles.push_back(read_profile(toml_table));
+    Profile profile = read_profile(toml_table);
+    const toml::node* const name = toml_table.find("name");
+    if (name != nullptr && profile.name == node_profile) {
+      toml_table.mistake(*name, "'etcm' is the profile of nodes of our own; take another name");
+    } else if (name != nullptr && find_profile(settings, profile.name) != nullptr) {
+      toml_table.mistake(
+          *name, "another [[profile]] is named '" + profile.name + "' too; give one another name");
+    }
+    settings.device_profiles.push_back(std::move(profile));
   });
   const toml::node* const named = file.find("profiles");
   const std::string path = named != nullptr ? settings.profiles : ETCM_PROFILES;
@@ -347,6 +346,37 @@ void read_table(TomlTable& file, const KeyTable& table, const std::filesystem::p
   });
 }
 
+// The first unit of which no [[node]] says where it stands.
+std::optional<ModbusAddress> find_unsurveyed(const Settings& settings, const BusSettings& bus,
+                                             const DeviceSettings& device) {
+  for (const UnitRange range : device.units) {
+    for (const ModbusAddress unit : range) {
+      const bool is_surveyed =
+          std::any_of(settings.nodes.begin(), settings.nodes.end(), [&](const auto& node) {
+            return node.bus == bus.name && node.unit == unit.value && node.x && node.y;
+          });
+      if (!is_surveyed) return unit;
+    }
+  }
+  return std::nullopt;
+}
+
+// What such a device tells can only be read; a [[node]] says where it stands.
+void check_degrees(const Settings& settings, std::vector<std::string>& mistakes) {
+  for (const BusSettings& bus : settings.buses) {
+    for (const DeviceSettings& device : bus.devices) {
+      const Profile* const profile = find_profile(settings, device.profile);
+      if (profile == nullptr || profile->positioning != Profile::Positioning::degrees) continue;
+      const std::optional<ModbusAddress> unit = find_unsurveyed(settings, bus, device);
+      if (!unit) continue;
+      mistakes.push_back(device.source + ": the devices of '" + device.profile +
+                         "' tell where they stand in degrees, and the mesh is in the plane; "
+                         "give each a [[node]] with x and y, as unit " +
+                         std::to_string(unit->value) + " has none");
+    }
+  }
+}
+
 void read_all(TomlTable& file, const std::filesystem::path& folder, Settings& settings,
               std::vector<std::string>& mistakes) {
   read_all_profiles(file, folder, settings, mistakes);
@@ -381,6 +411,7 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
   TomlTable file(path, parsed, "", mistakes);
   read_all(file, std::filesystem::path(path).parent_path(), settings, mistakes);
   file.finish();
+  check_degrees(settings, mistakes);
   if (mistakes.size() == before) check_across(parsed, path, settings, mistakes);
   // Keys come in alphabetical order; a person reads from the top of the file.
   const auto line = [&](const std::string& mistake) {

@@ -71,7 +71,7 @@ struct DeviceSettings {
   std::string profile;       // its name
   port::Duration timeout{};  // for an answer
   port::Duration pause{};    // of the bus, after each answer
-  friend bool operator==(const DeviceSettings&, const DeviceSettings&) = default;
+  std::string source{};      // where it was configured: "file:line"
 };
 
 struct BusSettings {
@@ -126,13 +126,10 @@ struct NodeSettings {
   std::string bus;
   std::uint32_t unit = 0;
   std::optional<std::uint32_t> serial{};
-  // Where it was surveyed, in 10^-9 of what the site file counts in, or of degrees.
+  // Where it was surveyed, in 10^-9 of what the site file counts in.
   std::optional<std::int64_t> x{};
   std::optional<std::int64_t> y{};
-  std::optional<std::int64_t> longitude{};
-  std::optional<std::int64_t> latitude{};
   std::string source{};  // as above
-  friend bool operator==(const NodeSettings&, const NodeSettings&) = default;
 };
 
 struct AnchorSettings {

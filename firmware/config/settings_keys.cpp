@@ -187,11 +187,6 @@ constexpr Key node_keys[] = {
      "where it was surveyed, in what the site file counts in; with `y`"},
     {"y", decimal<&NodeSettings::y>(plane_max), unset(R"("-40")", "the device tells it"), restart,
      "as `x`"},
-    {"longitude", decimal<&NodeSettings::longitude>(180 * site_nano),
-     unset(R"("10.3951")", "the device tells it"), restart,
-     "where it was surveyed, in degrees (WGS 84), east is positive; with `latitude`"},
-    {"latitude", decimal<&NodeSettings::latitude>(90 * site_nano),
-     unset(R"("63.4305")", "the device tells it"), restart, "as `longitude`, north is positive"},
 };
 
 constexpr Key write_back_keys[] = {

@@ -28,7 +28,7 @@ std::int64_t squared_distance(Position a, Position b) {
 Gateway::Gateway(std::shared_ptr<const Settings> settings, Mesh& mesh, const GatewayPorts& ports)
     : settings_(std::move(settings)),
       ports_(ports),
-      devices_(*settings_, ports.projection),
+      devices_(*settings_),
       poller_(settings_->poll, ports.buses, *this, ports.log, this, &devices_),
       nodes_(poller_.unit_count()),
       kept_(mesh, *settings_),

@@ -45,9 +45,8 @@ inline constexpr int publish_share = 20;
 struct GatewayPorts {
   std::span<const PolledBus> buses;
   port::MeshServer& server;
-  port::MeshFiles* files = nullptr;              // null: no files are wanted
-  const port::Projection* projection = nullptr;  // null: all is in the plane
-  port::Store* store = nullptr;                  // null: nothing outlives a restart
+  port::MeshFiles* files = nullptr;  // null: no files are wanted
+  port::Store* store = nullptr;      // null: nothing outlives a restart
   const port::Clock& clock;
   port::Log& log;
 };

@@ -16,13 +16,9 @@ const NodeSettings* node_at(const Settings& settings, const BusSettings& bus,
   return nullptr;
 }
 
-std::optional<Position> position_of(const NodeSettings& node, const SiteSettings& site,
-                                    const port::Projection* projection) {
-  if (node.x && node.y) return nearest_position(site.plane(), *node.x, *node.y);
-  if (!node.longitude || !node.latitude || projection == nullptr) return std::nullopt;
-  const auto found =
-      projection->to_plane({.longitude = *node.longitude, .latitude = *node.latitude});
-  return found ? nearest_position(site.plane(), found->x, found->y) : std::nullopt;
+std::optional<Position> position_of(const NodeSettings& node, const SiteSettings& site) {
+  if (!node.x || !node.y) return std::nullopt;
+  return nearest_position(site.plane(), *node.x, *node.y);
 }
 
 }  // namespace
@@ -32,13 +28,8 @@ Serial serial_at(BusIndex bus, ModbusAddress address) {
   return Serial{per_bus * (bus.value + 1) + address.value};
 }
 
-Device::Device(Profile profile, const port::Projection* projection, Serial serial,
-               port::Duration pause)
-    : profile_(std::move(profile)),
-      projection_(projection),
-      blocks_(blocks_of(profile_)),
-      serial_(serial),
-      pause_(pause) {
+Device::Device(Profile profile, Serial serial, port::Duration pause)
+    : profile_(std::move(profile)), blocks_(blocks_of(profile_)), serial_(serial), pause_(pause) {
   for (const RegisterSpan block : blocks_) register_count_ += block.count;
 }
 
@@ -50,19 +41,7 @@ void Device::set_site(const SitePlane& plane, std::optional<Position> surveyed) 
 std::optional<Position> Device::position_in(const Sweep& sweep, ReadingFault& fault) const {
   const DevicePosition told = position_of(profile_, sweep);
   if (!told.is_value()) return std::nullopt;
-  port::PlanePoint point{.x = told.east_nano, .y = told.north_nano};
-  if (profile_.positioning == Profile::Positioning::degrees) {
-    const auto found =
-        projection_ == nullptr
-            ? std::nullopt
-            : projection_->to_plane({.longitude = told.east_nano, .latitude = told.north_nano});
-    if (!found) {
-      fault = ReadingFault::off_the_plane;
-      return std::nullopt;
-    }
-    point = *found;
-  }
-  const auto position = nearest_position(plane_, point.x, point.y);
+  const auto position = nearest_position(plane_, told.east_nano, told.north_nano);
   if (!position) fault = ReadingFault::off_the_plane;
   return position;
 }
@@ -87,8 +66,7 @@ ReadingFault Device::decode(std::span<const std::uint16_t> registers, NodeReadin
   return ReadingFault::none;
 }
 
-DeviceTable::DeviceTable(const Settings& settings, const port::Projection* projection)
-    : projection_(projection) {
+DeviceTable::DeviceTable(const Settings& settings) {
   for (BusIndex bus{0}; bus.value < settings.buses.size(); ++bus.value) {
     const BusSettings& on = settings.buses[bus.value];
     for (const ModbusAddress address : UnitRange{.first = 1, .last = unit_max}) {
@@ -99,7 +77,7 @@ DeviceTable::DeviceTable(const Settings& settings, const port::Projection* proje
       Serial serial = serial_at(bus, address);
       const NodeSettings* const node = node_at(settings, on, address);
       if (node != nullptr && node->serial) serial = Serial{*node->serial};
-      devices_.try_emplace({bus.value, address.value}, *profile, projection, serial, device->pause);
+      devices_.try_emplace({bus.value, address.value}, *profile, serial, device->pause);
     }
   }
   update_site(settings);
@@ -109,9 +87,8 @@ void DeviceTable::update_site(const Settings& settings) {
   for (auto& [where, device] : devices_) {
     const NodeSettings* const node =
         node_at(settings, settings.buses[where.first], ModbusAddress{where.second});
-    device.set_site(settings.site.plane(), node != nullptr
-                                               ? position_of(*node, settings.site, projection_)
-                                               : std::nullopt);
+    device.set_site(settings.site.plane(),
+                    node != nullptr ? position_of(*node, settings.site) : std::nullopt);
   }
 }
 

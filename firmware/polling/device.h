@@ -10,7 +10,6 @@
 
 #include "etcm/port/clock.h"
 #include "etcm/port/node_bus.h"
-#include "etcm/port/projection.h"
 #include "firmware/config/settings.h"
 #include "firmware/polling/indices.h"
 #include "firmware/profile/profile.h"
@@ -24,8 +23,7 @@ namespace etcm::firmware {
 // serial come from one complete sweep.
 class Device {
  public:
-  // `projection` must outlive this; null where there are no degrees.
-  Device(Profile profile, const port::Projection* projection, Serial serial, port::Duration pause);
+  Device(Profile profile, Serial serial, port::Duration pause);
 
   // The plane of the site, and where in it the device was surveyed.
   void set_site(const SitePlane& plane, std::optional<Position> surveyed);
@@ -46,7 +44,6 @@ class Device {
   std::optional<Position> position_in(const Sweep& sweep, ReadingFault& fault) const;
 
   Profile profile_;
-  const port::Projection* projection_;
   std::vector<RegisterSpan> blocks_;
   std::uint32_t register_count_ = 0;
   Serial serial_;  // of a device that tells none
@@ -58,8 +55,7 @@ class Device {
 // Those of a configuration.
 class DeviceTable {
  public:
-  // `projection` must outlive this; null where there are no degrees.
-  explicit DeviceTable(const Settings& settings, const port::Projection* projection = nullptr);
+  explicit DeviceTable(const Settings& settings);
 
   // The site may have another plane; which devices there are stays.
   void update_site(const Settings& settings);
@@ -68,7 +64,6 @@ class DeviceTable {
   const Device* at(BusIndex bus, ModbusAddress address) const;
 
  private:
-  const port::Projection* projection_;
   std::map<std::pair<std::uint32_t, std::uint8_t>, Device> devices_;
 };
 

@@ -344,9 +344,23 @@ INSTANTIATE_TEST_SUITE_P(
                 "add it to the units"},
         Mistake{"node_with_half_a_place", meter("") + "[[node]]\nunit = 1\nx = 5\n", 17,
                 "'x' and 'y' go together", "add 'y'"},
-        Mistake{"node_too_far_north",
-                meter("") + "[[node]]\nunit = 1\nlongitude = 5\nlatitude = 91\n", 18,
-                "'latitude' must be a decimal from -90 to 90", "in quotes"},
+        Mistake{"profile_of_nodes",
+                "[[profile]]\nname = \"etcm\"\nx = { register = 0 }\ny = { register = 1 }\n" +
+                    serial(""),
+                5, "'etcm' is the profile of nodes", "take another name"},
+        Mistake{"two_profiles_of_a_name",
+                "[[profile]]\nname = \"a\"\nx = { register = 0 }\ny = { register = 1 }\n"
+                "[[profile]]\nname = \"a\"\nx = { register = 0 }\ny = { register = 1 }\n" +
+                    serial(""),
+                9, "another [[profile]] is named 'a'", "another name"},
+        Mistake{"device_in_degrees",
+                "[[profile]]\nname = \"gnss\"\nlongitude = { register = 0, type = \"f32\" }\n"
+                "latitude = { register = 2, type = \"f32\" }\n" +
+                    serial("[[bus.device]]\nunits = \"1-2\"\nprofile = \"gnss\"\n[[node]]\n"
+                           "unit = 1\nx = 0\ny = 0\n"),
+                11, "tell where they stand in degrees", "as unit 2 has none"},
+        Mistake{"node_too_far_away", meter("") + "[[node]]\nunit = 1\nx = 0\ny = \"10000000000\"\n",
+                18, "'y' must be a decimal from -1000000000 to", "in quotes"},
         Mistake{"device_as_table", serial("") + "[bus.device]\nunits = \"1\"\n", 7,
                 "must be a list of tables", "[[bus.device]]"},
         Mistake{"bad_scan", bus("scan = \"0-9\"\n"), 6, "'scan' must list", "\"1-60\""},

@@ -1,0 +1,92 @@
+"""The gateway with devices of other makers, which pymodbus plays: over TCP, and on a serial line
+with a transmitter that was surveyed. Read by mbpoll. The programs' folder is in ETCM_BIN."""
+import json
+import pathlib
+import struct
+import sys
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "support"))
+from gateway_test import GatewayCase
+from programs import free_port, wait_for
+
+PROFILES = HERE.parents[1] / "firmware" / "profiles"
+DEVICE = HERE.parent / "profile" / "pymodbus_device.py"
+
+ROVER = """
+[[profile]]
+name = "rover"
+function = 4
+counts_from = 30001
+serial = { register = 30001, type = "u32" }
+valid = { register = 30301, mask = 0x00FF, equals = "A" }
+x = { register = 30101, type = "i32", order = "CDAB", scale = "0.001" }
+y = { register = 30103, type = "i32", order = "CDAB", scale = "0.001" }
+"""
+
+
+def swapped(value):
+    high, low = struct.unpack(">HH", struct.pack(">i", value))
+    return [low, high]
+
+
+def rover(serial, x_mm, y_mm, valid="A"):
+    registers = {0: serial >> 16, 1: serial & 0xFFFF, 300: 0x2000 | ord(valid)}
+    registers |= dict(enumerate(swapped(x_mm) + swapped(y_mm), start=100))
+    return {"4": registers}
+
+
+class Devices(GatewayCase):
+    def serve(self, name, address, units):
+        self.start(name, [sys.executable, DEVICE, address, json.dumps(units)])
+
+    def test_of_three_kinds_are_one_mesh(self):
+        nodes = self.start_nodes(["0,7,join,300,-200"])
+        tcp = free_port()
+        self.serve("rovers", tcp, {"1": rover(70001, 100_400, -7_600), "2": rover(70002, 0, 250_501),
+                                   "3": rover(70003, 9_000, 9_000, valid="V")})
+        near, far = self.folder / "near", self.folder / "far"
+        self.start("line", ["socat", f"pty,raw,echo=0,link={near}", f"pty,raw,echo=0,link={far}"])
+        wait_for("the line", lambda: near.exists() and far.exists())
+        self.serve("transmitters", far, {"5": {"3": {"0": 1234}}})
+        self.start_gateway(nodes, head=f'profiles = "{PROFILES}"\n{ROVER}', more=f"""
+[[bus]]
+tcp = "127.0.0.1:{tcp}"
+name = "rovers"
+[[bus.device]]
+units = "1-3"
+profile = "rover"
+pause = "20ms"
+[[bus]]
+rtu = "{near}"
+name = "tanks"
+baud = 9600
+parity = "none"
+[[bus.device]]
+units = "5"
+profile = "transmitter"
+[[node]]
+bus = "tanks"
+unit = 5
+x = "-400.4"
+y = 80
+""")
+        self.wait_for_header(nodes=4, state=1)  # the third rover waits for a fix
+        self.assertEqual(self.vertices(), {7: (300, -200), 70001: (100, -8), 70002: (0, 251),
+                                           3005: (-400, 80)})
+
+    def test_that_tell_degrees_need_a_place_in_the_plane(self):
+        gateway = self.start_gateway([], head=f'profiles = "{PROFILES}"\n', wait=False, more="""
+[[bus]]
+tcp = "127.0.0.1:9"
+[[bus.device]]
+units = "1"
+profile = "teltonika-rut955"
+""")
+        gateway.wait_for_line(r"site\.toml:\d+: the devices of 'teltonika-rut955' tell where they "
+                              r"stand in degrees, .*; give each a \[\[node\]\] with x and y")
+
+
+if __name__ == "__main__":
+    unittest.main(defaultTest="Devices")
