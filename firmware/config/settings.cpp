@@ -245,10 +245,10 @@ void read_node(TomlTable& toml_table, Settings& settings) {
                        named != nullptr
                            ? "no [[bus]] is named '" + node.bus + "'; correct one of the names"
                            : "there are several buses; add bus = \"NAME\" with the name of one");
-  } else if (node.unit != 0) {
-    const ModbusAddress unit{static_cast<std::uint8_t>(node.unit)};
+  } else if (node.address != 0) {
+    const ModbusAddress unit{static_cast<std::uint8_t>(node.address)};
     const DeviceSettings* const device = device_at(*bus, unit);
-    const std::string who = "unit " + std::to_string(node.unit) + " of " + bus->name;
+    const std::string who = "unit " + std::to_string(node.address) + " of " + bus->name;
     if (!has_unit(*bus, unit)) {
       toml_table.mistake(*toml_table.find("unit"),
                          who +
@@ -262,7 +262,7 @@ void read_node(TomlTable& toml_table, Settings& settings) {
     }
   }
   for (const NodeSettings& other : settings.nodes) {
-    if (other.bus == node.bus && other.unit == node.unit) {
+    if (other.bus == node.bus && other.address == node.address) {
       toml_table.mistake(toml_table.table(), "the device of " + other.source +
                                                  " once more; put what is known into one [[node]]");
     }
@@ -353,7 +353,7 @@ std::optional<ModbusAddress> find_unsurveyed(const Settings& settings, const Bus
     for (const ModbusAddress unit : range) {
       const bool is_surveyed =
           std::any_of(settings.nodes.begin(), settings.nodes.end(), [&](const auto& node) {
-            return node.bus == bus.name && node.unit == unit.value && node.x && node.y;
+            return node.bus == bus.name && node.address == unit.value && node.x && node.y;
           });
       if (!is_surveyed) return unit;
     }

@@ -124,7 +124,7 @@ struct FeatureSettings {
 // What is known of the device at a unit that it does not tell itself.
 struct NodeSettings {
   std::string bus;
-  std::uint32_t unit = 0;
+  std::uint32_t address = 0;  // of its unit
   std::optional<std::uint32_t> serial{};
   // Where it was surveyed, in 10^-9 of what the site file counts in.
   std::optional<std::int64_t> x{};

@@ -119,7 +119,7 @@ BusSchedule::Turns& BusSchedule::turns_of(Reason reason) {
 }
 
 void BusSchedule::ask(const Question& question, port::Instant now) {
-  Unit& unit = units_[question.address.value];
+  UnitSchedule& unit = units_[question.address.value];
   unit.due = question.due;
   unit.reason = question.reason;
   unit.asked_at = now;
@@ -205,7 +205,7 @@ ModbusAddress BusSchedule::next_undiscovered() {
 // What the others had to wait for a unit that failed, or was only looked for, comes off its share.
 void BusSchedule::note_cost(ModbusAddress address, const port::BusAnswer& answer,
                             port::Instant now) {
-  Unit& unit = units_[address.value];
+  UnitSchedule& unit = units_[address.value];
   unit.silence = answer.silence;
   const port::Duration cost = cost_of(unit.asked_at, answer, now);
   const port::Duration missed_cost = unit.cost;
@@ -240,7 +240,7 @@ void BusSchedule::charge_request(port::Duration cost, port::Instant now) {
 }
 
 void BusSchedule::note_success(ModbusAddress address, port::Instant now) {
-  Unit& unit = units_[address.value];
+  UnitSchedule& unit = units_[address.value];
   if (!is_sound(address) && sound_++ == 0) bring_back_all(now);
   unit.has_answered = true;
   unit.failures = 0;
@@ -263,7 +263,7 @@ void BusSchedule::bring_back_all(port::Instant now) {
 }
 
 void BusSchedule::note_failure(ModbusAddress address, bool is_miss, port::Instant now) {
-  Unit& unit = units_[address.value];
+  UnitSchedule& unit = units_[address.value];
   const bool was_sound = is_sound(address);
   if (was_sound) --sound_;
   ++unit.failures;
@@ -280,12 +280,12 @@ void BusSchedule::note_more(ModbusAddress address) {
 }
 
 void BusSchedule::note_link_lost(ModbusAddress address, port::Instant now) {
-  const Unit& unit = units_[address.value];
+  const UnitSchedule& unit = units_[address.value];
   unit.is_listed || unit.has_answered ? ask_again(address, now) : rest(address);
 }
 
 // Being late does not add up, but what was missed by a whole interval is not made up for either.
-port::Instant BusSchedule::due_after(const Unit& unit, port::Duration pause) const {
+port::Instant BusSchedule::due_after(const UnitSchedule& unit, port::Duration pause) const {
   const bool is_on_time = unit.asked_at - unit.due < poll_.interval;
   return (is_on_time ? unit.due : unit.asked_at) + pause;
 }
@@ -311,13 +311,13 @@ port::Duration BusSchedule::discovery_pause(port::Duration cost) const {
 
 // Whether it has failed only once, where a frame may have been lost: networks lose none, and what
 // is behind them was there before.
-bool BusSchedule::is_repeated(const Unit& unit) const {
+bool BusSchedule::is_repeated(const UnitSchedule& unit) const {
   const bool is_serial = exchange_floor_ > port::Duration{};
   return unit.failures == 1 && (unit.has_answered || is_serial);
 }
 
 // The most that a question to it costs the others, where the bus takes one at a time.
-port::Duration BusSchedule::retry_cost(const Unit& unit) const {
+port::Duration BusSchedule::retry_cost(const UnitSchedule& unit) const {
   return std::max({cost_max_, unit.timeout + unit.silence + exchange_floor_,
                    unit.failures > 0 ? unit.cost : port::Duration{}});
 }
@@ -328,7 +328,7 @@ void BusSchedule::push(Turns& turns, const Turn& turn) {
 }
 
 void BusSchedule::ask_again(ModbusAddress address, port::Instant due) {
-  const Unit& unit = units_[address.value];
+  const UnitSchedule& unit = units_[address.value];
   const Reason reason = unit.failures == 0  ? Reason::turn
                         : is_repeated(unit) ? Reason::repeat
                                             : Reason::retry;
@@ -337,7 +337,7 @@ void BusSchedule::ask_again(ModbusAddress address, port::Instant due) {
 
 // It is looked for again when its time comes.
 void BusSchedule::rest(ModbusAddress address) {
-  Unit& unit = units_[address.value];
+  UnitSchedule& unit = units_[address.value];
   unit.has_answered = false;
   unit.is_undiscovered = true;
   ++undiscovered_;
@@ -359,7 +359,7 @@ void BusSchedule::ask_at_once(ModbusAddress address, port::Instant now) {
 
 // It is asked in its turn, but as if it had been due then.
 void BusSchedule::bring_forward(ModbusAddress address, port::Instant due) {
-  Unit& unit = units_[address.value];
+  UnitSchedule& unit = units_[address.value];
   if (unit.is_undiscovered) {
     unit.is_undiscovered = false;
     --undiscovered_;

@@ -106,7 +106,7 @@ class BusSchedule {
   port::Duration cost_max() const { return cost_max_; }
 
  private:
-  struct Unit {
+  struct UnitSchedule {
     port::Duration timeout{};
     bool has_answered = false;
     bool is_listed = true;         // else it is only looked for
@@ -128,11 +128,11 @@ class BusSchedule {
 
   // Whether it takes one request at a time, so that one in vain costs all others its time.
   bool takes_one() const { return settings_.outstanding_max == 1 || bus_.is_one_line(); }
-  bool is_repeated(const Unit& unit) const;
-  port::Duration retry_cost(const Unit& unit) const;
+  bool is_repeated(const UnitSchedule& unit) const;
+  port::Duration retry_cost(const UnitSchedule& unit) const;
   port::Duration pause_of(ModbusAddress address) const;
   port::Duration discovery_pause(port::Duration cost) const;
-  port::Instant due_after(const Unit& unit, port::Duration pause) const;
+  port::Instant due_after(const UnitSchedule& unit, port::Duration pause) const;
 
   const TimeShare& share_of_repeats() const;
   port::Instant start_beside(port::Instant due, port::Instant free_at, port::Duration cost,
@@ -156,7 +156,7 @@ class BusSchedule {
   const port::NodeBus& bus_;
   port::Duration exchange_floor_;
   port::Duration cost_max_;
-  std::vector<Unit> units_;  // by address
+  std::vector<UnitSchedule> units_;  // by address
 
   Turns turns_;              // of sound units
   Turns repeats_;            // of those that have failed once

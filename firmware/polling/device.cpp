@@ -11,7 +11,7 @@ namespace {
 const NodeSettings* node_at(const Settings& settings, const BusSettings& bus,
                             ModbusAddress address) {
   for (const NodeSettings& node : settings.nodes) {
-    if (node.bus == bus.name && node.unit == address.value) return &node;
+    if (node.bus == bus.name && node.address == address.value) return &node;
   }
   return nullptr;
 }

@@ -40,7 +40,7 @@ void Poller::add_units(BusIndex number, std::span<const UnitRange> ranges, bool 
       bus.unit_at[address.value] = UnitIndex{unit_count()};
       units_.push_back({.bus = number, .address = address});
       if (devices != nullptr) {
-        Unit& unit = units_.back();
+        PolledUnit& unit = units_.back();
         unit.device = devices->at(number, address);
         if (unit.device != nullptr) unit.swept.reserve(unit.device->register_count());
       }
@@ -173,7 +173,7 @@ TextLine Poller::name(UnitIndex unit) const {
 
 void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant now) {
   const bool is_absence = port::is_absence(answer);
-  Unit& unit = units_[index.value];
+  PolledUnit& unit = units_[index.value];
   count_answer(unit, is_absence ? port::BusResult::timeout : answer.result, now);
   if (unit.device != nullptr && !is_absence) {
     Bus& bus = buses_[unit.bus.value];
@@ -204,7 +204,7 @@ void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant 
   }
 }
 
-bool Poller::complete_sweep(const port::BusAnswer& answer, Unit& unit) {
+bool Poller::complete_sweep(const port::BusAnswer& answer, PolledUnit& unit) {
   if (unit.block == 0) unit.swept.clear();
   unit.swept.insert(unit.swept.end(), answer.registers.begin(), answer.registers.end());
   unit.block = static_cast<std::uint8_t>(unit.block + 1);
@@ -214,7 +214,7 @@ bool Poller::complete_sweep(const port::BusAnswer& answer, Unit& unit) {
 }
 
 void Poller::take_registers(const port::BusAnswer& answer, UnitIndex index, port::Instant now) {
-  Unit& unit = units_[index.value];
+  PolledUnit& unit = units_[index.value];
   BusSchedule& schedule = schedule_of(index);
   NodeReading reading;
   ReadingFault fault = ReadingFault::none;
@@ -242,7 +242,7 @@ void Poller::take_registers(const port::BusAnswer& answer, UnitIndex index, port
   schedule.note_success(unit.address, now);
 }
 
-void Poller::count_answer(Unit& unit, port::BusResult result, port::Instant now) {
+void Poller::count_answer(PolledUnit& unit, port::BusResult result, port::Instant now) {
   Bus& bus = buses_[unit.bus.value];
   --bus.under_way;
   bus.progressed_at = now;

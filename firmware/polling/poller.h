@@ -90,7 +90,7 @@ class Poller {
  private:
   static constexpr std::uint32_t request_ticket = 0xffffffff;
 
-  struct Unit {
+  struct PolledUnit {
     BusIndex bus;
     ModbusAddress address;
     std::uint8_t torn_repeats = 0;
@@ -126,9 +126,9 @@ class Poller {
 
   void take(const port::BusAnswer& answer, UnitIndex unit, port::Instant now);
   // False: the sweep of the device has more blocks.
-  bool complete_sweep(const port::BusAnswer& answer, Unit& unit);
+  bool complete_sweep(const port::BusAnswer& answer, PolledUnit& unit);
   void take_registers(const port::BusAnswer& answer, UnitIndex unit, port::Instant now);
-  void count_answer(Unit& unit, port::BusResult result, port::Instant now);
+  void count_answer(PolledUnit& unit, port::BusResult result, port::Instant now);
   // Why a question failed. Silence is no news of a unit that was never there; after a miss a frame
   // may have been lost.
   struct Failure {
@@ -141,7 +141,7 @@ class Poller {
   ReadingListener& listener_;
   port::Log& log_;
   RequestSource* requests_;
-  std::vector<Unit> units_;
+  std::vector<PolledUnit> units_;
   std::vector<Bus> buses_;
   port::Instant stepped_at_{};
 };

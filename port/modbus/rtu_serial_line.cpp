@@ -12,7 +12,7 @@ namespace etcm::port {
 
 bool RtuSerialLine::open(std::string& why) {
   close();
-  port_ = open_serial(line_, why);
+  port_ = open_serial(settings_, why);
   if (!port_.is_open()) return false;
   loop_.add(port_.get(), *this, true, false);
   return true;

@@ -10,7 +10,7 @@ namespace etcm::port {
 class RtuSerialLine final : public RtuLine, private EventHandler {
  public:
   // `loop` must outlive the line.
-  RtuSerialLine(EventLoop& loop, const SerialLine& line) : loop_(loop), line_(line) {}
+  RtuSerialLine(EventLoop& loop, const SerialLine& line) : loop_(loop), settings_(line) {}
   ~RtuSerialLine() { close(); }
   RtuSerialLine(const RtuSerialLine&) = delete;
   RtuSerialLine& operator=(const RtuSerialLine&) = delete;
@@ -27,7 +27,7 @@ class RtuSerialLine final : public RtuLine, private EventHandler {
   bool receive();
 
   EventLoop& loop_;
-  SerialLine line_;
+  SerialLine settings_;
   FileDescriptor port_;
   bool is_gone_ = false;
 };

@@ -46,7 +46,7 @@ bool ScriptedBus::take_in(const port::RegisterWrite& write) {
   if (write.first == assignment_register_first) {
     const auto serial = std::span(found->second.registers).subspan(2, 2);
     if (!std::equal(serial.begin(), serial.end(), write.values.begin() + 1)) return false;
-    const Unit moved = found->second;
+    const ScriptedUnit moved = found->second;
     units_.erase(found);
     units_[static_cast<std::uint8_t>(write.values[0])] = moved;
   }
@@ -89,7 +89,7 @@ bool ScriptedBus::take_answer(port::BusAnswer& answer) {
               .registers = {}};
     return true;
   }
-  const Unit script = found == units_.end() ? Unit{} : found->second;
+  const ScriptedUnit script = found == units_.end() ? ScriptedUnit{} : found->second;
   handed_ = script.registers;
   answer = {.address = request.address, .ticket = request.ticket, .registers = {}};
   if (request.is_write) {

@@ -69,7 +69,7 @@ class ScriptedBus final : public port::NodeBus {
   std::vector<Written> written;  // and confirmed
 
  private:
-  struct Unit {
+  struct ScriptedUnit {
     port::BusResult result = port::BusResult::ok;
     std::uint8_t exception = 0;
     NodeRegisters registers{};
@@ -89,7 +89,7 @@ class ScriptedBus final : public port::NodeBus {
 
   port::Instant now_{};
   port::Instant silent_until_{};
-  std::map<std::uint8_t, Unit> units_;
+  std::map<std::uint8_t, ScriptedUnit> units_;
   std::vector<Waiting> waiting_;
   std::deque<Request> done_;
   std::deque<Request> timed_out_;

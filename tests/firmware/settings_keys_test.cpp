@@ -222,7 +222,7 @@ TEST_F(SettingsKeys, AReloadNamesDevicesThatAreNew) {
   Settings current = read(joined(lines_in_use()));
   Settings next = current;
   next.buses[0].devices.push_back(next.buses[0].devices.front());
-  next.nodes.front().unit = 8;
+  next.nodes.front().address = 8;
   next.device_profiles.front().block_max = 7;
   EXPECT_EQ(take_over(current, next),
             (std::vector<std::string>{"[[bus.device]] units", "[[profile]]", "[[node]]"}));

@@ -79,7 +79,7 @@ bool RecordReader::next() {
       i = stop;
     }
     if (!fields_.empty()) {
-      line_ = lines_seen_;
+      line_number_ = lines_seen_;
       return true;
     }
   }
@@ -139,7 +139,7 @@ int RecordReader::marker(std::size_t index, const std::string& what) const {
   return static_cast<int>(value);
 }
 
-void RecordReader::fail(const std::string& message) const { fail_at(line_, message); }
+void RecordReader::fail(const std::string& message) const { fail_at(line_number_, message); }
 
 void RecordReader::fail_at(std::size_t line, const std::string& message) const {
   throw InputError(path_, line, message);

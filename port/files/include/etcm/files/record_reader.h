@@ -22,7 +22,7 @@ class RecordReader {
 
   const std::string& path() const { return path_; }
   // The line of the record that next() found.
-  std::size_t line() const { return line_; }
+  std::size_t line() const { return line_number_; }
   std::size_t bytes_left() const { return text_.size() - at_; }
 
   // The next record; false at the end of the file.
@@ -53,7 +53,7 @@ class RecordReader {
   std::string text_;
   std::size_t at_ = 0;
   std::size_t lines_seen_ = 0;
-  std::size_t line_ = 0;
+  std::size_t line_number_ = 0;
   std::vector<std::string_view> fields_;
 };
 
