@@ -127,7 +127,7 @@ std::string describe_settings() {
       "| key | unit, range | default | at a reload | meaning |\n|---|---|---|---|---|\n";
   for (const KeyTable& table : key_tables()) {
     const std::string heading = heading_of(table);
-    text += "| " + (heading.empty() ? heading : "**`" + heading + "`** ") + "| | " +
+    text += "| **" + (heading.empty() ? "The file" : "`" + heading + "`") + "** | | " +
             table.standard + (*table.standard != '\0' ? " " : "") + "| | " + table.text + " |\n";
     for (const Key& key : table.keys) {
       const Standard& standard = key.standard;

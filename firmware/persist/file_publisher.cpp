@@ -1,6 +1,7 @@
 #include "firmware/persist/file_publisher.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace etcm::firmware {
 
@@ -25,8 +26,8 @@ FilePublisher::FilePublisher(const FileSettings& settings, const MeshConfig& mes
 }
 
 void FilePublisher::mark_dirty() {
-  has_generation_ = true;
-  disk_.mark_dirty();
+  // The first one is not to wait for an interval: there is nothing in the folder yet.
+  std::exchange(has_generation_, true) ? disk_.mark_dirty() : disk_.mark_urgent();
 }
 
 port::Instant FilePublisher::next_deadline() const {

@@ -26,6 +26,21 @@ TEST(Files, AreWrittenNotMoreOftenThanAskedAndFinallyComplete) {
   EXPECT_EQ(rig.log.count("audit passed: conforming"), 1u);
 }
 
+TEST(Files, TheFirstMeshIsThereAtOnceWhateverTheInterval) {
+  Rig rig;
+  rig.settings.files->interval = 60s;
+  rig.run(2s);
+  EXPECT_EQ(rig.files.attempts, 0u);
+  rig.put(1, 0, 0);
+  rig.run(1s);
+  EXPECT_EQ(rig.files.nodes_written, std::vector<std::uint32_t>{1});
+  rig.put(2, 10, 0);
+  rig.run(55s);
+  EXPECT_EQ(rig.files.attempts, 1u);
+  rig.run(5s);
+  EXPECT_EQ(rig.files.nodes_written.back(), 2u);
+}
+
 // The mesh changes all the time, and masters see it a tenth of a second later.
 TEST(Files, ShowTheSnapshotOfTheirGeneration) {
   Rig rig({feature(1001, 1002)});
