@@ -18,6 +18,8 @@ constexpr PortMessages server_messages{
     .section = "server", .served = "serves the mesh on ", .missing = "the mesh is not served"};
 // A disk that does not answer holds up the end no longer than this.
 constexpr port::Duration exit_patience = std::chrono::seconds(5);
+// What a serial server still passes on after a wait in vain, as `quiet` of a serial line.
+constexpr port::Duration quiet_over_tcp = std::chrono::milliseconds(50);
 
 }  // namespace
 
@@ -76,12 +78,21 @@ Program::Bus Program::make_bus(const BusSettings& bus, port::Duration retry_inte
                             .lines = board_.io(),
                             .send_enable = board_.line_of(bus.send_enable)});
   }
-  return std::make_unique<port::TcpBus>(
-      loop_, log_,
-      port::TcpBusOptions{.name = bus.name,
-                          .address = std::get<port::SocketAddress>(bus.link),
-                          .outstanding_max = bus.outstanding_max,
-                          .reconnect_interval = retry_interval});
+  const port::SocketAddress& address = std::get<port::SocketAddress>(bus.link);
+  if (bus.framing == Framing::rtu) {
+    tcp_lines_.push_back(std::make_unique<port::RtuTcpLine>(loop_, address));
+    return std::make_unique<port::RtuBus>(*tcp_lines_.back(), log_,
+                                          port::RtuBusOptions{.name = bus.name,
+                                                              .serial_line = {},
+                                                              .address = to_string(address),
+                                                              .quiet = quiet_over_tcp,
+                                                              .reopen_interval = retry_interval});
+  }
+  return std::make_unique<port::TcpBus>(loop_, log_,
+                                        port::TcpBusOptions{.name = bus.name,
+                                                            .address = address,
+                                                            .outstanding_max = bus.outstanding_max,
+                                                            .reconnect_interval = retry_interval});
 }
 
 void Program::open_disks() {

@@ -20,6 +20,7 @@
 #include "firmware/status/recent_events.h"
 #include "modbus/register_server.h"
 #include "modbus/rtu_bus.h"
+#include "modbus/rtu_tcp_line.h"
 #include "modbus/tcp_bus.h"
 #include "posix/background_store.h"
 #include "posix/event_loop.h"
@@ -63,6 +64,7 @@ class Program {
   std::vector<std::byte> memory_;  // all that the mesh ever has
   Mesh mesh_;
   Board board_;
+  std::vector<std::unique_ptr<port::RtuTcpLine>> tcp_lines_;  // of buses with RTU frames over TCP
   std::vector<Bus> buses_;
   port::RegisterServer server_;
   PortReport server_report_;

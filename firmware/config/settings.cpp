@@ -210,6 +210,14 @@ void read_bus(TomlTable& toml_table, Settings& settings) {
   bus.outstanding_max = kind == BusKind::rtu ? 1 : settings.poll.outstanding_max;
   read_keys(table, toml_table, {}, &bus, kind);
   if (bus.name.empty()) bus.name = link_name(bus);
+  if (bus.framing == Framing::rtu && bus.outstanding_max != 1) {
+    if (const toml::node* const given = toml_table.find("outstanding")) {
+      toml_table.mistake(*given,
+                         "RTU frames have no numbers, so there is one question at a time; "
+                         "take outstanding out");
+    }
+    bus.outstanding_max = 1;
+  }
   check_bus(toml_table, table, bus);
   toml_table.each("device", [&](TomlTable& device) { read_device(device, settings, bus); });
   for (const BusSettings& other : settings.buses) check_against(toml_table, bus, other);

@@ -74,8 +74,12 @@ struct DeviceSettings {
   std::string source{};      // where it was configured: "file:line"
 };
 
+// How frames stand in the bytes of a TCP connection.
+enum class Framing : std::uint8_t { tcp, rtu };
+
 struct BusSettings {
   std::string name;
+  Framing framing = Framing::tcp;
   std::variant<port::SocketAddress, port::SerialLine> link;  // Modbus TCP, or RTU
   std::vector<UnitRange> units;
   std::vector<UnitRange> assign{};  // units that new nodes are given; they are asked as well

@@ -117,6 +117,8 @@ constexpr Meaning<port::Parity> parities[] = {
 constexpr Meaning<port::Direction> directions[] = {{"adapter", port::Direction::adapter},
                                                    {"kernel", port::Direction::kernel}};
 
+constexpr Meaning<Framing> framings[] = {{"tcp", Framing::tcp}, {"rtu", Framing::rtu}};
+
 constexpr Key bus_keys[] = {
     with_tcp({"tcp", address<&BusSettings::link>(),
               conditional(R"("127.0.0.1:502")", "this or `rtu`"), restart, "Modbus TCP; IPv4"}),
@@ -125,6 +127,10 @@ constexpr Key bus_keys[] = {
               "Modbus RTU on a serial port; better `/dev/serial/by-path/...` than `/dev/ttyUSB0`, "
               "which is renumbered",
               "path"}),
+    with_tcp(
+        {"framing", choice<framings, &BusSettings::framing>(), standard(R"("tcp")"), restart,
+         "with `tcp`: Modbus TCP, or RTU frames as they are, which most serial servers pass on; "
+         "one question at a time then"}),
     {"units", units<&BusSettings::units>(),
      conditional(R"("1-60")", "required, unless `assign`, `scan` or a `[[bus.device]]` is there"),
      restart, "1 ... 247: asked all the time, whether they answer or not"},
@@ -282,7 +288,7 @@ void emplace(Settings& settings) {
 using TableKind = KeyTable::Kind;
 
 constexpr KeyTable tables[] = {
-    {"", TableKind::always, "", "before all tables", profile_keys},
+    {"", TableKind::always, "", "keys that stand before all tables", profile_keys},
     {"site", TableKind::optional, "no site file",
      "features, anchors and the domain, [drawn in a file](site.md)", site_keys},
     {"mesh", TableKind::always, "required", "the memory of the mesh is taken once, at the start",

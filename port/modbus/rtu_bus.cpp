@@ -16,8 +16,8 @@ RtuBus::RtuBus(EventLoop& loop, Log& log, const RtuBusOptions& options)
 RtuBus::RtuBus(RtuLine& line, Log& log, const RtuBusOptions& options)
     : log_(log),
       options_(options),
-      character_(character_time(options.serial_line)),
-      silence_(frame_silence(options.serial_line)),
+      character_(options.address.empty() ? character_time(options.serial_line) : Duration{}),
+      silence_(options.address.empty() ? frame_silence(options.serial_line) : Duration{}),
       line_(line) {}
 
 RtuBus::~RtuBus() { set_send_enable(false); }
@@ -130,9 +130,13 @@ void RtuBus::send(const Request& request, std::span<std::uint8_t> frame, std::si
 }
 
 void RtuBus::advance(Instant now) {
-  if (line_.is_gone()) close("the port is gone", now);
+  if (const char* const why = line_.why_gone()) close(why, now);
   if (phase_ == Phase::closed) {
     if (next_attempt_ <= now) open(now);
+    return;
+  }
+  if (phase_ == Phase::opening) {
+    if (line_.is_ready()) become_open(now);
     return;
   }
   if (is_sending_ && sent_at_ <= now) stop_sending(now);
@@ -152,10 +156,12 @@ bool RtuBus::take_answer(BusAnswer& answer) {
 }
 
 Instant RtuBus::next_deadline() const {
-  if (line_.is_gone()) return Instant{};
+  if (line_.why_gone() != nullptr) return Instant{};
   switch (phase_) {
     case Phase::closed:
       return next_attempt_;
+    case Phase::opening:
+      return line_.is_ready() ? Instant{} : never;
     case Phase::idle:
       return never;
     case Phase::waiting:
@@ -299,8 +305,13 @@ void RtuBus::open(Instant now) {
   next_attempt_ = now + options_.reopen_interval;
   std::string why;
   if (!line_.open(why)) return close(why, now);
+  if (line_.is_ready()) return become_open(now);
+  phase_ = Phase::opening;
+}
+
+void RtuBus::become_open(Instant now) {
   reported_closed_ = false;
-  log_.write(Level::info, "bus " + options_.name + ": opened " + options_.serial_line.path);
+  log_.write(Level::info, "bus " + options_.name + ": opened " + place());
   be_silent(now + silence_, now + silence_);
 }
 
@@ -313,8 +324,8 @@ void RtuBus::close(const std::string& why, Instant now) {
   }
   phase_ = Phase::closed;
   if (std::exchange(reported_closed_, true)) return;
-  log_.write(Level::warning, "bus " + options_.name + ": " + options_.serial_line.path + ": " +
-                                 why + "; trying again");
+  log_.write(Level::warning,
+             "bus " + options_.name + ": " + place() + ": " + why + "; trying again");
 }
 
 }  // namespace etcm::port

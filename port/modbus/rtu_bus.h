@@ -43,10 +43,11 @@ inline constexpr Duration late_silence_max = std::chrono::seconds(1);
 struct RtuBusOptions {
   std::string name;  // for the log
   SerialLine serial_line;
+  std::string address{};       // for the log, of a line over TCP; its bytes take no time
   Duration quiet{};            // silence after a wait in vain
   Duration reopen_interval{};  // from one attempt to open the port to the next
   DigitalIo* lines = nullptr;  // with `send_enable`: the line that switches the transceiver
-  std::optional<DigitalLine> send_enable;
+  std::optional<DigitalLine> send_enable{};
 };
 
 class RtuBus final : public NodeBus {
@@ -73,6 +74,7 @@ class RtuBus final : public NodeBus {
  private:
   enum class Phase : std::uint8_t {
     closed,   // no port
+    opening,  // it will be ready
     idle,     // a request may be sent
     waiting,  // for the answer to request_, which is still being sent before sent_at_
     silent,   // until silent_until_
@@ -126,6 +128,10 @@ class RtuBus final : public NodeBus {
     return static_cast<std::int64_t>(RtuLine::heard_bytes_max) * character_;
   }
   void open(Instant now);
+  void become_open(Instant now);
+  const std::string& place() const {
+    return options_.address.empty() ? options_.serial_line.path : options_.address;
+  }
   void close(const std::string& why, Instant now);
 
   Log& log_;

@@ -20,8 +20,11 @@ class RtuLine {
   // False where that failed, with the reason, and the cure where there is one.
   virtual bool open(std::string& why) = 0;
   virtual void close() = 0;
-  // It went away, which was found while hearing: there is nothing left but to close it.
-  virtual bool is_gone() const = 0;
+  // Once it is open, whether it takes frames: a connection takes its time. REQUIRES: open.
+  virtual bool is_ready() const { return true; }
+  // Why it went away, which was found while hearing: there is nothing left but to close it. Null
+  // while it is there.
+  virtual const char* why_gone() const = 0;
 
   // Throws away what has arrived, what was heard, and what was sent and is not on the line yet.
   virtual void discard() = 0;

@@ -17,7 +17,7 @@ class RtuSerialLine final : public RtuLine, private EventHandler {
 
   bool open(std::string& why) override;
   void close() override;
-  bool is_gone() const override { return is_gone_; }
+  const char* why_gone() const override { return is_gone_ ? "the port is gone" : nullptr; }
   void discard() override;
   bool is_sent() const override;
 

@@ -40,7 +40,7 @@ class LateLine final : public port::RtuLine {
 
   bool open(std::string&) override { return true; }
   void close() override { forget_all(); }
-  bool is_gone() const override { return false; }
+  const char* why_gone() const override { return nullptr; }
   void discard() override { forget_all(); }
   bool is_sent() const override { return true; }
 

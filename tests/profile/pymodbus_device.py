@@ -1,7 +1,7 @@
 """A device served by pymodbus, which has the registers it is told of and no others.
 
 usage: pymodbus_device.py ADDRESS UNITS
-ADDRESS is a TCP port, or the path of a serial port; UNITS is JSON: {"5": {"3": {"200": 1}}} is
+ADDRESS is a TCP port, "rtu:" and one for RTU frames over TCP, or the path of a serial port; UNITS is JSON: {"5": {"3": {"200": 1}}} is
 holding register 200 (function 3) of unit 5.
 """
 import json
@@ -26,6 +26,9 @@ def main():
     if address.startswith("/"):
         StartSerialServer(context=context, framer=ModbusRtuFramer, port=address, baudrate=9600,
                           parity="N", stopbits=1, ignore_missing_slaves=True)
+    elif address.startswith("rtu:"):
+        StartTcpServer(context=context, framer=ModbusRtuFramer, ignore_missing_slaves=True,
+                       address=("127.0.0.1", int(address[4:])), allow_reuse_address=True)
     else:
         StartTcpServer(context=context, address=("127.0.0.1", int(address)),
                        ignore_missing_slaves=True, allow_reuse_address=True)

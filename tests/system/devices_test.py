@@ -76,6 +76,24 @@ y = 80
         self.assertEqual(self.vertices(), {7: (300, -200), 70001: (100, -8), 70002: (0, 251),
                                            3005: (-400, 80)})
 
+    def test_behind_a_serial_server_that_passes_frames_on(self):
+        port = free_port()
+        gateway = self.start_gateway([], head=ROVER, more=f"""
+[[bus]]
+tcp = "127.0.0.1:{port}"
+framing = "rtu"
+name = "server"
+[[bus.device]]
+units = "1-3"
+profile = "rover"
+""")
+        gateway.wait_for_line(rf"bus server: 127\.0\.0\.1:{port}: .*; trying again")
+        self.serve("server", f"rtu:{port}", {"1": rover(70001, 100_400, -7_600),
+                                             "2": rover(70002, 0, 250_501)})
+        gateway.wait_for_line(rf"bus server: opened 127\.0\.0\.1:{port}")
+        self.wait_for_header(nodes=2)
+        self.assertEqual(self.vertices(), {70001: (100, -8), 70002: (0, 251)})
+
     def test_that_tell_degrees_need_a_place_in_the_plane(self):
         gateway = self.start_gateway([], head=f'profiles = "{PROFILES}"\n', wait=False, more="""
 [[bus]]

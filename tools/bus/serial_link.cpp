@@ -160,7 +160,8 @@ class SerialLink final : public Link {
   // At most until then; whether something came.
   bool listen(port::Instant until) {
     waiter_.wait_until(until);
-    if (line_.is_gone()) throw LinkError(path_ + ": the port is gone; plug the adapter in again");
+    if (line_.why_gone() != nullptr)
+      throw LinkError(path_ + ": the port is gone; plug the adapter in again");
     if (!line_.take_news()) return false;
     last_heard_ = waiter_.now();
     return true;
