@@ -327,7 +327,7 @@ struct TableWork {
 };
 constexpr TableWork list_readers[] = {
     {"bus", read_bus}, {"node", read_node}, {"feature", read_feature}};
-constexpr TableWork checks[] = {
+constexpr TableWork table_checks[] = {
     {"site", note_site}, {"poll", check_poll}, {"gpio", check_gpio}, {"http", check_http}};
 
 void read_list(TomlTable& file, const KeyTable& table, Settings& settings) {
@@ -348,7 +348,7 @@ void read_table(TomlTable& file, const KeyTable& table, const std::filesystem::p
       set_defaults(table, &settings);
     }
     read_keys(table, toml_table, folder, &settings);
-    for (const TableWork& check : checks) {
+    for (const TableWork& check : table_checks) {
       if (check.table == table.name) check.work(toml_table, settings);
     }
   });
