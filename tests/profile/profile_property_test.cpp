@@ -44,7 +44,7 @@ std::string any_order(Random& random, std::size_t bytes) {
   const std::vector<std::string> eight{"ABCDEFGH", "BADCFEHG", "CDABGHEF", "DCBAHGFE",
                                        "EFGHABCD", "FEHGBADC", "GHEFCDAB", "HGFEDCBA"};
   const auto& all = bytes == 2 ? two : bytes == 4 ? four : eight;
-  return all[random() % all.size()];
+  return all[static_cast<std::size_t>(random() % all.size())];
 }
 
 // Mostly small ones, and those at the ends.
