@@ -359,11 +359,8 @@ std::optional<ModbusAddress> find_unsurveyed(const Settings& settings, const Bus
                                              const DeviceSettings& device) {
   for (const UnitRange range : device.units) {
     for (const ModbusAddress unit : range) {
-      const bool is_surveyed =
-          std::any_of(settings.nodes.begin(), settings.nodes.end(), [&](const auto& node) {
-            return node.bus == bus.name && node.address == unit.value && node.x && node.y;
-          });
-      if (!is_surveyed) return unit;
+      const NodeSettings* const node = node_at(settings, bus, unit);
+      if (node == nullptr || !node->x || !node->y) return unit;
     }
   }
   return std::nullopt;
@@ -456,6 +453,14 @@ const DeviceSettings* device_at(const BusSettings& bus, ModbusAddress address) {
 port::Duration timeout_of(const BusSettings& bus, ModbusAddress address) {
   const DeviceSettings* const device = device_at(bus, address);
   return device != nullptr ? device->timeout : bus.timeout;
+}
+
+const NodeSettings* node_at(const Settings& settings, const BusSettings& bus,
+                            ModbusAddress address) {
+  for (const NodeSettings& node : settings.nodes) {
+    if (node.bus == bus.name && node.address == address.value) return &node;
+  }
+  return nullptr;
 }
 
 const Profile* find_profile(const Settings& settings, const std::string& name) {

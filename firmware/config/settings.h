@@ -216,6 +216,10 @@ struct Settings {
   std::vector<std::string> warnings;
 };
 
+// The [[node]] of the device at this unit; null where there is none.
+const NodeSettings* node_at(const Settings& settings, const BusSettings& bus,
+                            ModbusAddress address);
+
 // The profile of this name; null where there is none, and for node_profile.
 const Profile* find_profile(const Settings& settings, const std::string& name);
 

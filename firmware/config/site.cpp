@@ -39,17 +39,14 @@ std::int32_t SiteGrid::coordinate(std::size_t line, const std::string& where, co
     fail(" is too large; the site file counts in something else than the unit says");
   }
   const std::int64_t offset = *value - origin;
-  const std::int64_t remainder = offset % settings_.unit_length;
-  std::int64_t units = offset / settings_.unit_length;
-  if (!settings_.round && (remainder != 0 || !(given * nano).is_integer())) {
+  if (!settings_.round && (offset % settings_.unit_length != 0 || !(given * nano).is_integer())) {
     fail(std::string(" is no whole number of units; set a smaller unit in [site], or round = true "
                      "to take the nearest") +
          (may_be_degrees ? " (if these are degrees: export the file in metres, in a projected "
                            "coordinate system)"
                          : ""));
   }
-  if (std::abs(remainder) >= settings_.unit_length - std::abs(remainder))
-    units += offset < 0 ? -1 : 1;
+  const std::int64_t units = nearest_unit(offset, settings_.unit_length);
   if (units < -position_max || units > position_max) {
     fail(" is " + std::to_string(units) + " units, and they run from -16777216 to 16777216; set " +
          "origin in [site] to a corner of the site, or a greater unit");

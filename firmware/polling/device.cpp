@@ -8,14 +8,6 @@ namespace etcm::firmware {
 
 namespace {
 
-const NodeSettings* node_at(const Settings& settings, const BusSettings& bus,
-                            ModbusAddress address) {
-  for (const NodeSettings& node : settings.nodes) {
-    if (node.bus == bus.name && node.address == address.value) return &node;
-  }
-  return nullptr;
-}
-
 std::optional<Position> position_of(const NodeSettings& node, const SiteSettings& site) {
   if (!node.x || !node.y) return std::nullopt;
   return nearest_position(site.plane(), *node.x, *node.y);

@@ -15,14 +15,10 @@ struct SitePlane {
   std::int64_t origin_y = 0;
 };
 
-// The nearest; halves go away from zero. None beyond position_max.
-std::optional<Position> nearest_position(const SitePlane& plane, std::int64_t x, std::int64_t y);
+// The whole number nearest to offset / unit; halves go away from zero. REQUIRES: unit > 0.
+std::int64_t nearest_unit(std::int64_t offset, std::int64_t unit);
 
-// The other way; exact.
-struct SitePoint {
-  std::int64_t x = 0;
-  std::int64_t y = 0;
-};
-SitePoint site_point(const SitePlane& plane, Position position);
+// The nearest, as above. None beyond position_max.
+std::optional<Position> nearest_position(const SitePlane& plane, std::int64_t x, std::int64_t y);
 
 }  // namespace etcm::firmware
