@@ -67,7 +67,6 @@ class Surroundings {
   void watch(EdgeWord edge) noexcept;
   void watch_subsegment(EdgeWord edge) noexcept;
   void see(VertexId v, Beside& out) const noexcept;
-  [[nodiscard]] bool enter_next(Beside& out) noexcept;
 
   const SplitSite& site_;
   const internal::MeshState& mesh_;

@@ -97,20 +97,17 @@ void Surroundings::start(End end) noexcept {
 bool Surroundings::next(Beside& out) noexcept {
   const Edge e{edge_};
   if (e.is_none()) return false;
-  if (told_ == 2) return edge_ != stop_ && enter_next(out);
   const Topology& topo = mesh_.topology;
-  see(told_ == 0 ? topo.target(e) : topo.origin(e), out);
-  if (++told_ == 2) {
-    watch(Topology::next(e).value);
-    watch(Topology::prev(e).value);
+  if (told_ < 2) {
+    see(told_ == 0 ? topo.target(e) : topo.origin(e), out);
+    if (++told_ == 2) {
+      watch(Topology::next(e).value);
+      watch(Topology::prev(e).value);
+    }
+    return true;
   }
-  return true;
-}
-
-// Into the triangle beyond the edge.
-bool Surroundings::enter_next(Beside& out) noexcept {
-  const Topology& topo = mesh_.topology;
-  const Edge beyond = topo.twin(Edge{edge_});
+  if (edge_ == stop_) return false;
+  const Edge beyond = topo.twin(e);
   const VertexId v = topo.apex(beyond);
   see(v, out);
   int side = orient2d_filter(cross({dx_, dy_}, offset(mesh_.at(v), head_)));
