@@ -18,6 +18,9 @@
 #include "firmware/status/recent_events.h"
 #include "posix/steady_clock.h"
 #include "posix/stream_log.h"
+#ifdef ETCM_WITH_PROJ
+#include "proj/proj_source.h"
+#endif
 
 namespace {
 
@@ -31,8 +34,13 @@ int run(const std::string& config, bool is_check) {
   port::StreamLog log(STDERR_FILENO);
   try {
     std::vector<std::string> mistakes;
-    auto settings =
-        std::make_shared<const firmware::Settings>(firmware::read_configuration(config, mistakes));
+    port::ProjectionSource* projections = nullptr;
+#ifdef ETCM_WITH_PROJ
+    port::ProjSource proj;
+    projections = &proj;
+#endif
+    auto settings = std::make_shared<const firmware::Settings>(
+        firmware::read_configuration(config, projections, mistakes));
     for (const std::string& mistake : mistakes) {
       // With --check-config they are printed as they are; of a service they are errors in its log.
       if (is_check) {
@@ -56,7 +64,7 @@ int run(const std::string& config, bool is_check) {
     // Before both: noise fills neither the log nor the events of the status page.
     firmware::RecentEvents events(clock, log);
     firmware::LimitedLog limited(events, clock);
-    firmware::Program(config, std::move(settings), clock, limited, events).run();
+    firmware::Program(config, std::move(settings), projections, clock, limited, events).run();
     limited.flush();
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

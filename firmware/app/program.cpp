@@ -24,9 +24,11 @@ constexpr port::Duration quiet_over_tcp = std::chrono::milliseconds(50);
 }  // namespace
 
 Program::Program(std::string config, std::shared_ptr<const Settings> settings,
-                 const port::Clock& clock, port::Log& log, RecentEvents& events)
+                 port::ProjectionSource* projections, const port::Clock& clock, port::Log& log,
+                 RecentEvents& events)
     : config_(std::move(config)),
       settings_(std::move(settings)),
+      projections_(projections),
       clock_(clock),
       log_(log),
       events_(events),
@@ -149,7 +151,7 @@ void Program::run() {
 void Program::reload_settings() {
   static_cast<void>(reread_.take_received());
   watch_->reloading();
-  if (std::shared_ptr<const Settings> next = reload(config_, *settings_, events_)) {
+  if (std::shared_ptr<const Settings> next = reload(config_, *settings_, projections_, events_)) {
     settings_ = std::move(next);
     server_.allow(settings_->server.allow, log_);
     server_report_.allow(settings_->server.allow);

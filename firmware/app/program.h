@@ -33,10 +33,12 @@ namespace etcm::firmware {
 
 class Program {
  public:
-  // `config` is where a reload finds the settings. `log` leaves out what repeats; `events` writes
+  // `config` is where a reload finds the settings, `projections` whence it has projections, if not
+  // null. `log` leaves out what repeats; `events` writes
   // each line. Throws std::runtime_error where something is wrong that cannot be tried again.
-  Program(std::string config, std::shared_ptr<const Settings> settings, const port::Clock& clock,
-          port::Log& log, RecentEvents& events);
+  Program(std::string config, std::shared_ptr<const Settings> settings,
+          port::ProjectionSource* projections, const port::Clock& clock, port::Log& log,
+          RecentEvents& events);
 
   // Until SIGTERM or SIGINT.
   void run();
@@ -54,6 +56,7 @@ class Program {
 
   const std::string config_;
   std::shared_ptr<const Settings> settings_;
+  port::ProjectionSource* const projections_;
   const port::Clock& clock_;
   port::Log& log_;
   RecentEvents& events_;

@@ -111,12 +111,11 @@ class AnchoredPart {
 
 }  // namespace
 
-Settings read_configuration(const std::string& path, std::vector<std::string>& mistakes) {
+Settings read_configuration(const std::string& path, port::ProjectionSource* projections,
+                            std::vector<std::string>& mistakes) {
   Settings settings = read_settings(path, mistakes);
   // Without good settings the site cannot be placed in a mesh.
-  if (!settings.site.path.empty() && validate(settings.mesh) == Status::ok) {
-    read_site(settings, mistakes);
-  }
+  if (validate(settings.mesh) == Status::ok) read_site(settings, projections, mistakes);
   if (mistakes.empty()) check_site(path, settings, mistakes);
   return settings;
 }

@@ -10,7 +10,9 @@ namespace etcm::firmware {
 
 // Reads both. The result is good for use only where there is no mistake: then what the site alone
 // can make wrong (lines that cross, too little room) has been tried on a mesh of it.
-Settings read_configuration(const std::string& path, std::vector<std::string>& mistakes);
+// `projections` may be null: such a gateway has the plane alone.
+Settings read_configuration(const std::string& path, port::ProjectionSource* projections,
+                            std::vector<std::string>& mistakes);
 
 // The last part of it: whether the site can be in a mesh of these settings.
 void check_site(const std::string& path, const Settings& settings,

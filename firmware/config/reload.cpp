@@ -118,8 +118,12 @@ std::vector<std::string> take_over(Settings& settings, const Settings& next) {
   if (!std::equal(settings.nodes.begin(), settings.nodes.end(), next.nodes.begin(),
                   next.nodes.end(), is_same_node)) {
     fixed.push_back(heading_of(key_table("node")));
+  } else {
+    settings.nodes = next.nodes;  // in another plane they stand elsewhere
   }
   settings.site.source = next.site.source;
+  settings.site.projection = next.site.projection;
+  settings.site.has_origin_in_degrees = next.site.has_origin_in_degrees;
   settings.features = next.features;
   settings.anchors = next.anchors;
   settings.domain = next.domain;
@@ -127,11 +131,11 @@ std::vector<std::string> take_over(Settings& settings, const Settings& next) {
 }
 
 std::shared_ptr<const Settings> reload(const std::string& path, const Settings& current,
-                                       port::Log& log) {
+                                       port::ProjectionSource* projections, port::Log& log) {
   std::vector<std::string> mistakes;
   Settings next;
   try {
-    next = read_configuration(path, mistakes);
+    next = read_configuration(path, projections, mistakes);
     // The site must fit the mesh there is, not one there might be after a restart.
     if (mistakes.empty()) {
       Settings fitted = next;

@@ -25,6 +25,6 @@ inline constexpr port::Duration reload_pause = std::chrono::seconds(1);
 // else null, and the log says why. Whoever asked waits for this answer, so the log should leave out
 // none of its lines: they are few, and reload_pause apart.
 std::shared_ptr<const Settings> reload(const std::string& path, const Settings& current,
-                                       port::Log& log);
+                                       port::ProjectionSource* projections, port::Log& log);
 
 }  // namespace etcm::firmware

@@ -234,53 +234,32 @@ void read_feature(TomlTable& toml_table, Settings& settings) {
   settings.features.push_back(std::move(feature));
 }
 
+// Whether one of two keys that go together is there; one alone is a mistake.
+bool has_both(TomlTable& toml_table, const char* one, const char* other) {
+  const toml::node* const first = toml_table.find(one);
+  const toml::node* const second = toml_table.find(other);
+  if ((first == nullptr) != (second == nullptr)) {
+    toml_table.mistake(first != nullptr ? *first : *second,
+                       std::string("'") + one + "' and '" + other + "' go together; add '" +
+                           (first == nullptr ? one : other) + "', or take the other out");
+  }
+  return first != nullptr || second != nullptr;
+}
+
 void read_node(TomlTable& toml_table, Settings& settings) {
   NodeSettings node{.bus = {}, .source = toml_table.place()};
   read_keys(key_table("node"), toml_table, {}, &node);
-  const toml::node* const x = toml_table.find("x");
-  const toml::node* const y = toml_table.find("y");
-  if ((x == nullptr) != (y == nullptr)) {
-    toml_table.mistake(x != nullptr ? *x : *y, std::string("'x' and 'y' go together; add '") +
-                                                   (x == nullptr ? "x" : "y") +
-                                                   "', or take the other out");
+  const bool in_plane = has_both(toml_table, "x", "y");
+  const bool in_degrees = has_both(toml_table, "longitude", "latitude");
+  if (in_plane && in_degrees) {
+    toml_table.mistake(*toml_table.find("longitude"),
+                       "a place both in the plane and in degrees; take one of the two out");
   }
-  if (node.bus.empty() && settings.buses.size() == 1) node.bus = settings.buses.front().name;
-  const auto bus = std::find_if(settings.buses.begin(), settings.buses.end(),
-                                [&](const BusSettings& other) { return other.name == node.bus; });
-  if (bus == settings.buses.end()) {
-    const toml::node* const named = toml_table.find("bus");
-    toml_table.mistake(named != nullptr ? *named : toml_table.table(),
-                       named != nullptr
-                           ? "no [[bus]] is named '" + node.bus + "'; correct one of the names"
-                           : "there are several buses; add bus = \"NAME\" with the name of one");
-  } else if (node.address != 0) {
-    const ModbusAddress unit{static_cast<std::uint8_t>(node.address)};
-    const DeviceSettings* const device = device_at(*bus, unit);
-    const std::string who = "unit " + std::to_string(node.address) + " of " + bus->name;
-    if (!has_unit(*bus, unit)) {
-      toml_table.mistake(*toml_table.find("unit"),
-                         who +
-                             " is not asked; add it to the units of its bus or of a "
-                             "[[bus.device]]");
-    } else if (device == nullptr || device->profile == node_profile) {
-      toml_table.mistake(*toml_table.find("unit"),
-                         who +
-                             " tells its serial and where it stands itself; give it another "
-                             "profile in a [[bus.device]], or take this [[node]] out");
-    }
-  }
-  for (const NodeSettings& other : settings.nodes) {
-    if (other.bus == node.bus && other.address == node.address) {
-      toml_table.mistake(toml_table.table(), "the device of " + other.source +
-                                                 " once more; put what is known into one [[node]]");
-    }
-    if (node.serial && other.serial == node.serial) {
-      toml_table.mistake(*toml_table.find("serial"), "serial " + std::to_string(*node.serial) +
-                                                         " is that of " + other.source +
-                                                         " too; give one another");
-    }
-  }
-  settings.nodes.push_back(std::move(node));
+  if (node.address == 0) return;  // a mistake already
+  const NodeMistake wrong = add_node(settings, std::move(node));
+  if (wrong.what.empty()) return;
+  const toml::node* const culprit = toml_table.find(wrong.key);
+  toml_table.mistake(culprit != nullptr ? *culprit : toml_table.table(), wrong.what);
 }
 
 // ---- The whole file.
@@ -354,34 +333,6 @@ void read_table(TomlTable& file, const KeyTable& table, const std::filesystem::p
   });
 }
 
-// The first unit of which no [[node]] says where it stands.
-std::optional<ModbusAddress> find_unsurveyed(const Settings& settings, const BusSettings& bus,
-                                             const DeviceSettings& device) {
-  for (const UnitRange range : device.units) {
-    for (const ModbusAddress unit : range) {
-      const NodeSettings* const node = node_at(settings, bus, unit);
-      if (node == nullptr || !node->x || !node->y) return unit;
-    }
-  }
-  return std::nullopt;
-}
-
-// What such a device tells can only be read; a [[node]] says where it stands.
-void check_degrees(const Settings& settings, std::vector<std::string>& mistakes) {
-  for (const BusSettings& bus : settings.buses) {
-    for (const DeviceSettings& device : bus.devices) {
-      const Profile* const profile = find_profile(settings, device.profile);
-      if (profile == nullptr || profile->positioning != Profile::Positioning::degrees) continue;
-      const std::optional<ModbusAddress> unit = find_unsurveyed(settings, bus, device);
-      if (!unit) continue;
-      mistakes.push_back(device.source + ": the devices of '" + device.profile +
-                         "' tell where they stand in degrees, and the mesh is in the plane; "
-                         "give each a [[node]] with x and y, as unit " +
-                         std::to_string(unit->value) + " has none");
-    }
-  }
-}
-
 void read_all(TomlTable& file, const std::filesystem::path& folder, Settings& settings,
               std::vector<std::string>& mistakes) {
   read_all_profiles(file, folder, settings, mistakes);
@@ -416,7 +367,6 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
   TomlTable file(path, parsed, "", mistakes);
   read_all(file, std::filesystem::path(path).parent_path(), settings, mistakes);
   file.finish();
-  check_degrees(settings, mistakes);
   if (mistakes.size() == before) check_across(parsed, path, settings, mistakes);
   // Keys come in alphabetical order; a person reads from the top of the file.
   const auto line = [&](const std::string& mistake) {
@@ -461,6 +411,47 @@ const NodeSettings* node_at(const Settings& settings, const BusSettings& bus,
     if (node.bus == bus.name && node.address == address.value) return &node;
   }
   return nullptr;
+}
+
+NodeMistake add_node(Settings& settings, NodeSettings node) {
+  const bool is_named = !node.bus.empty();
+  if (!is_named && settings.buses.size() == 1) node.bus = settings.buses.front().name;
+  const auto bus = std::find_if(settings.buses.begin(), settings.buses.end(),
+                                [&](const BusSettings& other) { return other.name == node.bus; });
+  if (bus == settings.buses.end()) {
+    return {"bus", is_named ? "no [[bus]] is named '" + node.bus + "'; correct one of the names"
+                            : "there are several buses; add 'bus' with the name of one"};
+  }
+  const ModbusAddress unit{static_cast<std::uint8_t>(node.address)};
+  const DeviceSettings* const device = device_at(*bus, unit);
+  const std::string who = "unit " + std::to_string(node.address) + " of " + bus->name;
+  if (!has_unit(*bus, unit)) {
+    return {"unit", who + " is not asked; add it to the units of its bus or of a [[bus.device]]"};
+  }
+  if (device == nullptr || device->profile == node_profile) {
+    return {"unit", who +
+                        " tells its serial and where it stands itself; give it another profile in "
+                        "a [[bus.device]], or take out what is said of it here"};
+  }
+  for (const NodeSettings& other : settings.nodes) {
+    if (other.bus == node.bus && other.address == node.address) {
+      return {"unit",
+              "the device of " + other.source + " once more; put what is known into one place"};
+    }
+    if (node.serial && other.serial == node.serial) {
+      return {"serial", "serial " + std::to_string(*node.serial) + " is that of " + other.source +
+                            " too; give one another"};
+    }
+  }
+  settings.nodes.push_back(std::move(node));
+  return {};
+}
+
+Serial device_serial(const Settings& settings, std::size_t bus, ModbusAddress address) {
+  constexpr std::uint32_t per_bus = 1000;
+  const NodeSettings* const node = node_at(settings, settings.buses[bus], address);
+  if (node != nullptr && node->serial) return Serial{*node->serial};
+  return Serial{per_bus * (static_cast<std::uint32_t>(bus) + 1) + address.value};
 }
 
 const Profile* find_profile(const Settings& settings, const std::string& name) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -10,6 +11,7 @@
 
 #include "etcm/config.h"
 #include "etcm/port/clock.h"
+#include "etcm/port/projection.h"
 #include "etcm/port/serial_line.h"
 #include "etcm/port/socket_address.h"
 #include "firmware/profile/profile.h"
@@ -130,10 +132,13 @@ struct NodeSettings {
   std::string bus;
   std::uint32_t address = 0;  // of its unit
   std::optional<std::uint32_t> serial{};
-  // Where it was surveyed, in 10^-9 of what the site file counts in.
+  // Where it was surveyed: in 10^-9 of what the plane of the site counts in, or of a degree.
   std::optional<std::int64_t> x{};
   std::optional<std::int64_t> y{};
-  std::string source{};  // as above
+  std::optional<std::int64_t> longitude{};
+  std::optional<std::int64_t> latitude{};
+  std::string source{};                // as above
+  std::optional<Position> position{};  // where that is in the mesh
 };
 
 struct AnchorSettings {
@@ -158,9 +163,16 @@ struct SiteSettings {
   std::int64_t unit_length = site_nano;  // of a unit of the mesh
   SiteOrigin origin;                     // the mesh's (0, 0)
   bool round = false;                    // to the nearest unit
+  std::string crs;                       // of the plane, as given
+  // What `crs` and the degrees of the site make of it; with no degrees in it, null.
+  std::shared_ptr<const port::Projection> projection;
+  // The origin was given in degrees: it is the middle of the plane.
+  bool has_origin_in_degrees = false;
 
   SitePlane plane() const {
-    return {.unit_length = unit_length, .origin_x = origin.x, .origin_y = origin.y};
+    const SiteOrigin at = has_origin_in_degrees ? SiteOrigin{} : origin;
+    return {
+        .unit_length = unit_length, .origin_x = at.x, .origin_y = at.y, .projection = projection};
   }
 };
 
@@ -222,6 +234,18 @@ const NodeSettings* node_at(const Settings& settings, const BusSettings& bus,
 
 // The profile of this name; null where there is none, and for node_profile.
 const Profile* find_profile(const Settings& settings, const std::string& name);
+
+// Adds what is known of a device, with `address` 1 to unit_max; without a bus to the only one. If
+// that is wrong, the answer says what and the cure, and which key it is about.
+struct NodeMistake {
+  const char* key = "";
+  std::string what;  // empty: nothing is wrong
+};
+NodeMistake add_node(Settings& settings, NodeSettings node);
+
+// The serial by which the device at this unit is known, unless it tells one: that of its [[node]],
+// or made of the number of the bus, from 0, and the unit.
+Serial device_serial(const Settings& settings, std::size_t bus, ModbusAddress address);
 
 // Reads the file. Every mistake in it adds one line "file:line: what is wrong; the cure" to
 // `mistakes`; the settings are good for use only when there are none. Relative paths in the file

@@ -49,12 +49,18 @@ constexpr Key profile_keys[] = {
 };
 
 constexpr Key site_keys[] = {
-    {"file", path_from_file<&Settings::site, &SiteSettings::path>(), required(R"("site.geojson")"),
+    {"file", path_from_file<&Settings::site, &SiteSettings::path>(), unset(R"("site.geojson")"),
      at_once, "a `.geojson`, or a Triangle `.poly`"},
+    {"crs", text<&Settings::site, &SiteSettings::crs>(),
+     unset(R"("EPSG:25833")", "[found out](site.md#degrees)"), at_once,
+     "coordinate system of the plane; `\"plane\"`: of a drawing, nobody knows where on the earth",
+     "`\"EPSG:...\"`, or `\"plane\"`"},
     {"unit", scale<&Settings::site, &SiteSettings::unit_length>(), standard(R"("1")"), at_once,
-     "length of a unit of the mesh, in what the site file counts in"},
+     "length of a unit of the mesh, in what the plane counts in: metres, where the site is in "
+     "degrees"},
     {"origin", origin<&Settings::site, &SiteSettings::origin>(), standard(R"(["0", "0"])"), at_once,
-     "place in the site file that is (0, 0) to the nodes"},
+     "place in the plane that is (0, 0) to the nodes; longitude and latitude where the site is in "
+     "degrees and has no `crs`"},
     {"round", flag<&Settings::site, &SiteSettings::round>(), standard("false"), at_once,
      "coordinates that are no whole units become the nearest"},
     {"nodes", choice<poly_nodes, &Settings::site, &SiteSettings::poly_nodes>(),
@@ -190,9 +196,14 @@ constexpr Key node_keys[] = {
      unset("1007", "1000 times the number of its bus, and the unit"), restart,
      "by which it is known, where the device itself tells none"},
     {"x", decimal<&NodeSettings::x>(plane_max), unset(R"("120.5")", "the device tells it"), restart,
-     "where it was surveyed, in what the site file counts in; with `y`"},
+     "where it was surveyed, in what the plane counts in; with `y`"},
     {"y", decimal<&NodeSettings::y>(plane_max), unset(R"("-40")", "the device tells it"), restart,
      "as `x`"},
+    {"longitude", decimal<&NodeSettings::longitude>(180 * site_nano),
+     unset(R"("10.3951")", "the device tells it"), restart,
+     "where it was surveyed, in degrees (WGS 84), east positive; with `latitude`"},
+    {"latitude", decimal<&NodeSettings::latitude>(90 * site_nano),
+     unset(R"("63.4305")", "the device tells it"), restart, "as `longitude`, north positive"},
 };
 
 constexpr Key write_back_keys[] = {

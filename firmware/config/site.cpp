@@ -6,6 +6,7 @@
 
 #include "etcm/files/constraint_graph.h"
 #include "etcm/files/error.h"
+#include "etcm/files/json.h"
 #include "firmware/config/site_geojson.h"
 #include "firmware/config/site_poly.h"
 
@@ -42,9 +43,9 @@ std::int32_t SiteGrid::coordinate(std::size_t line, const std::string& where, co
   if (!settings_.round && (offset % settings_.unit_length != 0 || !(given * nano).is_integer())) {
     fail(std::string(" is no whole number of units; set a smaller unit in [site], or round = true "
                      "to take the nearest") +
-         (may_be_degrees ? " (if these are degrees: export the file in metres, in a projected "
-                           "coordinate system)"
-                         : ""));
+         (may_be_degrees
+              ? " (if these are degrees: GeoJSON is read in them where [site] has no crs)"
+              : ""));
   }
   const std::int64_t units = nearest_unit(offset, settings_.unit_length);
   if (units < -position_max || units > position_max) {
@@ -56,9 +57,37 @@ std::int32_t SiteGrid::coordinate(std::size_t line, const std::string& where, co
 
 Position SiteGrid::place(std::size_t line, const std::string& where, const Decimal& x,
                          const Decimal& y) const {
+  if (frame_.kind != SiteFrame::Kind::plane) return place_from_earth(line, where, x, y);
   const bool may_be_degrees = is_degree(x, 180) && is_degree(y, 90);
-  return {coordinate(line, where, "x", x, settings_.origin.x, may_be_degrees),
-          coordinate(line, where, "y", y, settings_.origin.y, may_be_degrees)};
+  return {coordinate(line, where, "x", x, plane_.origin_x, may_be_degrees),
+          coordinate(line, where, "y", y, plane_.origin_y, may_be_degrees)};
+}
+
+Position SiteGrid::place_from_earth(std::size_t line, const std::string& where, const Decimal& x,
+                                    const Decimal& y) const {
+  const auto fail = [&](const char* what) {
+    throw InputError(settings_.path, line,
+                     where + "[" + x.to_string() + ", " + y.to_string() + "] " + what);
+  };
+  const auto east = nano_of(x), north = nano_of(y);
+  if (!east || !north) fail("is far too large; correct it");
+  std::optional<port::EarthPoint> place = port::EarthPoint{.longitude = *east, .latitude = *north};
+  if (frame_.kind == SiteFrame::Kind::other) {
+    place = frame_.projection->to_earth({.x = *east, .y = *north});
+    if (!place) fail("is nowhere in the coordinate system of the file; correct it");
+  } else if (!is_degree(x, 180) || !is_degree(y, 90)) {
+    fail(
+        "is no longitude and latitude in degrees, as the first position of the file is; correct "
+        "it");
+  }
+  const auto position = nearest_position(plane_, *place);
+  if (!position) {
+    fail(
+        "is beyond the plane of the mesh, which goes 16777216 units from its origin; set origin in "
+        "[site] to a place of the site, or a greater unit (if these are no degrees: crs = "
+        "\"plane\")");
+  }
+  return *position;
 }
 
 Point SiteGrid::near(const Decimal& x, const Decimal& y) const {
@@ -70,31 +99,60 @@ Point SiteGrid::near(const Decimal& x, const Decimal& y) const {
         std::clamp(units, -double{position_max}, double{position_max}) *
         static_cast<double>(subunits_per_unit));
   };
-  return {one(x, settings_.origin.x), one(y, settings_.origin.y)};
+  return {one(x, plane_.origin_x), one(y, plane_.origin_y)};
 }
 
-void read_site(Settings& settings, std::vector<std::string>& mistakes) {
+namespace {
+
+enum class FileKind : std::uint8_t { none, unknown, poly, geojson };
+
+FileKind kind_of(const SiteSettings& site) {
+  if (site.path.empty()) return FileKind::none;
+  std::string extension = std::filesystem::path(site.path).extension();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  if (extension == ".poly") return FileKind::poly;
+  return extension == ".geojson" || extension == ".json" ? FileKind::geojson : FileKind::unknown;
+}
+
+// Throws InputError.
+void read_file(FileKind kind, Settings& settings, port::ProjectionSource* projections,
+               std::vector<std::string>& mistakes) {
+  const std::size_t before = mistakes.size();
+  if (kind == FileKind::geojson) {
+    const files::JsonValue root = files::read_json(settings.site.path);
+    const GeoJsonFrame said = frame_of(root, settings.site.path);
+    const SiteFrame frame = project_site(settings, &said, projections, mistakes);
+    if (mistakes.size() == before) read_site_geojson(root, frame, settings, mistakes);
+    return;
+  }
+  project_site(settings, nullptr, projections, mistakes);
+  if (kind == FileKind::poly && mistakes.size() == before) read_site_poly(settings);
+}
+
+}  // namespace
+
+void read_site(Settings& settings, port::ProjectionSource* projections,
+               std::vector<std::string>& mistakes) {
+  const FileKind kind = kind_of(settings.site);
   std::error_code ignored;
-  if (!std::filesystem::exists(settings.site.path, ignored)) {
+  if (kind != FileKind::none && !std::filesystem::exists(settings.site.path, ignored)) {
     mistakes.push_back(settings.site.source + ": the site file " + settings.site.path +
                        " is not there; correct 'file'");
     return;
   }
-  std::string extension = std::filesystem::path(settings.site.path).extension();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  if (kind == FileKind::unknown) {
+    mistakes.push_back(settings.site.source + ": the site file " + settings.site.path +
+                       " is of no known kind; give a .poly or a .geojson");
+    return;
+  }
+  const std::size_t before = mistakes.size();
   try {
-    if (extension == ".poly") {
-      read_site_poly(settings);
-    } else if (extension == ".geojson" || extension == ".json") {
-      read_site_geojson(settings, mistakes);
-    } else {
-      mistakes.push_back(settings.site.source + ": the site file " + settings.site.path +
-                         " is of no known kind; give a .poly or a .geojson");
-    }
+    read_file(kind, settings, projections, mistakes);
   } catch (const InputError& error) {
     mistakes.push_back(error.what());
   }
+  if (mistakes.size() == before) place_nodes(settings, mistakes);
 }
 
 }  // namespace etcm::firmware

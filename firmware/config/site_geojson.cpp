@@ -32,6 +32,8 @@ struct Label {
   Role role = Role::feature;
   const JsonValue* serials = nullptr;  // of the coordinates of a line
   std::optional<Serial> serial;        // of a point
+  const JsonValue* unit = nullptr;     // of the device that was surveyed at a point
+  std::string bus;                     // of that unit
 };
 
 struct DrawnLine {
@@ -53,10 +55,51 @@ std::string child(const std::string& where, std::size_t index) {
   return where + "/" + std::to_string(index);
 }
 
+// Of a feature or of the first feature with a geometry; null where there is none.
+const JsonValue* first_position(const JsonValue& root) {
+  const JsonValue* const features = root.find("features");
+  if (features != nullptr) {
+    for (const JsonValue& feature : features->items) {
+      if (const JsonValue* const found = first_position(feature)) return found;
+    }
+    return nullptr;
+  }
+  const JsonValue* const geometry = root.find("geometry");
+  const JsonValue* at = geometry != nullptr ? geometry->find("coordinates") : nullptr;
+  while (at != nullptr && at->kind == Kind::array && !at->items.empty()) {
+    if (at->items.front().kind == Kind::number) return at;
+    at = &at->items.front();
+  }
+  return nullptr;
+}
+
+// In 10^-9; none for what will be a mistake where it is read.
+std::optional<port::PlanePoint> plane_point(const JsonValue& position) {
+  if (position.items.size() < 2) return std::nullopt;
+  const auto nano = [](const JsonValue& item) -> std::optional<std::int64_t> {
+    const auto value = item.kind == Kind::number ? files::Decimal::parse(item.text) : std::nullopt;
+    if (!value) return std::nullopt;
+    return (*value * files::Decimal::of(site_nano)).rounded().to_integer();
+  };
+  const auto x = nano(position.items[0]), y = nano(position.items[1]);
+  if (!x || !y) return std::nullopt;
+  return port::PlanePoint{.x = *x, .y = *y};
+}
+
+// "urn:ogc:def:crs:EPSG::25833" is "EPSG:25833".
+std::string short_crs(const std::string& name) {
+  constexpr std::string_view urn = "urn:ogc:def:crs:";
+  if (!name.starts_with(urn)) return name;
+  const std::string rest = name.substr(urn.size());
+  const std::size_t authority = rest.find(':'), code = rest.rfind(':');
+  if (authority == std::string::npos) return name;
+  return rest.substr(0, authority) + rest.substr(code);
+}
+
 class Drawing {
  public:
-  Drawing(Settings& settings, std::vector<std::string>& mistakes)
-      : settings_(settings), grid_(settings.site), mistakes_(mistakes) {}
+  Drawing(Settings& settings, const SiteFrame& frame, std::vector<std::string>& mistakes)
+      : settings_(settings), grid_(settings.site, frame), mistakes_(mistakes) {}
 
   void read(const JsonValue& root) {
     const std::string type = type_of(root, "");
@@ -112,6 +155,10 @@ class Drawing {
     if (role != nullptr && role->kind != Kind::null) label.role = role_of(*role, here + "/kind");
     const JsonValue* const serial = properties->find("serial");
     if (serial != nullptr) label.serial = serial_of(*serial, here + "/serial");
+    const JsonValue* const unit = properties->find("unit");
+    if (unit != nullptr && unit->kind != Kind::null) label.unit = unit;
+    const JsonValue* const bus = properties->find("bus");
+    if (bus != nullptr && bus->kind == Kind::text) label.bus = bus->text;
     const JsonValue* const serials = properties->find("serials");
     if (serials != nullptr && serials->kind != Kind::null) label.serials = serials;
     return label;
@@ -174,8 +221,32 @@ class Drawing {
 
   void read_point(const JsonValue& coordinates, const std::string& where, const Label& label) {
     const Position position = position_of(coordinates, where);
-    note(position, coordinates, where, label.serial);
-    if (!label.serial) anchors_.push_back(position);
+    const std::optional<Serial> serial =
+        label.unit != nullptr ? survey(*label.unit, label, position) : label.serial;
+    note(position, coordinates, where, serial);
+    if (!serial) anchors_.push_back(position);
+  }
+
+  // The serial of the device at this unit, which stands here.
+  Serial survey(const JsonValue& unit, const Label& label, Position position) {
+    const auto number = unit.kind == Kind::number ? files::Decimal::parse(unit.text) : std::nullopt;
+    const auto address = number ? number->to_integer() : std::nullopt;
+    if (!address || *address < 1 || *address > unit_max) {
+      fail(unit, "properties/unit", "is no unit; give a whole number from 1 to 247");
+    }
+    NodeSettings node{.bus = label.bus,
+                      .address = static_cast<std::uint32_t>(*address),
+                      .source = settings_.site.path + ":" + std::to_string(unit.line_number),
+                      .position = position};
+    if (label.serial) node.serial = label.serial->value;
+    const NodeMistake wrong = add_node(settings_, std::move(node));
+    if (!wrong.what.empty()) fail(unit, std::string("properties/") + wrong.key, wrong.what);
+    const NodeSettings& added = settings_.nodes.back();
+    const auto bus =
+        std::find_if(settings_.buses.begin(), settings_.buses.end(),
+                     [&](const BusSettings& other) { return other.name == added.bus; });
+    return device_serial(settings_, static_cast<std::size_t>(bus - settings_.buses.begin()),
+                         ModbusAddress{static_cast<std::uint8_t>(added.address)});
   }
 
   void read_polygon(const JsonValue& rings, const std::string& where, const Label& label,
@@ -358,8 +429,29 @@ class Drawing {
 
 }  // namespace
 
-void read_site_geojson(Settings& settings, std::vector<std::string>& mistakes) {
-  Drawing(settings, mistakes).read(files::read_json(settings.site.path));
+void read_site_geojson(const JsonValue& root, const SiteFrame& frame, Settings& settings,
+                       std::vector<std::string>& mistakes) {
+  Drawing(settings, frame, mistakes).read(root);
+}
+
+GeoJsonFrame frame_of(const JsonValue& root, const std::string& path) {
+  GeoJsonFrame frame{.crs = {}, .first = {}, .line_number = root.line_number};
+  if (const JsonValue* const position = first_position(root)) {
+    frame.line_number = position->line_number;
+    frame.first = plane_point(*position);
+  }
+  const JsonValue* const crs = root.find("crs");
+  if (crs == nullptr || crs->kind == Kind::null) return frame;
+  const JsonValue* const properties = crs->find("properties");
+  const JsonValue* const name = properties != nullptr ? properties->find("name") : nullptr;
+  if (name == nullptr || name->kind != Kind::text) {
+    throw InputError(path, crs->line_number,
+                     "crs: names no coordinate system; take it out, and name that of the file in "
+                     "[site]");
+  }
+  frame.line_number = crs->line_number;
+  frame.crs = short_crs(name->text);
+  return frame;
 }
 
 }  // namespace etcm::firmware

@@ -6,20 +6,6 @@
 
 namespace etcm::firmware {
 
-namespace {
-
-std::optional<Position> position_of(const NodeSettings& node, const SiteSettings& site) {
-  if (!node.x || !node.y) return std::nullopt;
-  return nearest_position(site.plane(), *node.x, *node.y);
-}
-
-}  // namespace
-
-Serial serial_at(BusIndex bus, ModbusAddress address) {
-  constexpr std::uint32_t per_bus = 1000;
-  return Serial{per_bus * (bus.value + 1) + address.value};
-}
-
 Device::Device(Profile profile, Serial serial, port::Duration pause)
     : profile_(std::move(profile)), blocks_(blocks_of(profile_)), serial_(serial), pause_(pause) {
   for (const RegisterSpan block : blocks_) register_count_ += block.count;
@@ -33,7 +19,10 @@ void Device::set_site(const SitePlane& plane, std::optional<Position> surveyed) 
 std::optional<Position> Device::position_in(const Sweep& sweep, ReadingFault& fault) const {
   const DevicePosition told = position_of(profile_, sweep);
   if (!told.is_value()) return std::nullopt;
-  const auto position = nearest_position(plane_, told.east_nano, told.north_nano);
+  const auto position =
+      profile_.positioning == Profile::Positioning::degrees
+          ? nearest_position(plane_, {.longitude = told.east_nano, .latitude = told.north_nano})
+          : nearest_position(plane_, told.east_nano, told.north_nano);
   if (!position) fault = ReadingFault::off_the_plane;
   return position;
 }
@@ -66,10 +55,8 @@ DeviceTable::DeviceTable(const Settings& settings) {
       const Profile* const profile =
           device == nullptr ? nullptr : find_profile(settings, device->profile);
       if (profile == nullptr) continue;
-      Serial serial = serial_at(bus, address);
-      const NodeSettings* const node = node_at(settings, on, address);
-      if (node != nullptr && node->serial) serial = Serial{*node->serial};
-      devices_.try_emplace({bus.value, address.value}, *profile, serial, device->pause);
+      devices_.try_emplace({bus.value, address.value}, *profile,
+                           device_serial(settings, bus.value, address), device->pause);
     }
   }
   update_site(settings);
@@ -79,8 +66,7 @@ void DeviceTable::update_site(const Settings& settings) {
   for (auto& [where, device] : devices_) {
     const NodeSettings* const node =
         node_at(settings, settings.buses[where.first], ModbusAddress{where.second});
-    device.set_site(settings.site.plane(),
-                    node != nullptr ? position_of(*node, settings.site) : std::nullopt);
+    device.set_site(settings.site.plane(), node != nullptr ? node->position : std::nullopt);
   }
 }
 

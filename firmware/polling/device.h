@@ -67,7 +67,4 @@ class DeviceTable {
   std::map<std::pair<std::uint32_t, std::uint8_t>, Device> devices_;
 };
 
-// By which a device is known that tells no serial.
-Serial serial_at(BusIndex bus, ModbusAddress address);
-
 }  // namespace etcm::firmware

@@ -1,5 +1,6 @@
 #include "firmware/site/site_plane.h"
 
+#include <cmath>
 #include <cstdlib>
 
 namespace etcm::firmware {
@@ -12,6 +13,17 @@ std::optional<std::int32_t> nearest(std::int64_t value, std::int64_t origin, std
   const std::int64_t units = nearest_unit(offset, unit);
   if (units < -position_max || units > position_max) return std::nullopt;
   return static_cast<std::int32_t>(units);
+}
+
+// In 10^-9 of what the site counts in; none where that does not fit.
+std::optional<std::int64_t> site_coordinate(std::int64_t subunits, std::int64_t origin,
+                                            std::int64_t unit) {
+  const double offset = static_cast<double>(subunits) / static_cast<double>(subunits_per_unit) *
+                        static_cast<double>(unit);
+  if (!(std::abs(offset) < 9e18)) return std::nullopt;
+  std::int64_t sum = 0;
+  if (__builtin_add_overflow(std::llround(offset), origin, &sum)) return std::nullopt;
+  return sum;
 }
 
 }  // namespace
@@ -27,6 +39,20 @@ std::optional<Position> nearest_position(const SitePlane& plane, std::int64_t x,
   const auto row = nearest(y, plane.origin_y, plane.unit_length);
   if (!column || !row) return std::nullopt;
   return Position{.x = *column, .y = *row};
+}
+
+std::optional<Position> nearest_position(const SitePlane& plane, port::EarthPoint place) {
+  if (plane.projection == nullptr) return std::nullopt;
+  const std::optional<port::PlanePoint> at = plane.projection->to_plane(place);
+  return at ? nearest_position(plane, at->x, at->y) : std::nullopt;
+}
+
+std::optional<port::EarthPoint> earth_point(const SitePlane& plane, const Point& place) {
+  if (plane.projection == nullptr) return std::nullopt;
+  const auto x = site_coordinate(place.x, plane.origin_x, plane.unit_length);
+  const auto y = site_coordinate(place.y, plane.origin_y, plane.unit_length);
+  if (!x || !y) return std::nullopt;
+  return plane.projection->to_earth({.x = *x, .y = *y});
 }
 
 }  // namespace etcm::firmware

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fakes.h"
+#include "firmware/config/configuration.h"
 #include "firmware/polling/device.h"
 #include "support/scratch_folder.h"
 
@@ -125,7 +126,8 @@ class Devices : public testing::Test {
  protected:
   void start(const std::string& more = "") {
     std::vector<std::string> mistakes;
-    rig_.settings = read_settings(folder_.write("site.toml", settings_text + more), mistakes);
+    rig_.settings =
+        read_configuration(folder_.write("site.toml", settings_text + more), nullptr, mistakes);
     ASSERT_TRUE(mistakes.empty()) << mistakes.front();
     rig_.settings.files = FileSettings{.folder = "", .name = "", .interval = 500ms};
     rig_.start_with({&bus_});
@@ -221,7 +223,7 @@ TEST_F(Devices, AnInvalidPlaceIsNone) {
 
 TEST_F(Devices, APlaceBeyondThePlaneIsNamedWithItsCure) {
   put_rover(2, 0, 0);
-  start("[site]\nfile = \"none\"\nunit = \"0.0000001\"\n");
+  start("[site]\nunit = \"0.0001\"\n");
   put_rover(2, 2'000'000, 0);
   rig_.run(500ms);
   EXPECT_EQ(rig_.log.count("beyond the plane of the mesh: set `origin` in [site]"), 1u);
@@ -267,13 +269,14 @@ profile = "named"
   DeviceBus gate;
   gate.put(5, 20, {1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 10, 20});
   std::vector<std::string> mistakes;
-  rig_.settings = read_settings(folder_.write("site.toml", settings_text + text), mistakes);
+  rig_.settings =
+      read_configuration(folder_.write("site.toml", settings_text + text), nullptr, mistakes);
   ASSERT_FALSE(mistakes.empty()) << "two buses, and a [[node]] that names none";
   text = "[[node]]\nbus = \"gate\"\nunit = 5\nx = 9\ny = 9\n" + text;
   std::string all = settings_text;
   all.replace(all.find("[[node]]\n"), 9, "[[node]]\nbus = \"yard\"\n");
   mistakes.clear();
-  rig_.settings = read_settings(folder_.write("site.toml", all + text), mistakes);
+  rig_.settings = read_configuration(folder_.write("site.toml", all + text), nullptr, mistakes);
   ASSERT_TRUE(mistakes.empty()) << mistakes.front();
   rig_.settings.files = FileSettings{.folder = "", .name = "", .interval = 500ms};
   rig_.start_with({&bus_, &gate});

@@ -23,13 +23,13 @@ class Reload : public testing::Test {
 
   Reload() : path_(folder_.write("site.toml", good)) {
     std::vector<std::string> mistakes;
-    settings_ = read_configuration(path_, mistakes);
+    settings_ = read_configuration(path_, nullptr, mistakes);
     EXPECT_TRUE(mistakes.empty()) << mistakes.front();
   }
   bool reload_with(std::string text) {
     folder_.write("site.toml", text);
     log_.lines.clear();
-    const auto next = reload(path_, settings_, log_);
+    const auto next = reload(path_, settings_, nullptr, log_);
     if (next == nullptr) return false;
     settings_ = *next;
     return true;
@@ -100,7 +100,7 @@ TEST_F(Reload, AWrongOneChangesNothingAndIsNamed) {
     EXPECT_EQ(log_.count("is not taken over, the old one stays"), 1u);
   }
   std::filesystem::remove(path_);
-  EXPECT_EQ(reload(path_, settings_, log_), nullptr);
+  EXPECT_EQ(reload(path_, settings_, nullptr, log_), nullptr);
   EXPECT_EQ(settings_.features.size(), 1u);
 }
 

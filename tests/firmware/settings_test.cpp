@@ -353,12 +353,6 @@ INSTANTIATE_TEST_SUITE_P(
                 "[[profile]]\nname = \"a\"\nx = { register = 0 }\ny = { register = 1 }\n" +
                     serial(""),
                 9, "another [[profile]] is named 'a'", "another name"},
-        Mistake{"device_in_degrees",
-                "[[profile]]\nname = \"gnss\"\nlongitude = { register = 0, type = \"f32\" }\n"
-                "latitude = { register = 2, type = \"f32\" }\n" +
-                    serial("[[bus.device]]\nunits = \"1-2\"\nprofile = \"gnss\"\n[[node]]\n"
-                           "unit = 1\nx = 0\ny = 0\n"),
-                11, "tell where they stand in degrees", "as unit 2 has none"},
         Mistake{"node_too_far_away", meter("") + "[[node]]\nunit = 1\nx = 0\ny = \"10000000000\"\n",
                 18, "'y' must be a decimal from -1000000000 to", "in quotes"},
         Mistake{"device_as_table", serial("") + "[bus.device]\nunits = \"1\"\n", 7,

@@ -14,13 +14,14 @@ class Site : public testing::Test {
                 const std::string& features = "") {
     folder_.write(file, contents);
     path_ = folder_.path(file);
+    const std::string plane = file.ends_with(".poly") ? "" : "crs = \"plane\"\n";
     const std::string config =
-        folder_.write("site.toml", "[site]\nfile = \"" + file + "\"\n" + more +
+        folder_.write("site.toml", "[site]\nfile = \"" + file + "\"\n" + plane + more +
                                        "\n[mesh]\nvertices_max = 200\nfeatures_max = 50\n[[bus]]\n"
                                        "tcp = \"127.0.0.1:502\"\nunits = \"1\"\n" +
                                        features);
     mistakes_.clear();
-    return read_configuration(config, mistakes_);
+    return read_configuration(config, nullptr, mistakes_);
   }
   Settings draw(const std::string& features, const std::string& more = "") {
     return read("site.geojson",
@@ -59,7 +60,7 @@ TEST_F(Site, AFileThatIsNotThereIsNamedWhereItIsAskedFor) {
       folder_.write("site.toml",
                     "[mesh]\nvertices_max = 9\n[[bus]]\ntcp = \"127.0.0.1:502\"\nunits = \"1\"\n"
                     "[site]\nfile = \"nowhere.geojson\"\n");
-  read_configuration(config, mistakes_);
+  read_configuration(config, nullptr, mistakes_);
   EXPECT_EQ(mistakes(), "site.toml:6: the site file " + folder_.path("nowhere.geojson") +
                             " is not there; correct 'file'\n");
 }
@@ -185,8 +186,8 @@ INSTANTIATE_TEST_SUITE_P(
               "unit in [site], or round = true to take the nearest"},
         Wrong{"degrees", geometry("Point", "[10.5, 59.25]"),
               "features/0/geometry/coordinates: x 10.5 is no whole number of units; set a smaller "
-              "unit in [site], or round = true to take the nearest (if these are degrees: export "
-              "the file in metres, in a projected coordinate system)"},
+              "unit in [site], or round = true to take the nearest (if these are degrees: GeoJSON "
+              "is read in them where [site] has no crs)"},
         Wrong{"far", geometry("Point", "[0, 16777217]"),
               "features/0/geometry/coordinates: y 16777217 is 16777217 units, and they run from "
               "-16777216 to 16777216; set origin in [site] to a corner of the site, or a greater "

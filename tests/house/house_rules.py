@@ -88,6 +88,7 @@ FOLDERS = {
     "port/gpio": ("port/include", "port/posix"),
     "port/http": ("port/include", "port/posix"),
     "port/modbus": ("port/include", "port/posix"),
+    "port/proj": ("port/include",),
     "tools/inputs": ("lib/include",),
     "tools/etcm": ("lib/include", "port/files", "tools/inputs"),
     "tools/nodes": ("lib/include", "port/include", "port/posix", "port/modbus",

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "proj/proj_projection.h"
+#include "proj/proj_source.h"
 
 namespace etcm::port {
 namespace {
@@ -17,9 +17,9 @@ EarthPoint degrees(double longitude, double latitude) {
   return {.longitude = std::llround(longitude * 1e9), .latitude = std::llround(latitude * 1e9)};
 }
 
-std::unique_ptr<const Projection> about(EarthPoint center) {
+std::shared_ptr<const Projection> about(EarthPoint center) {
   std::string why;
-  auto made = make_local_projection(center, why);
+  auto made = ProjSource().about(center, why);
   EXPECT_NE(made, nullptr) << why;
   return made;
 }
@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(NamedProjection, IsThatOfItsAuthority) {
   std::string why;
-  const auto utm = make_projection("EPSG:25832", why);
+  const auto utm = ProjSource().of_crs("EPSG:25832", why);
   ASSERT_NE(utm, nullptr) << why;
   // The central meridian of zone 32 at the equator: 500 km east by definition.
   const auto point = utm->to_plane(degrees(9, 0));
@@ -127,14 +127,14 @@ TEST(NamedProjection, IsThatOfItsAuthority) {
 TEST(NamedProjection, ThatIsUnknownSaysSo) {
   for (const char* crs : {"EPSG:999999", "nonsense", "", "+proj=none"}) {
     std::string why;
-    EXPECT_EQ(make_projection(crs, why), nullptr) << crs;
+    EXPECT_EQ(ProjSource().of_crs(crs, why), nullptr) << crs;
     EXPECT_FALSE(why.empty()) << crs;
   }
 }
 
 TEST(NamedProjection, WhatItCannotShowIsNone) {
   std::string why;
-  const auto plane = make_local_projection({}, why);
+  const auto plane = ProjSource().about({}, why);
   ASSERT_NE(plane, nullptr) << why;
   EXPECT_FALSE(plane->to_earth({.x = 9'000'000'000 * nano, .y = 9'000'000'000 * nano}));
 }

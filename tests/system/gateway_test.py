@@ -205,7 +205,7 @@ class AgainstNodes(GatewayCase):
 
         site("[[0,0],[90,0]]")
         gateway = self.start_gateway(self.start_nodes(["0,1,join,10,50", "0,2,join,70,60"]),
-                                     head='[site]\nfile = "site.geojson"\n')
+                                     head='[site]\nfile = "site.geojson"\ncrs = "plane"\n')
         self.wait_for_header(nodes=2, features=1, state=0)
         site("[[0,0],[90,0],[90,90]]", "[[0,0],[-20,40]]")
         reread("is read again: 3 segments")
@@ -664,7 +664,7 @@ class ListsOfTheMap(GatewayCase):
                                   "0,4,join,650,500", "0,5,join,0,0", "0,6,join,500,500",
                                   "0,7,join,-5,500", "1500,8,join,350,500", "0,9,join,820,260"])
         gateway = self.start_gateway(
-            buses, head='[site]\nfile = "site.geojson"\n',
+            buses, head='[site]\nfile = "site.geojson"\ncrs = "plane"\n',
             more='[http]\nlisten = "127.0.0.1:0"\n'
                  '[analysis]\nradio_range = 300\nsensing_range = 200\n')
         url = gateway.wait_for_line(r"status page on (http://\S+)").group(1)

@@ -38,6 +38,10 @@ if(ETCM_PACKAGE_DEPENDS)
 else()
   set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 endif()
+# Loaded where a site is in degrees.
+if(TARGET etcm::proj)
+  set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "${ETCM_PROJ_PACKAGE}")
+endif()
 set(etcm_debian "${PROJECT_SOURCE_DIR}/tools/debian")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA
   "${etcm_debian}/conffiles" "${etcm_debian}/postinst" "${etcm_debian}/prerm"

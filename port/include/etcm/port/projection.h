@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <string>
 
 namespace etcm::port {
 
@@ -21,11 +23,29 @@ struct PlanePoint {
 
 class Projection {
  public:
-  virtual ~Projection() = default;
-
-  // None for a point that the other side cannot show. One call at a time, from any thread.
+  // None for a point that the other side cannot show. From any thread; a call may wait for another
+  // one of the same projection, about a microsecond.
   virtual std::optional<PlanePoint> to_plane(EarthPoint point) const = 0;
   virtual std::optional<EarthPoint> to_earth(PlanePoint point) const = 0;
+
+  // Whether x and y are degrees too, of longitude and latitude: a plane for no mesh.
+  virtual bool counts_in_degrees() const = 0;
+
+ protected:
+  ~Projection() = default;
+};
+
+// Where projections come from. What there is none of is null; then `why` says so.
+class ProjectionSource {
+ public:
+  // Of a coordinate reference system: "EPSG:25833".
+  virtual std::shared_ptr<const Projection> of_crs(const std::string& crs, std::string& why) = 0;
+  // Metres about a place: a transverse Mercator projection whose meridian goes through it, so that
+  // lengths near it are true, to a millionth within 9 km east and west of it.
+  virtual std::shared_ptr<const Projection> about(EarthPoint center, std::string& why) = 0;
+
+ protected:
+  ~ProjectionSource() = default;
 };
 
 }  // namespace etcm::port

@@ -1,0 +1,225 @@
+#include "firmware/config/site_projection.h"
+
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+
+namespace etcm::firmware {
+
+namespace {
+
+using Kind = SiteFrame::Kind;
+
+constexpr const char* drawing_crs = "plane";
+constexpr const char* no_proj =
+    "this gateway was built without PROJ, and has no degrees and no crs; draw the site in the "
+    "plane, "
+    "and set crs = \"plane\" in [site]";
+
+// Also as files name it that are older than RFC 7946.
+bool is_wgs84(std::string_view crs) {
+  return crs == "EPSG:4326" || crs == "OGC:CRS84" || crs.ends_with(":CRS84");
+}
+
+bool is_degrees(const port::PlanePoint& point) {
+  return std::abs(point.x) <= 180 * site_nano && std::abs(point.y) <= 90 * site_nano;
+}
+
+// What is in degrees beside the site file.
+struct InDegrees {
+  std::string source;
+  std::string what;
+};
+
+bool is_surveyed(const NodeSettings* node) {
+  return node != nullptr && (node->x || node->longitude || node->position);
+}
+
+std::optional<InDegrees> find_device(const Settings& settings, const BusSettings& bus,
+                                     const DeviceSettings& device) {
+  const Profile* const profile = find_profile(settings, device.profile);
+  if (profile == nullptr || profile->positioning != Profile::Positioning::degrees) {
+    return std::nullopt;
+  }
+  for (const UnitRange range : device.units) {
+    for (const ModbusAddress unit : range) {
+      if (is_surveyed(node_at(settings, bus, unit))) continue;
+      return InDegrees{device.source,
+                       "the devices of '" + device.profile + "' tell where they stand in degrees"};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<InDegrees> find_in_degrees(const Settings& settings) {
+  for (const NodeSettings& node : settings.nodes) {
+    if (node.longitude) return InDegrees{node.source, "this [[node]] was surveyed in degrees"};
+  }
+  for (const BusSettings& bus : settings.buses) {
+    for (const DeviceSettings& device : bus.devices) {
+      if (auto found = find_device(settings, bus, device)) return found;
+    }
+  }
+  return std::nullopt;
+}
+
+class SiteProjector {
+ public:
+  SiteProjector(Settings& settings, const GeoJsonFrame* file, port::ProjectionSource* source,
+                std::vector<std::string>& mistakes)
+      : settings_(settings),
+        site_(settings.site),
+        file_(file),
+        source_(source),
+        mistakes_(mistakes),
+        in_degrees_(find_in_degrees(settings)) {}
+
+  SiteFrame run() {
+    site_.projection = nullptr;
+    site_.has_origin_in_degrees = false;
+    SiteFrame frame;
+    if (site_.crs == drawing_crs) {
+      if (in_degrees_) {
+        fail(in_degrees_->source, in_degrees_->what +
+                                      ", and crs = \"plane\" in [site] says that nobody knows "
+                                      "where on the earth the plane is; name its coordinate "
+                                      "system, such as \"EPSG:25833\", or take crs out");
+      }
+      return frame;
+    }
+    const std::size_t before = mistakes_.size();
+    if (!site_.crs.empty()) take_named();
+    if (file_ != nullptr && mistakes_.size() == before) frame = read_file();
+    if (mistakes_.size() == before && site_.projection == nullptr &&
+        (in_degrees_ || frame.kind != Kind::plane)) {
+      take_local(frame);
+    }
+    return frame;
+  }
+
+ private:
+  void fail(const std::string& source, const std::string& what) {
+    mistakes_.push_back(source + ": " + what);
+  }
+  std::string file_place() const { return site_.path + ":" + std::to_string(file_->line_number); }
+
+  std::shared_ptr<const port::Projection> named(const std::string& crs, const std::string& place) {
+    if (source_ == nullptr) {
+      fail(place, no_proj);
+      return nullptr;
+    }
+    std::string why;
+    auto made = source_->of_crs(crs, why);
+    if (made == nullptr) {
+      fail(place, "the coordinate system '" + crs + "' cannot be had: " + why +
+                      "; write its code as \"EPSG:25833\"");
+    }
+    return made;
+  }
+
+  void take_named() {
+    site_.projection = named(site_.crs, site_.source);
+    if (site_.projection != nullptr && site_.projection->counts_in_degrees()) {
+      fail(site_.source, "crs '" + site_.crs +
+                             "' counts in degrees, and a mesh is in a plane; name a projected one, "
+                             "or take crs out, and the plane is metres about the site");
+    }
+  }
+
+  SiteFrame read_file() {
+    if (is_wgs84(file_->crs)) return {.kind = Kind::degrees};
+    if (!file_->crs.empty()) return read_named_file();
+    if (!file_->first || is_degrees(*file_->first)) return {.kind = Kind::degrees};
+    // What is no degree cannot be WGS 84.
+    if (site_.crs.empty()) {
+      fail(file_place(),
+           "these are no degrees, in which GeoJSON counts unless it says otherwise; name the "
+           "coordinate system of the file as crs = \"EPSG:...\" in [site], or set crs = \"plane\" "
+           "if it is a drawing");
+    }
+    return {};
+  }
+
+  SiteFrame read_named_file() {
+    if (file_->crs == site_.crs) return {};
+    auto projection = named(file_->crs, file_place());
+    if (projection == nullptr) return {};
+    if (site_.crs.empty() && !projection->counts_in_degrees()) {
+      site_.projection = std::move(projection);
+      return {};
+    }
+    return {.kind = Kind::other, .projection = std::move(projection)};
+  }
+
+  void take_local(const SiteFrame& frame) {
+    const std::string place = in_degrees_ ? in_degrees_->source : file_place();
+    if (source_ == nullptr) return fail(place, no_proj);
+    site_.has_origin_in_degrees = site_.origin != SiteOrigin{};
+    if (site_.has_origin_in_degrees && !is_degrees({.x = site_.origin.x, .y = site_.origin.y})) {
+      return fail(place,
+                  "the origin is no longitude and latitude in degrees, in which the site is; write "
+                  "origin = [\"LONGITUDE\", \"LATITUDE\"] in [site], or name the crs in which it "
+                  "is");
+    }
+    const std::optional<port::EarthPoint> center = find_center(frame);
+    if (!center) {
+      return fail(place, (in_degrees_ ? in_degrees_->what : "the site file has no position") +
+                             ", and nothing says about which place the plane is; set origin = "
+                             "[\"LONGITUDE\", \"LATITUDE\"] in [site] to the middle of the site");
+    }
+    std::string why;
+    site_.projection = source_->about(*center, why);
+    if (site_.projection == nullptr) fail(place, "the plane of the site cannot be had: " + why);
+  }
+
+  std::optional<port::EarthPoint> find_center(const SiteFrame& frame) const {
+    if (site_.has_origin_in_degrees) {
+      return port::EarthPoint{.longitude = site_.origin.x, .latitude = site_.origin.y};
+    }
+    if (frame.kind == Kind::degrees && file_->first) {
+      return port::EarthPoint{.longitude = file_->first->x, .latitude = file_->first->y};
+    }
+    if (frame.kind == Kind::other && file_->first) return frame.projection->to_earth(*file_->first);
+    for (const NodeSettings& node : settings_.nodes) {
+      if (node.longitude && node.latitude) {
+        return port::EarthPoint{.longitude = *node.longitude, .latitude = *node.latitude};
+      }
+    }
+    return std::nullopt;
+  }
+
+  Settings& settings_;
+  SiteSettings& site_;
+  const GeoJsonFrame* file_;
+  port::ProjectionSource* source_;
+  std::vector<std::string>& mistakes_;
+  const std::optional<InDegrees> in_degrees_;
+};
+
+}  // namespace
+
+SiteFrame project_site(Settings& settings, const GeoJsonFrame* file, port::ProjectionSource* source,
+                       std::vector<std::string>& mistakes) {
+  return SiteProjector(settings, file, source, mistakes).run();
+}
+
+void place_nodes(Settings& settings, std::vector<std::string>& mistakes) {
+  const SitePlane plane = settings.site.plane();
+  for (NodeSettings& node : settings.nodes) {
+    if (node.x && node.y) {
+      node.position = nearest_position(plane, *node.x, *node.y);
+    } else if (node.longitude && node.latitude) {
+      node.position = nearest_position(
+          plane, port::EarthPoint{.longitude = *node.longitude, .latitude = *node.latitude});
+    } else {
+      continue;
+    }
+    if (node.position) continue;
+    mistakes.push_back(node.source +
+                       ": it stands beyond the plane of the mesh, which goes 16777216 units from "
+                       "its origin; correct where it stands, or set origin in [site] to a place of "
+                       "the site, or a greater unit");
+  }
+}
+
+}  // namespace etcm::firmware

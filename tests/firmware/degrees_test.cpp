@@ -1,0 +1,294 @@
+// Sites in degrees, with PROJ itself: what their files and nodes become in the plane.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "etcm/types.h"
+#include "fakes.h"
+#include "firmware/config/configuration.h"
+#include "firmware/config/reload.h"
+#include "proj/proj_source.h"
+#include "support/scratch_folder.h"
+
+namespace etcm::firmware {
+namespace {
+
+constexpr const char* rest = R"(
+[mesh]
+vertices_max = 200
+features_max = 50
+[[profile]]
+name = "rover"
+longitude = { register = 0, type = "i32", scale = "1/10000000" }
+latitude = { register = 2, type = "i32", scale = "1/10000000" }
+[[profile]]
+name = "meter"
+[[profile.reading]]
+name = "level"
+value = { register = 0, type = "u16" }
+[[bus]]
+tcp = "127.0.0.1:502"
+name = "yard"
+[[bus.device]]
+units = "5-6"
+profile = "meter"
+)";
+
+class Degrees : public testing::Test {
+ protected:
+  Settings read(const std::string& site, const std::string& more = "") {
+    mistakes_.clear();
+    config_ = folder_.write("site.toml", site + rest + more);
+    return read_configuration(config_, projections_, mistakes_);
+  }
+  // A file of one line, with `member` before its features.
+  Settings draw(const std::string& positions, const std::string& site = "",
+                const std::string& member = "") {
+    folder_.write("site.geojson",
+                  "{\"type\": \"FeatureCollection\"," + member +
+                      "\n\"features\": [{\"type\": \"Feature\", \"properties\": {}, \"geometry\": "
+                      "{\"type\": \"LineString\", \"coordinates\": [\n" +
+                      positions + "]}}]}");
+    return read("[site]\nfile = \"site.geojson\"\n" + site);
+  }
+  std::string mistakes() const {
+    std::string all;
+    for (const std::string& mistake : mistakes_) all += mistake + "\n";
+    const std::string folder = folder_.path("");
+    for (std::size_t at; (at = all.find(folder)) != std::string::npos;)
+      all.erase(at, folder.size());
+    return all;
+  }
+
+  port::ProjSource proj_;
+  port::ProjectionSource* projections_ = &proj_;
+  test::ScratchFolder folder_;
+  std::string config_;
+  std::vector<std::string> mistakes_;
+};
+
+// Of the ellipsoid of WGS 84, in metres for a degree there.
+double parallel_degree(double latitude) {
+  const double radian = std::acos(-1.0) / 180, s = std::sin(latitude * radian);
+  return 6378137 / std::sqrt(1 - 0.00669437999014 * s * s) * std::cos(latitude * radian) * radian;
+}
+
+TEST_F(Degrees, AreWhatGeoJsonCountsIn) {
+  const Settings settings = draw("[10.4, 63.4], [10.41, 63.4]");
+  ASSERT_EQ(mistakes(), "");
+  ASSERT_EQ(settings.anchors.size(), 2u);
+  EXPECT_EQ(settings.anchors[0].position, (Position{0, 0})) << "the first position is the middle";
+  EXPECT_NEAR(settings.anchors[1].position.x, 0.01 * parallel_degree(63.4), 1);
+  EXPECT_NEAR(settings.anchors[1].position.y, 0, 1);
+}
+
+TEST_F(Degrees, AreAboutTheOriginThatIsGiven) {
+  const Settings settings =
+      draw("[10.4, 63.4], [10.41, 63.4]", "origin = [\"10.41\", \"63.4\"]\nunit = \"0.01\"\n");
+  ASSERT_EQ(mistakes(), "");
+  EXPECT_EQ(settings.anchors[1].position, (Position{0, 0}));
+  EXPECT_NEAR(settings.anchors[0].position.x, -parallel_degree(63.4), 2);
+}
+
+TEST_F(Degrees, BecomeTheCoordinatesOfACrs) {
+  const Settings settings = draw("[9, 0.1], [9.001, 0.1]", "crs = \"EPSG:25832\"\n");
+  ASSERT_EQ(mistakes(), "");
+  // The central meridian of zone 32 is 500 km east by definition.
+  EXPECT_EQ(settings.anchors[0].position.x, 500'000);
+  EXPECT_NEAR(settings.anchors[1].position.x, 500'000 + 0.9996 * 0.001 * parallel_degree(0.1), 1);
+}
+
+TEST_F(Degrees, AFileInTheCrsOfThePlaneIsTakenAsItIs) {
+  const Settings settings = draw("[569000.25, 7034000], [569010, 7034000]",
+                                 "crs = \"EPSG:25832\"\nunit = \"0.25\"\n"
+                                 "origin = [\"569000\", \"7034000\"]\n");
+  ASSERT_EQ(mistakes(), "");
+  EXPECT_EQ(settings.anchors[0].position, (Position{1, 0}));
+  EXPECT_EQ(settings.anchors[1].position, (Position{40, 0}));
+  ASSERT_NE(settings.site.projection, nullptr);
+}
+
+// As QGIS writes it.
+constexpr const char* utm_member =
+    "\"crs\": {\"type\": \"name\", \"properties\": {\"name\": \"urn:ogc:def:crs:EPSG::25832\"}},";
+
+TEST_F(Degrees, AFileMayNameItsCrs) {
+  const Settings settings = draw("[569000, 7034000], [569010, 7034000]",
+                                 "origin = [\"569000\", \"7034000\"]\n", utm_member);
+  ASSERT_EQ(mistakes(), "");
+  EXPECT_EQ(settings.anchors[0].position, (Position{0, 0}));
+  EXPECT_EQ(settings.anchors[1].position, (Position{10, 0})) << "exactly";
+  ASSERT_NE(settings.site.projection, nullptr);
+}
+
+TEST_F(Degrees, AFileInOneCrsGoesIntoThePlaneOfAnother) {
+  const std::string site = "crs = \"EPSG:25833\"\norigin = [\"269000\", \"7040000\"]\n";
+  const Settings settings = draw("[569000, 7034000], [569010, 7034000]", site, utm_member);
+  ASSERT_EQ(mistakes(), "");
+  const port::EarthPoint first =
+      earth_point(settings.site.plane(), to_point(settings.anchors[0].position)).value();
+  std::string why;
+  const auto utm = proj_.of_crs("EPSG:25832", why)->to_plane(first);
+  EXPECT_NEAR(static_cast<double>(utm->x) / 1e9, 569000, 1);
+  EXPECT_NEAR(static_cast<double>(utm->y) / 1e9, 7034000, 1);
+}
+
+TEST_F(Degrees, OfNodesAreWhereTheySay) {
+  const Settings settings =
+      read("",
+           "[[node]]\nunit = 5\nlongitude = \"10.4\"\nlatitude = \"63.4\"\n"
+           "[[node]]\nunit = 6\nlongitude = \"10.41\"\nlatitude = \"63.4\"\n");
+  ASSERT_EQ(mistakes(), "");
+  EXPECT_EQ(settings.nodes[0].position, (Position{0, 0}));
+  EXPECT_NEAR(settings.nodes[1].position->x, 0.01 * parallel_degree(63.4), 1);
+}
+
+TEST_F(Degrees, APointOfTheFileIsTheDeviceThatWasSurveyedThere) {
+  folder_.write("site.geojson",
+                R"({"type": "FeatureCollection", "features": [
+{"type": "Feature", "properties": {"unit": 5}, "geometry": {"type": "Point", "coordinates": [10, 60]}},
+{"type": "Feature", "properties": {"bus": "yard", "unit": 6, "serial": 77},
+ "geometry": {"type": "Point", "coordinates": [10.001, 60]}},
+{"type": "Feature", "properties": {"name": "pipe"},
+ "geometry": {"type": "LineString", "coordinates": [[10, 60], [10.001, 60]]}}]})");
+  const Settings settings = read("[site]\nfile = \"site.geojson\"\n");
+  ASSERT_EQ(mistakes(), "");
+  ASSERT_EQ(settings.nodes.size(), 2u);
+  EXPECT_EQ(settings.nodes[0].position, (Position{0, 0}));
+  ASSERT_EQ(settings.features.size(), 1u);
+  EXPECT_EQ(settings.features[0].from, FeatureEnd(Serial{1005}));
+  EXPECT_EQ(settings.features[0].to, FeatureEnd(Serial{77}));
+  EXPECT_TRUE(settings.anchors.empty());
+}
+
+struct Wrong {
+  const char* name;
+  const char* positions;
+  const char* site;
+  const char* member;
+  const char* said;
+};
+
+class WrongDegrees : public Degrees, public testing::WithParamInterface<Wrong> {};
+
+TEST_P(WrongDegrees, AreToldWithTheirCure) {
+  const Wrong& wrong = GetParam();
+  draw(wrong.positions, wrong.site, wrong.member);
+  EXPECT_EQ(mistakes(), std::string(wrong.said) + "\n");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, WrongDegrees,
+    testing::Values(
+        Wrong{"metres", "[569000, 7034000], [569010, 7034000]", "", "",
+              "site.geojson:3: these are no degrees, in which GeoJSON counts unless it says "
+              "otherwise; name the coordinate system of the file as crs = \"EPSG:...\" in [site], "
+              "or set crs = \"plane\" if it is a drawing"},
+        Wrong{"some_metres", "[10, 60], [569010, 7034000]", "", "",
+              "site.geojson:3: features/0/geometry/coordinates/1: [569010, 7034000] is no "
+              "longitude and latitude in degrees, as the first position of the file is; correct "
+              "it"},
+        Wrong{"a_drawing", "[0, 0], [90, 60]", "unit = \"0.1\"\n", "",
+              "site.geojson:3: features/0/geometry/coordinates/1: [90, 60] is beyond the plane of "
+              "the mesh, which goes 16777216 units from its origin; set origin in [site] to a "
+              "place of the site, or a greater unit (if these are no degrees: crs = \"plane\")"},
+        Wrong{"unknown_crs", "[10, 60], [11, 60]", "crs = \"EPSG:999999\"\n", "",
+              "site.toml:1: the coordinate system 'EPSG:999999' cannot be had: PROJ does not know "
+              "it; "
+              "write its code as \"EPSG:25833\""},
+        Wrong{"crs_in_degrees", "[10, 60], [11, 60]", "crs = \"EPSG:4258\"\n", "",
+              "site.toml:1: crs 'EPSG:4258' counts in degrees, and a mesh is in a plane; name a "
+              "projected one, or take crs out, and the plane is metres about the site"},
+        Wrong{"crs_without_name", "[10, 60], [11, 60]", "", "\"crs\": {},",
+              "site.geojson:1: crs: names no coordinate system; take it out, and name that of the "
+              "file in [site]"},
+        Wrong{"file_in_an_unknown_crs", "[10, 60], [11, 60]", "",
+              "\"crs\": {\"properties\": {\"name\": \"nonsense\"}},",
+              "site.geojson:1: the coordinate system 'nonsense' cannot be had: PROJ does not know "
+              "it; "
+              "write its code as \"EPSG:25833\""},
+        Wrong{"origin_that_is_none", "[10, 60], [11, 60]", "origin = [\"569000\", \"7034000\"]\n",
+              "",
+              "site.geojson:3: the origin is no longitude and latitude in degrees, in which the "
+              "site is; write origin = [\"LONGITUDE\", \"LATITUDE\"] in [site], or name the crs in "
+              "which it is"}),
+    [](const auto& row) { return row.param.name; });
+
+TEST_F(Degrees, WithoutProjAreToldAndThePlaneWorks) {
+  projections_ = nullptr;
+  draw("[10, 60], [11, 60]");
+  EXPECT_EQ(mistakes(),
+            "site.geojson:3: this gateway was built without PROJ, and has no degrees and no crs; "
+            "draw the site in the plane, and set crs = \"plane\" in [site]\n");
+  const Settings settings = draw("[10, 60], [11, 60]", "crs = \"plane\"\n");
+  EXPECT_EQ(mistakes(), "");
+  EXPECT_EQ(settings.anchors[1].position, (Position{11, 60}));
+}
+
+TEST_F(Degrees, OfDevicesNeedAPlaceToBeAbout) {
+  const std::string rovers = "[[bus.device]]\nunits = \"7\"\nprofile = \"rover\"\n";
+  read("", rovers);
+  EXPECT_EQ(mistakes(),
+            "site.toml:20: the devices of 'rover' tell where they stand in degrees, and nothing "
+            "says about which place the plane is; set origin = [\"LONGITUDE\", \"LATITUDE\"] in "
+            "[site] to the middle of the site\n");
+  read("[site]\ncrs = \"plane\"\n", rovers);
+  EXPECT_NE(mistakes().find("crs = \"plane\" in [site] says that nobody knows"), std::string::npos);
+  read("[site]\norigin = [\"10\", \"60\"]\n", rovers);
+  EXPECT_EQ(mistakes(), "");
+  read("[site]\ncrs = \"EPSG:25832\"\n", rovers);
+  EXPECT_EQ(mistakes(), "");
+}
+
+TEST_F(Degrees, ANodeHasOneWholePlace) {
+  read("[site]\norigin = [\"10\", \"60\"]\n", "[[node]]\nunit = 5\nlongitude = \"10\"\n");
+  EXPECT_NE(mistakes().find("'longitude' and 'latitude' go together; add 'latitude'"),
+            std::string::npos)
+      << mistakes();
+  read("", "[[node]]\nunit = 5\nx = 1\ny = 1\nlongitude = \"10\"\nlatitude = \"60\"\n");
+  EXPECT_NE(mistakes().find("both in the plane and in degrees"), std::string::npos);
+  read("[site]\norigin = [\"10\", \"60\"]\n",
+       "[[node]]\nunit = 5\nlongitude = \"-170\"\nlatitude = \"-60\"\n");
+  EXPECT_NE(mistakes().find("beyond the plane of the mesh"), std::string::npos) << mistakes();
+}
+
+// A unit is a centimetre: there and back is the same unit, wherever on the earth.
+TEST_F(Degrees, ComeBackToTheSameUnit) {
+  struct Place {
+    double longitude, latitude;
+  };
+  for (const Place& place : {Place{10.4, 63.4}, Place{12, 55}, Place{15.6, 80}, Place{-79.9, 0},
+                             Place{180, -16.8}, Place{-68.3, -54.8}}) {
+    char origin[80];
+    std::snprintf(origin, sizeof origin, "[site]\norigin = [\"%.6f\", \"%.6f\"]\nunit = \"0.01\"\n",
+                  place.longitude, place.latitude);
+    const Settings settings = read(origin, "[[bus.device]]\nunits = \"7\"\nprofile = \"rover\"\n");
+    ASSERT_EQ(mistakes(), "");
+    const SitePlane plane = settings.site.plane();
+    for (const std::int32_t x : {-2'000'000, -123'457, 0, 1, 2'000'000}) {
+      for (const std::int32_t y : {-2'000'000, -3, 0, 777'777, 2'000'000}) {
+        const Position there{x, y};
+        const auto degrees = earth_point(plane, to_point(there));
+        ASSERT_TRUE(degrees);
+        ASSERT_LE(std::abs(degrees->longitude), 180 * site_nano);
+        EXPECT_EQ(nearest_position(plane, *degrees), there);
+      }
+    }
+  }
+}
+
+TEST_F(Degrees, AReloadMovesWhatWasSurveyed) {
+  const std::string node = "[[node]]\nunit = 5\nlongitude = \"10\"\nlatitude = \"60\"\n";
+  Settings settings = read("[site]\norigin = [\"10\", \"60\"]\n", node);
+  ASSERT_EQ(mistakes(), "");
+  ASSERT_EQ(settings.nodes[0].position, (Position{0, 0}));
+  folder_.write("site.toml", "[site]\norigin = [\"10.001\", \"60\"]\n" + std::string(rest) + node);
+  RecordingLog log;
+  const auto next = reload(config_, settings, projections_, log);
+  ASSERT_NE(next, nullptr);
+  EXPECT_NEAR(next->nodes[0].position->x, -0.001 * parallel_degree(60), 1);
+}
+
+}  // namespace
+}  // namespace etcm::firmware
