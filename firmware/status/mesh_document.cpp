@@ -27,13 +27,20 @@ constexpr int coordinate_digits = 4;
 // Neighbours that are looked at in one piece of a list of edges.
 constexpr std::uint32_t looks_max = 1000;
 
-void write_point(Point point, TextWriter& piece) {
+// Of a degree: a tenth of a millimetre.
+constexpr int degree_digits = 9;
+
+void write_plane_place(const Point& place, const char* between, TextWriter& piece) {
   const auto units = [](std::int64_t coordinate) {
     return static_cast<double>(coordinate) / static_cast<double>(subunits_per_unit);
   };
-  piece << "[";
-  piece.decimal(units(point.x), coordinate_digits) << ",";
-  piece.decimal(units(point.y), coordinate_digits) << "]";
+  piece.decimal(units(place.x), coordinate_digits) << between;
+  piece.decimal(units(place.y), coordinate_digits);
+}
+
+void write_degrees(const port::EarthPoint& place, const char* between, TextWriter& piece) {
+  piece.decimal(static_cast<double>(place.longitude) / 1e9, degree_digits) << between;
+  piece.decimal(static_cast<double>(place.latitude) / 1e9, degree_digits);
 }
 
 void write_rejection(const Rejection& rejection, TextWriter& piece) {
@@ -115,10 +122,13 @@ void MeshDocument::write_lines_head(const char* kind, const Cursor& cursor,
 
 void MeshDocument::write_line(Cursor& cursor, std::uint32_t from_row, std::uint32_t to_row,
                               TextWriter& piece) const {
+  const Point& from = snapshot_.vertices[from_row].point;
+  const Point& to = snapshot_.vertices[to_row].point;
+  if (is_in_degrees() && (!earth_point(plane_, from) || !earth_point(plane_, to))) return;
   piece << cursor.separator() << "[";
-  write_point(snapshot_.vertices[from_row].point, piece);
+  write_coordinates(from, piece);
   piece << ",";
-  write_point(snapshot_.vertices[to_row].point, piece);
+  write_coordinates(to, piece);
   piece << "]";
 }
 
@@ -151,7 +161,8 @@ void MeshDocument::write_relay(Cursor& cursor, TextWriter& piece) const {
   if (cursor.item >= all.size()) return cursor.next_section();
   const ProposedRelay& relay = all[cursor.item++];
   if (relay.row != no_row && snapshot_.vertices[relay.row].kind == VertexKind::steiner) return;
-  write_position_head(relay.point, piece);
+  piece << ",\n{\"type\":\"Feature\",\"geometry\":";
+  write_place(relay.point, piece);
   piece << "\"kind\":\"relay\",\"feature\":" << relay.feature << "}}";
 }
 
@@ -159,14 +170,40 @@ void MeshDocument::write_hole(Cursor& cursor, TextWriter& piece) const {
   const auto& all = snapshot_.analysis.holes;
   if (cursor.item >= all.size()) return cursor.next_section();
   const CoverageHole& hole = all[cursor.item++];
-  write_position_head(hole.point, piece);
+  piece << ",\n{\"type\":\"Feature\",\"geometry\":";
+  write_place(hole.point, piece);
   piece << "\"kind\":\"hole\",\"distance\":" << hole.distance << "}}";
 }
 
-void MeshDocument::write_position_head(Point place, TextWriter& piece) const {
-  piece << ",\n{\"type\":\"Feature\",\"geometry\":{\"type\":\"Point\",\"coordinates\":";
-  write_point(place, piece);
-  piece << "},\"properties\":{";
+void MeshDocument::write_coordinates(Point place, TextWriter& piece) const {
+  piece << "[";
+  if (!is_in_degrees()) {
+    write_plane_place(place, ",", piece);
+  } else if (const auto degrees = earth_point(plane_, place)) {
+    write_degrees(*degrees, ",", piece);
+  }
+  piece << "]";
+}
+
+void MeshDocument::write_place(Point place, TextWriter& piece) const {
+  const std::optional<port::EarthPoint> degrees = earth_point(plane_, place);
+  if (is_in_degrees() && !degrees) {
+    piece << "null";
+  } else {
+    piece << "{\"type\":\"Point\",\"coordinates\":";
+    write_coordinates(place, piece);
+    piece << "}";
+  }
+  piece << ",\"properties\":{";
+  if (is_in_degrees()) {
+    piece << "\"x\":";
+    write_plane_place(place, ",\"y\":", piece);
+    piece << ",";
+  } else if (degrees) {
+    piece << "\"longitude\":";
+    write_degrees(*degrees, ",\"latitude\":", piece);
+    piece << ",";
+  }
 }
 
 // One of its neighbours a call: there may be any number of them.
@@ -192,10 +229,8 @@ void MeshDocument::write_vertex(Cursor& cursor, TextWriter& piece) const {
 
 void MeshDocument::write_vertex_head(const SnapshotVertex& vertex, std::uint32_t row,
                                      TextWriter& piece) const {
-  piece << ",\n{\"type\":\"Feature\",\"id\":" << row + 1
-        << ",\"geometry\":{\"type\":\"Point\",\"coordinates\":";
-  write_point(vertex.point, piece);
-  piece << "},\"properties\":{";
+  piece << ",\n{\"type\":\"Feature\",\"id\":" << row + 1 << ",\"geometry\":";
+  write_place(vertex.point, piece);
   if (vertex.is_anchor) {
     piece << "\"kind\":\"anchor\"";
   } else if (vertex.kind == VertexKind::node) {
@@ -216,12 +251,11 @@ void MeshDocument::write_unplaced_node(Cursor& cursor, TextWriter& piece) const 
   const SnapshotUnplacedNode& node = snapshot_.unplaced_nodes[cursor.item++];
   piece << ",\n{\"type\":\"Feature\",\"geometry\":";
   if (node.has_position) {
-    piece << "{\"type\":\"Point\",\"coordinates\":[" << node.position.x << "," << node.position.y
-          << "]}";
+    write_place(to_point(node.position), piece);
   } else {
-    piece << "null";
+    piece << "null,\"properties\":{";
   }
-  piece << ",\"properties\":{\"kind\":\"node\",\"serial\":" << node.serial.value;
+  piece << "\"kind\":\"node\",\"serial\":" << node.serial.value;
   write_unit(node.unit_index, piece);
   piece << ",\"in_mesh\":false";
   if (node.is_missing) piece << ",\"missing\":true";

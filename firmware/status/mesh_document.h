@@ -1,5 +1,6 @@
-// A snapshot as GeoJSON (RFC 7946, but in the site's units and not in degrees): a map program opens
-// it, and the status page draws from it.
+// A snapshot as GeoJSON: a map program opens it, and the status page draws from it. Its coordinates
+// are degrees (RFC 7946) or the units of the mesh; a point has the others as properties, "x" and
+// "y" or "longitude" and "latitude", where the site knows both.
 //
 // Its features, by the property "kind":
 //   "node", "steiner"  a point; "neighbours" are ids of other points, counter-clockwise
@@ -17,16 +18,21 @@
 
 #include "firmware/polling/poller.h"
 #include "firmware/publish/snapshot.h"
+#include "firmware/site/site_plane.h"
 #include "firmware/status/document.h"
 
 namespace etcm::firmware {
 
 class MeshDocument final : public Document {
  public:
-  // Names of units are asked of `poller`. Both must outlive this; the snapshot changes only while
-  // nobody reads.
-  MeshDocument(const Snapshot& snapshot, const Poller& poller, std::uint64_t instance)
-      : snapshot_(snapshot), poller_(poller), instance_(instance) {}
+  // What its coordinates are. Those of a site without degrees are in the plane either way.
+  enum class Frame : std::uint8_t { plane, degrees };
+
+  // Names of units are asked of `poller`. All must outlive this; the snapshot and its plane change
+  // only while nobody reads.
+  MeshDocument(const Snapshot& snapshot, const SitePlane& plane, const Poller& poller,
+               std::uint64_t instance, Frame frame)
+      : snapshot_(snapshot), plane_(plane), poller_(poller), instance_(instance), frame_(frame) {}
 
   bool write_next(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const override;
 
@@ -39,7 +45,12 @@ class MeshDocument final : public Document {
   void write_gap(Cursor& cursor, TextWriter& piece) const;
   void write_relay(Cursor& cursor, TextWriter& piece) const;
   void write_hole(Cursor& cursor, TextWriter& piece) const;
-  void write_position_head(Point place, TextWriter& piece) const;
+  bool is_in_degrees() const { return frame_ == Frame::degrees && plane_.projection != nullptr; }
+  // "[10.4,63.4]". REQUIRES: in degrees, the place is on the earth.
+  void write_coordinates(Point place, TextWriter& piece) const;
+  // A geometry (null for what is nowhere on the earth) and "properties":{ with the place in the
+  // other frame, to be completed.
+  void write_place(Point place, TextWriter& piece) const;
   void write_vertex(Cursor& cursor, TextWriter& piece) const;
   void write_vertex_head(const SnapshotVertex& vertex, std::uint32_t row, TextWriter& piece) const;
   void write_unplaced_node(Cursor& cursor, TextWriter& piece) const;
@@ -48,8 +59,10 @@ class MeshDocument final : public Document {
   void write_unit(UnitIndex unit, TextWriter& piece) const;
 
   const Snapshot& snapshot_;
+  const SitePlane& plane_;
   const Poller& poller_;
   const std::uint64_t instance_;
+  const Frame frame_;
 };
 
 }  // namespace etcm::firmware

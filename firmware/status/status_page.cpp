@@ -48,7 +48,8 @@ port::WebAnswer StatusPage::begin(std::size_t number, std::string_view path) {
   reader.cursor = {};
   reader.asked_at = now_;
   reader.kept = no_kept;
-  if (path == "/mesh.geojson") return show_mesh(reader);
+  if (path == "/mesh.geojson") return show_mesh(reader, MeshDocument::Frame::degrees);
+  if (path == "/mesh.json") return show_mesh(reader, MeshDocument::Frame::plane);
   if (path == "/status.json") return show(reader, status_, json_media_type);
   if (path == "/ages.json") return show(reader, ages_, json_media_type);
   if (path == "/metrics") return show(reader, metrics_, metrics_media_type);
@@ -99,11 +100,13 @@ port::WebAnswer StatusPage::show(Reader& reader, const Document& document, const
   return {.media_type = media_type};
 }
 
-port::WebAnswer StatusPage::show_mesh(Reader& reader) {
+port::WebAnswer StatusPage::show_mesh(Reader& reader, MeshDocument::Frame frame) {
   reader.kept = keep_newest();
   Kept& kept = kept_[reader.kept];
   ++kept.readers;
-  port::WebAnswer answer = show(reader, kept.document, "application/geo+json");
+  const bool is_geojson = frame == MeshDocument::Frame::degrees;
+  port::WebAnswer answer = is_geojson ? show(reader, kept.in_degrees, "application/geo+json")
+                                      : show(reader, kept.in_plane, json_media_type);
   answer.version = version_of(instance_of(sources_), kept.snapshot.generation);
   return answer;
 }
@@ -123,6 +126,7 @@ std::size_t StatusPage::keep_newest() {
   for (std::size_t place : {1 - newer, newer}) {
     if (kept_[place].readers > 0) continue;
     kept_[place].snapshot = newest;
+    kept_[place].plane = sources_.gateway.settings().site.plane();
     return place;
   }
   return newer;

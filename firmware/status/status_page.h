@@ -42,18 +42,22 @@ class StatusPage final : public port::WebSite {
     std::array<char, piece_bytes_max> piece;
   };
   struct Kept {
-    Kept(const Poller& poller, std::uint64_t instance) : document(snapshot, poller, instance) {}
+    Kept(const Poller& poller, std::uint64_t instance)
+        : in_degrees(snapshot, plane, poller, instance, MeshDocument::Frame::degrees),
+          in_plane(snapshot, plane, poller, instance, MeshDocument::Frame::plane) {}
     Kept(const Kept&) = delete;
     Kept& operator=(const Kept&) = delete;
     Snapshot snapshot;
-    MeshDocument document;
+    SitePlane plane;
+    MeshDocument in_degrees;
+    MeshDocument in_plane;
     std::uint32_t readers = 0;
   };
   static constexpr std::size_t no_kept = ~std::size_t{0};
 
   port::WebAnswer show(Reader& reader, std::string_view text, std::uint16_t status);
   port::WebAnswer show(Reader& reader, const Document& document, const char* media_type);
-  port::WebAnswer show_mesh(Reader& reader);
+  port::WebAnswer show_mesh(Reader& reader, MeshDocument::Frame frame);
   port::WebAnswer show_health(Reader& reader);
   std::size_t keep_newest();
 

@@ -1,6 +1,7 @@
 // Sites in degrees, with PROJ itself: what their files and nodes become in the plane.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 
@@ -8,11 +9,14 @@
 #include "fakes.h"
 #include "firmware/config/configuration.h"
 #include "firmware/config/reload.h"
+#include "firmware/status/status_page.h"
 #include "proj/proj_source.h"
 #include "support/scratch_folder.h"
 
 namespace etcm::firmware {
 namespace {
+
+using namespace std::chrono_literals;
 
 constexpr const char* rest = R"(
 [mesh]
@@ -276,6 +280,74 @@ TEST_F(Degrees, ComeBackToTheSameUnit) {
       }
     }
   }
+}
+
+// What the page of a gateway gives out.
+class DegreesOnThePage : public testing::Test {
+ protected:
+  std::string get(const std::string& path) {
+    page_->begin(0, path);
+    std::string text;
+    std::array<char, 100> out;
+    while (const std::size_t size = page_->read(0, out)) text.append(out.data(), size);
+    page_->end(0);
+    return text;
+  }
+  void start() {
+    rig_.put_square();
+    rig_.start();
+    sources_.emplace(StatusSources{.gateway = *rig_.gateway,
+                                   .events = events_,
+                                   .masters = masters_,
+                                   .readers = readers_,
+                                   .version = "1.2.3",
+                                   .started_at = rig_.clock.now()});
+    page_.emplace(*sources_, 1);
+    rig_.run(1s);
+  }
+
+  Rig rig_{{}};
+  RecentEvents events_{rig_.clock, rig_.log};
+  port::ServiceCounters masters_;
+  port::ServiceCounters readers_;
+  std::optional<StatusSources> sources_;
+  std::optional<StatusPage> page_;
+};
+
+TEST_F(DegreesOnThePage, AreThereBesideTheUnits) {
+  std::string why;
+  rig_.settings.site.projection =
+      port::ProjSource().about({.longitude = 10 * site_nano, .latitude = 60 * site_nano}, why);
+  start();
+  const std::string geojson = get("/mesh.geojson");
+  EXPECT_NE(geojson.find(R"("coordinates":[10,60]},"properties":{"x":0,"y":0,"kind":"node")"),
+            std::string::npos)
+      << geojson;
+  EXPECT_EQ(geojson.find("[100,"), std::string::npos) << "edges in the plane";
+  const std::string plane = get("/mesh.json");
+  EXPECT_NE(plane.find(R"("coordinates":[0,0]},"properties":{"longitude":10,"latitude":60,)"),
+            std::string::npos)
+      << plane;
+}
+
+TEST_F(DegreesOnThePage, OfASiteWithoutAreNowhere) {
+  start();
+  EXPECT_EQ(get("/mesh.geojson"), get("/mesh.json"));
+  EXPECT_EQ(get("/mesh.json").find("longitude"), std::string::npos);
+}
+
+// A projection of a few thousand kilometres; a node of ours may say that it is farther away.
+TEST_F(DegreesOnThePage, WhatIsNowhereOnTheEarthHasNoGeometry) {
+  std::string why;
+  rig_.settings.site.projection = port::ProjSource().about({}, why);
+  rig_.settings.site.unit_length = 1000 * site_nano;
+  rig_.put(5, 16'000'000, 16'000'000);
+  start();
+  const std::string geojson = get("/mesh.geojson");
+  EXPECT_NE(geojson.find(R"("geometry":null,"properties":{"x":16000000,"y":16000000)"),
+            std::string::npos)
+      << geojson;
+  EXPECT_EQ(geojson.find("[[]"), std::string::npos) << geojson;
 }
 
 TEST_F(Degrees, AReloadMovesWhatWasSurveyed) {

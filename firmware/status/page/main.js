@@ -49,7 +49,7 @@ async function ask(path) {
 async function turn() {
   const status = await ask("status.json");
   if (!mesh || mesh.generation !== status.generation || mesh.instance !== status.instance) {
-    const newer = readMesh(await ask("mesh.geojson"));
+    const newer = readMesh(await ask("mesh.json"));
     choice = sameIn(newer, choice);
     mesh = newer;
     setAges(mesh, await ask("ages.json"), status);

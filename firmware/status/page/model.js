@@ -4,7 +4,7 @@
 // the mesh for that.
 export const nodeStates = ["fresh", "ageing", "stale", "quarantined", "waiting", "missing"];
 
-// Reads mesh.geojson.
+// Reads mesh.json.
 export function readMesh(geojson) {
   const mesh = {
     generation: geojson.generation,
@@ -121,6 +121,14 @@ export function sinceText(ageMs) { return `${timeText(ageMs)} (${ageText(ageMs)}
 
 export function placeText(point) {
   return point.hasPlace ? `${coordinate(point.x)}, ${coordinate(point.y)}` : "–";
+}
+
+// "63.430500° N, 10.395100° E", or nothing where the site has no degrees.
+export function degreesText(point) {
+  if (point.latitude === undefined) return "";
+  const angle = (value, positive, negative) =>
+    `${Math.abs(value).toFixed(6)}° ${value < 0 ? negative : positive}`;
+  return `${angle(point.latitude, "N", "S")}, ${angle(point.longitude, "E", "W")}`;
 }
 
 function coordinate(value) {

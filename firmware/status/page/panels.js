@@ -1,6 +1,6 @@
 // Everything beside the map and the table: counts, details of a point, events, buses, legend.
 import {
-  ageText, nameOf, placeText, sinceText, stateInWords, timeText, whereText,
+  ageText, degreesText, nameOf, placeText, sinceText, stateInWords, timeText, whereText,
 } from "./model.js";
 import { layers } from "./map.js";
 
@@ -138,6 +138,8 @@ export function showDetails(point, mesh, go) {
   if (!point) return;
   byId("details-title").textContent = nameOf(point);
   const facts = [["Place", placeText(point)], ["Degree", point.degree]];
+  const degrees = degreesText(point);
+  if (degrees) facts.splice(1, 0, ["Degrees", degrees]);
   if (point.isNode) {
     const state = element("span", point.state, `mark ${point.state}`);
     facts.unshift(["State", state],
