@@ -76,7 +76,7 @@ port::Instant BusSchedule::update_settings(const PollSettings& poll, const BusSe
   const port::Instant asked_by = now + poll_.interval;
   for (Turns* const turns : {&turns_, &repeats_, &retries_}) {
     for (Turn& turn : *turns) turn.due = std::min(turn.due, now + pause_of(turn.address));
-    std::make_heap(turns->begin(), turns->end(), is_later);
+    std::make_heap(turns->begin(), turns->end(), Later{});
   }
   discovery_due_ = std::min(discovery_due_, asked_by);
   discovery_allowed_ = std::min(discovery_allowed_, now + discovery_pause(cost_max_));
@@ -91,7 +91,7 @@ std::optional<BusSchedule::Question> BusSchedule::next_question(port::Instant no
   const std::optional<Reason> reason = next_reason(now);
   if (!reason) return std::nullopt;
   Turns& turns = turns_of(*reason);
-  std::pop_heap(turns.begin(), turns.end(), is_later);
+  std::pop_heap(turns.begin(), turns.end(), Later{});
   const Turn turn = turns.back();
   turns.pop_back();
   return Question{.address = turn.address, .reason = *reason, .due = turn.due};
@@ -100,6 +100,9 @@ std::optional<BusSchedule::Question> BusSchedule::next_question(port::Instant no
 // The one that has waited longest and may be asked.
 std::optional<BusSchedule::Reason> BusSchedule::next_reason(port::Instant now) const {
   const port::Instant turn = turns_.empty() ? port::never : turns_.front().due;
+  if (repeats_.empty() && retries_.empty()) {
+    return turn <= now ? std::optional(Reason::turn) : std::nullopt;
+  }
   const port::Instant repeat = repeat_start(now);
   const port::Instant retry = retry_start(now);
   if (std::min({turn, repeat, retry}) > now) return std::nullopt;
@@ -255,7 +258,7 @@ void BusSchedule::bring_back_all(port::Instant now) {
       units_[turn.address.value].failures =
           std::min(units_[turn.address.value].failures, failures_free);
     }
-    std::make_heap(turns->begin(), turns->end(), is_later);
+    std::make_heap(turns->begin(), turns->end(), Later{});
   }
   for (TimeShare* const share : {&repeat_share_, &first_repeat_share_, &retry_share_}) {
     share->open(now);
@@ -324,7 +327,7 @@ port::Duration BusSchedule::retry_cost(const UnitSchedule& unit) const {
 
 void BusSchedule::push(Turns& turns, const Turn& turn) {
   turns.push_back(turn);
-  std::push_heap(turns.begin(), turns.end(), is_later);
+  std::push_heap(turns.begin(), turns.end(), Later{});
 }
 
 void BusSchedule::ask_again(ModbusAddress address, port::Instant due) {
@@ -370,7 +373,7 @@ void BusSchedule::bring_forward(ModbusAddress address, port::Instant due) {
                                     [&](const Turn& turn) { return turn.address == address; });
     if (found == turns->end()) continue;
     found->due = std::min(found->due, due);
-    std::make_heap(turns->begin(), turns->end(), is_later);
+    std::make_heap(turns->begin(), turns->end(), Later{});
   }
 }
 

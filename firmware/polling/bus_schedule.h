@@ -124,7 +124,10 @@ class BusSchedule {
   };
   using Turns = std::vector<Turn>;  // a heap, the earliest on top
 
-  static bool is_later(const Turn& a, const Turn& b) { return a.due > b.due; }
+  // A type of its own, so that the heap compares without a call.
+  struct Later {
+    bool operator()(const Turn& a, const Turn& b) const { return a.due > b.due; }
+  };
 
   // Whether it takes one request at a time, so that one in vain costs all others its time.
   bool takes_one() const { return settings_.outstanding_max == 1 || bus_.is_one_line(); }
