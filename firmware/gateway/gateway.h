@@ -2,6 +2,7 @@
 //
 // Everything that changed between two publications is one generation: a node that joins on its own
 // has a generation of its own, and a burst of them shares one, publish_pause apart from the next.
+// What nodes measure is published beside it, as seldom, and makes no generation.
 // No input or output of its own, no waiting: its caller calls step() when bytes have arrived
 // or next_deadline() is reached.
 #pragma once
@@ -33,8 +34,10 @@
 #include "firmware/publish/image_pool.h"
 #include "firmware/publish/neighbour_distributor.h"
 #include "firmware/publish/quarantine.h"
+#include "firmware/publish/reading_taker.h"
 #include "firmware/publish/snapshot_taker.h"
 #include "firmware/records/node_table.h"
+#include "firmware/records/reading_table.h"
 
 namespace etcm::firmware {
 
@@ -87,6 +90,8 @@ class Gateway final : private ReadingListener, private RequestSource {
   // As published last (snapshot.h).
   std::uint16_t state() const { return state_; }
   const Snapshot& snapshot() const { return snapshots_.latest(); }
+  // What the nodes measure; published more often than the mesh.
+  const ReadingSnapshot& readings() const { return reading_taker_.latest(); }
 
   // Null where nothing is to be written there.
   const DiskWriter* disk_of_files() const {
@@ -101,12 +106,14 @@ class Gateway final : private ReadingListener, private RequestSource {
   std::span<const QuarantineEntry> quarantine() const { return quarantine_; }
 
  private:
-  bool on_reading(UnitIndex unit, const NodeReading& reading, port::Instant now) override;
+  bool on_reading(UnitIndex unit, const NodeReading& reading, std::span<const Measurement> measured,
+                  port::Instant now) override;
   port::Instant request_due(BusIndex bus) const override;
   bool next_request(BusIndex bus, port::Instant now, BusRequest& request) override;
   void on_request_done(BusIndex bus, const port::BusAnswer& answer, port::Instant now) override;
   void follow_position(NodeRecord& node);
   void publish(port::Instant now);
+  void publish_readings(port::Instant now);
   void save_state(port::Instant now);
   void keep_silences(port::Instant now);
   void log_restored(const SavedState& saved, bool is_same);
@@ -116,6 +123,7 @@ class Gateway final : private ReadingListener, private RequestSource {
   DeviceTable devices_;
   Poller poller_;
   NodeTable nodes_;
+  ReadingTable readings_;
   KeptMesh kept_;
   SiteKeeper site_;
   NodePlacement placement_;
@@ -125,12 +133,14 @@ class Gateway final : private ReadingListener, private RequestSource {
   std::vector<bool> is_assigning_;  // by bus: whose request is under way
   std::vector<QuarantineEntry> quarantine_;
   SnapshotTaker snapshots_;
+  ReadingTaker reading_taker_;
   NeighbourDistributor distributor_;
   ImagePool images_;
   StateTransfer state_transfer_;
   std::optional<StateSaver> state_saver_;
   std::optional<FilePublisher> file_publisher_;
   port::Instant publish_due_{};   // not before
+  port::Instant readings_due_{};  // as well
   std::uint32_t generation_ = 0;  // published last
   std::uint16_t state_ = 0;
   bool changed_ = false;  // since then

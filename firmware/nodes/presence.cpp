@@ -25,10 +25,11 @@ TextLine last_place_of(const NodeRecord& node, const Poller& poller) {
 }
 
 Presence::Presence(const PollSettings& settings, const Poller& poller, NodeTable& nodes,
-                   NodePlacement& placement, port::Log& log)
+                   ReadingTable& readings, NodePlacement& placement, port::Log& log)
     : settings_(settings),
       poller_(poller),
       nodes_(nodes),
+      readings_(readings),
       placement_(placement),
       log_(log),
       clock_(settings, poller.bus_count()),
@@ -73,6 +74,7 @@ void Presence::sweep(port::Instant now, std::uint32_t generation) {
     check_node(node, now, generation);
     if (node.is_waiting()) ++waiting_;
   }
+  check_readings(now);
   for (BusIndex bus{0}; bus.value < buses_.size(); ++bus.value) check_bus(bus, now);
 }
 
@@ -157,14 +159,22 @@ void Presence::lose(NodeRecord& node, port::Instant now, std::uint32_t generatio
 }
 
 void Presence::check_freshness(NodeRecord& node, port::Instant now) {
-  const port::Duration age = now - std::max(node.positioned_at, fresh_from_);
-  const bool is_stale = node.stale || age > settings_.stale_after;
+  const bool is_stale = node.stale || is_old(node.positioned_at, now);
   const bool lacks_fix = is_stale && now - node.heard_at <= settings_.stale_after &&
                          (node.status & node_status::fix_valid) == 0;
   const bool is_news = is_stale != node.stale || lacks_fix != node.lacks_fix;
   node.stale = is_stale;
   node.lacks_fix = lacks_fix;
   changed_ = changed_ || (is_news && node.is_placed());
+}
+
+void Presence::check_readings(port::Instant now) {
+  for (ReadingRecord& record : readings_.records()) {
+    if (record.serial.is_none() || record.is_stale) continue;
+    const NodeRecord* const node = nodes_.find(record.serial);
+    const bool is_missing = node != nullptr && node->is_missing;
+    if (is_missing || is_old(record.taken_at, now)) readings_.set_stale(record);
+  }
 }
 
 void Presence::check_bus(BusIndex number, port::Instant now) {

@@ -5,6 +5,7 @@
 // is dismissed. One that asked to leave before it fell silent is not missing.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "firmware/polling/poller.h"
 #include "firmware/protocol/node_registers.h"
 #include "firmware/records/node_table.h"
+#include "firmware/records/reading_table.h"
 
 namespace etcm::firmware {
 
@@ -23,7 +25,7 @@ class Presence {
  public:
   // All arguments but `settings` must outlive this.
   Presence(const PollSettings& settings, const Poller& poller, NodeTable& nodes,
-           NodePlacement& placement, port::Log& log);
+           ReadingTable& readings, NodePlacement& placement, port::Log& log);
 
   // The gateway's loop turns: before anything is heard in this turn.
   void turn(port::Instant now) { clock_.turn(now, sweep_interval_); }
@@ -33,7 +35,8 @@ class Presence {
   // It is this node's. After hear_unit().
   void hear_node(NodeRecord& node, const NodeReading& reading, port::Instant now);
 
-  // Finds nodes whose position is no longer fresh, those to leave, and silent buses.
+  // Finds nodes whose position is no longer fresh, those to leave, readings that are no longer
+  // fresh, and silent buses.
   // `generation` is what the log calls the result.
   void sweep(port::Instant now, std::uint32_t generation);
   bool is_due(port::Instant now) const { return sweep_due_ <= now; }
@@ -63,14 +66,20 @@ class Presence {
   };
 
   BusIndex bus_of(const NodeRecord& node) const;
+  // What was heard then is no longer fresh.
+  bool is_old(port::Instant heard_at, port::Instant now) const {
+    return now - std::max(heard_at, fresh_from_) > settings_.stale_after;
+  }
   void check_node(NodeRecord& node, port::Instant now, std::uint32_t generation);
   void lose(NodeRecord& node, port::Instant now, std::uint32_t generation);
   void check_freshness(NodeRecord& node, port::Instant now);
+  void check_readings(port::Instant now);
   void check_bus(BusIndex bus, port::Instant now);
 
   PollSettings settings_;
   const Poller& poller_;
   NodeTable& nodes_;
+  ReadingTable& readings_;
   NodePlacement& placement_;
   port::Log& log_;
   SilenceClock clock_;
@@ -78,7 +87,7 @@ class Presence {
   std::uint32_t waiting_ = 0;
   port::Duration sweep_interval_;
   port::Instant sweep_due_{};
-  port::Instant fresh_from_{};  // no position counts as older
+  port::Instant fresh_from_{};  // no position and no reading counts as older
   bool changed_ = false;
 };
 

@@ -6,9 +6,13 @@
 
 namespace etcm::firmware {
 
-Device::Device(Profile profile, Serial serial, port::Duration pause)
+Device::Device(Profile profile, Serial serial, port::Duration pause,
+               const std::vector<Quantity>& quantities)
     : profile_(std::move(profile)), blocks_(blocks_of(profile_)), serial_(serial), pause_(pause) {
   for (const RegisterSpan block : blocks_) register_count_ += block.count;
+  for (const Profile::Reading& reading : profile_.readings) {
+    quantities_.push_back(index_of(reading, quantities));
+  }
 }
 
 void Device::set_site(const SitePlane& plane, std::optional<Position> surveyed) {
@@ -47,7 +51,19 @@ ReadingFault Device::decode(std::span<const std::uint16_t> registers, NodeReadin
   return ReadingFault::none;
 }
 
+void Device::measure(std::span<const std::uint16_t> registers,
+                     std::vector<Measurement>& out) const {
+  const Sweep sweep(blocks_, registers);
+  out.clear();
+  for (std::size_t i = 0; i < quantities_.size(); ++i) {
+    const FieldValue found = reading_of(profile_.readings[i], sweep);
+    out.push_back({.quantity = quantities_[i],
+                   .nano = found.is_value() ? std::optional(found.nano) : std::nullopt});
+  }
+}
+
 DeviceTable::DeviceTable(const Settings& settings) {
+  const std::vector<Quantity> quantities = quantities_of(settings);
   for (BusIndex bus{0}; bus.value < settings.buses.size(); ++bus.value) {
     const BusSettings& on = settings.buses[bus.value];
     for (const ModbusAddress address : UnitRange{.first = 1, .last = unit_max}) {
@@ -56,7 +72,7 @@ DeviceTable::DeviceTable(const Settings& settings) {
           device == nullptr ? nullptr : find_profile(settings, device->profile);
       if (profile == nullptr) continue;
       devices_.try_emplace({bus.value, address.value}, *profile,
-                           device_serial(settings, bus.value, address), device->pause);
+                           device_serial(settings, bus.value, address), device->pause, quantities);
     }
   }
   update_site(settings);

@@ -12,6 +12,7 @@
 #include "etcm/port/node_bus.h"
 #include "firmware/config/settings.h"
 #include "firmware/polling/indices.h"
+#include "firmware/polling/quantity.h"
 #include "firmware/profile/profile.h"
 #include "firmware/protocol/modbus_address.h"
 #include "firmware/protocol/node_registers.h"
@@ -19,11 +20,13 @@
 
 namespace etcm::firmware {
 
-// One at a unit. What it reports is read in blocks, one after the other: a sweep. Position and
-// serial come from one complete sweep.
+// One at a unit. What it reports is read in blocks, one after the other: a sweep. Position, serial
+// and readings come from one complete sweep.
 class Device {
  public:
-  Device(Profile profile, Serial serial, port::Duration pause);
+  // `quantities` are those of the configuration.
+  Device(Profile profile, Serial serial, port::Duration pause,
+         const std::vector<Quantity>& quantities);
 
   // The plane of the site, and where in it the device was surveyed.
   void set_site(const SitePlane& plane, std::optional<Position> surveyed);
@@ -39,12 +42,18 @@ class Device {
   // does not know where it stands has no fix.
   ReadingFault decode(std::span<const std::uint16_t> registers, NodeReading& reading) const;
 
+  // The quantity of each reading, in the order of the profile.
+  std::span<const QuantityIndex> quantities() const { return quantities_; }
+  // What its readings are in these registers. Takes no memory where `out` has room for all.
+  void measure(std::span<const std::uint16_t> registers, std::vector<Measurement>& out) const;
+
  private:
   // None where the device tells no place, or one beyond the plane: then there is a fault.
   std::optional<Position> position_in(const Sweep& sweep, ReadingFault& fault) const;
 
   Profile profile_;
   std::vector<RegisterSpan> blocks_;
+  std::vector<QuantityIndex> quantities_;
   std::uint32_t register_count_ = 0;
   Serial serial_;  // of a device that tells none
   SitePlane plane_;

@@ -1,4 +1,4 @@
-// How units and buses are counted.
+// How units, buses and quantities are counted.
 #pragma once
 
 #include "firmware/protocol/strong_id.h"
@@ -10,5 +10,8 @@ using UnitIndex = StrongId<struct UnitTag>;
 
 // Buses are counted as they are configured, from 0.
 using BusIndex = StrongId<struct BusTag>;
+
+// Quantities are counted as quantities_of() lists them, from 0.
+using QuantityIndex = StrongId<struct QuantityTag>;
 
 }  // namespace etcm::firmware

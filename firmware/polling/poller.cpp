@@ -29,6 +29,11 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
     }
     add_units(number, bus.scan, false, devices);
   }
+  std::size_t measured_max = 0;
+  for (UnitIndex unit{0}; unit.value < unit_count(); ++unit.value) {
+    measured_max = std::max(measured_max, quantities(unit).size());
+  }
+  measured_.reserve(measured_max);
 }
 
 void Poller::add_units(BusIndex number, std::span<const UnitRange> ranges, bool is_listed,
@@ -218,10 +223,12 @@ void Poller::take_registers(const port::BusAnswer& answer, UnitIndex index, port
   BusSchedule& schedule = schedule_of(index);
   NodeReading reading;
   ReadingFault fault = ReadingFault::none;
+  measured_.clear();
   if (unit.device == nullptr) {
     fault = decode_node(answer.registers, bus(unit.bus).word_order, reading, answer.left_out);
   } else if (complete_sweep(answer, unit)) {
     fault = unit.device->decode(unit.swept, reading);
+    if (fault == ReadingFault::none) unit.device->measure(unit.swept, measured_);
   } else {
     return schedule.note_more(unit.address);
   }
@@ -235,7 +242,7 @@ void Poller::take_registers(const port::BusAnswer& answer, UnitIndex index, port
     ++(fault == ReadingFault::torn ? unit.counters.torn : unit.counters.unbelieved);
     return fail(index, {.why = explain(fault)}, now);
   }
-  if (!listener_.on_reading(index, reading, now)) {
+  if (!listener_.on_reading(index, reading, measured_, now)) {
     ++unit.counters.unbelieved;
     return fail(index, {.why = {}, .is_silence = true}, now);  // the listener has said why
   }

@@ -26,9 +26,10 @@ struct PolledBus {
 
 class ReadingListener {
  public:
-  // A sound answer. False: the reading is not believed (the wrong node answers), and the unit
-  // counts as failing.
-  virtual bool on_reading(UnitIndex unit, const NodeReading& reading, port::Instant now) = 0;
+  // A sound answer, and what a device measured: a node of our own measures nothing. False: the
+  // reading is not believed (the wrong node answers), and the unit counts as failing.
+  virtual bool on_reading(UnitIndex unit, const NodeReading& reading,
+                          std::span<const Measurement> measured, port::Instant now) = 0;
 
  protected:
   ~ReadingListener() = default;
@@ -81,6 +82,11 @@ class Poller {
   const UnitCounters& counters(UnitIndex unit) const { return units_[unit.value].counters; }
   // Serves our registers; else it is a device with a profile.
   bool is_node(UnitIndex unit) const { return units_[unit.value].device == nullptr; }
+  // What is measured there, in the order in which the listener hears of it.
+  std::span<const QuantityIndex> quantities(UnitIndex unit) const {
+    const Device* const device = units_[unit.value].device;
+    return device == nullptr ? std::span<const QuantityIndex>{} : device->quantities();
+  }
   // Else it is only looked for.
   bool is_listed(UnitIndex unit) const { return schedule_of(unit).is_listed(address_of(unit)); }
   // Whether a bus has had a unit to ask, or a question under way for longer than that may be, and
@@ -143,6 +149,7 @@ class Poller {
   RequestSource* requests_;
   std::vector<PolledUnit> units_;
   std::vector<Bus> buses_;
+  std::vector<Measurement> measured_;  // in the sweep that was completed last
   port::Instant stepped_at_{};
 };
 

@@ -34,12 +34,18 @@ NodeRecord* NodeTable::at(UnitIndex unit) {
   return by_unit_[unit.value] == no_slot ? nullptr : &records_[by_unit_[unit.value]];
 }
 
-std::vector<NodeTable::Entry>::iterator NodeTable::lower_bound(Serial serial) {
+std::vector<NodeTable::Entry>::const_iterator NodeTable::lower_bound(Serial serial) const {
   return std::lower_bound(by_serial_.begin(), by_serial_.end(), serial,
                           [](const Entry& entry, Serial wanted) { return entry.serial < wanted; });
 }
 
 NodeRecord* NodeTable::find(Serial serial) {
+  const auto found = lower_bound(serial);
+  if (found == by_serial_.end() || found->serial != serial) return nullptr;
+  return &records_[found->slot];
+}
+
+const NodeRecord* NodeTable::find(Serial serial) const {
   const auto found = lower_bound(serial);
   if (found == by_serial_.end() || found->serial != serial) return nullptr;
   return &records_[found->slot];

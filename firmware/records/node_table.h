@@ -79,6 +79,7 @@ class NodeTable {
 
   // The record of a serial, or null.
   NodeRecord* find(Serial serial);
+  const NodeRecord* find(Serial serial) const;
 
   // A record for a serial that has none, at no unit; null when all are in use.
   NodeRecord* add(Serial serial, port::Instant now);
@@ -94,7 +95,7 @@ class NodeTable {
     Serial serial;
     std::uint32_t slot;
   };
-  std::vector<Entry>::iterator lower_bound(Serial serial);
+  std::vector<Entry>::const_iterator lower_bound(Serial serial) const;
 
   std::vector<NodeRecord> records_;
   std::vector<std::uint32_t> free_;     // slots

@@ -137,7 +137,8 @@ class ConverterSite final : public ReadingListener {
     }
   }
 
-  bool on_reading(UnitIndex unit, const NodeReading&, port::Instant) override {
+  bool on_reading(UnitIndex unit, const NodeReading&, std::span<const Measurement>,
+                  port::Instant) override {
     ++readings[poller_.address_of(unit).value];
     return true;
   }

@@ -195,7 +195,8 @@ class LateSite final : public ReadingListener {
     }
   }
 
-  bool on_reading(UnitIndex index, const NodeReading& reading, port::Instant now) override {
+  bool on_reading(UnitIndex index, const NodeReading& reading, std::span<const Measurement>,
+                  port::Instant now) override {
     const std::uint8_t unit = poller_.address_of(index).value;
     const port::Duration limit = timeout_of(settings_, ModbusAddress{unit});
     const port::Instant asked{

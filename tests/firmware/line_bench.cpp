@@ -88,7 +88,7 @@ class Readings final : public firmware::ReadingListener {
  public:
   explicit Readings(std::uint32_t units) : read_at_(units) {}
   bool on_reading(firmware::UnitIndex unit, const firmware::NodeReading&,
-                  port::Instant now) override {
+                  std::span<const firmware::Measurement>, port::Instant now) override {
     read_at_[unit.value] = now;
     ++count;
     return true;

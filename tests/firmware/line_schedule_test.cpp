@@ -78,7 +78,8 @@ class SimulatedLine final : public ReadingListener {
     }
   }
 
-  bool on_reading(UnitIndex, const NodeReading& reading, port::Instant now) override {
+  bool on_reading(UnitIndex, const NodeReading& reading, std::span<const Measurement>,
+                  port::Instant now) override {
     port::Instant& read_at = read_at_[reading.serial.value];
     if (counts_) gaps_.push_back(now - read_at);
     read_at = now;

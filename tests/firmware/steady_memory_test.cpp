@@ -106,6 +106,34 @@ class PinningServer final : public port::MeshServer {
   std::shared_ptr<const port::RegisterImage> pinned_;
 };
 
+Field field_at(std::uint16_t first, NumberType type) {
+  Number number;
+  number.span = {.first = first, .count = register_count_of(type)};
+  number.type = type;
+  Field field;
+  field.parts = {number};
+  return field;
+}
+
+// The registers of a node, taken for those of a device that measures.
+Profile measuring_profile() {
+  Profile profile;
+  profile.name = "a profile with a name that no short string holds";
+  profile.serial = field_at(2, NumberType::u32);
+  profile.positioning = Profile::Positioning::plane;
+  profile.east = field_at(5, NumberType::i32);
+  profile.north = field_at(7, NumberType::i32);
+  profile.readings = {
+      {.name = "a reading with a name that no short string holds",
+       .unit = "a unit with a name that no short string holds",
+       .value = field_at(5, NumberType::i32),
+       .valid = {}},
+      {.name = "magic", .unit = {}, .value = field_at(0, NumberType::u16), .valid = {}},
+      {.name = "sequence", .unit = {}, .value = field_at(11, NumberType::u16), .valid = {}}};
+  profile.gap_max = 10;
+  return profile;
+}
+
 Settings settings() {
   Settings settings;
   settings.mesh = {.vertices_max = 400, .features_max = 60};
@@ -125,6 +153,10 @@ Settings settings() {
   bus.scan_budget = 20ms;
   bus.timeout = 50ms;
   bus.outstanding_max = 8;
+  settings.device_profiles = {measuring_profile()};
+  bus.devices = {{.units = {{.first = 31, .last = unit_count}},
+                  .profile = settings.device_profiles.front().name,
+                  .timeout = 50ms}};
   settings.buses = {bus};
   for (std::uint32_t i = 1; i + 7 <= unit_count; i += 6) {
     settings.features.push_back({.from = Serial{1000 + i},
@@ -215,6 +247,8 @@ TEST_F(SteadyMemory, AnHourOfComingAndGoingTakesNone) {
   }
   EXPECT_EQ(allocations, 0u);
   EXPECT_GT(server_.published, published + 1000);
+  EXPECT_GT(gateway_->readings().sequence, gateway_->generation());
+  EXPECT_EQ(gateway_->readings().readings.size(), 30u);
   EXPECT_GT(delivered_.lines, lines);
   EXPECT_FALSE(scratch_.read("files/a mesh with a name that no short string holds.svg").empty());
 }

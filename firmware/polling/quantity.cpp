@@ -1,0 +1,51 @@
+#include "firmware/polling/quantity.h"
+
+#include <algorithm>
+
+namespace etcm::firmware {
+
+namespace {
+
+bool is_of(const Profile::Reading& reading, const Quantity& quantity) {
+  return reading.name == quantity.name && reading.unit == quantity.unit;
+}
+
+}  // namespace
+
+std::vector<Quantity> quantities_of(const Settings& settings) {
+  std::vector<Quantity> quantities;
+  for (const BusSettings& bus : settings.buses) {
+    for (const DeviceSettings& device : bus.devices) {
+      const Profile* const profile = find_profile(settings, device.profile);
+      if (profile == nullptr) continue;
+      for (const Profile::Reading& reading : profile->readings) {
+        const bool is_known =
+            std::any_of(quantities.begin(), quantities.end(),
+                        [&](const Quantity& known) { return is_of(reading, known); });
+        if (!is_known) quantities.push_back({.name = reading.name, .unit = reading.unit});
+      }
+    }
+  }
+  return quantities;
+}
+
+QuantityIndex index_of(const Profile::Reading& reading, const std::vector<Quantity>& quantities) {
+  const auto found = std::find_if(quantities.begin(), quantities.end(),
+                                  [&](const Quantity& known) { return is_of(reading, known); });
+  return QuantityIndex{static_cast<std::uint32_t>(found - quantities.begin())};
+}
+
+std::uint32_t count_readings(const Settings& settings) {
+  std::size_t count = 0;
+  for (const BusSettings& bus : settings.buses) {
+    for (const ModbusAddress address : UnitRange{.first = 1, .last = unit_max}) {
+      const DeviceSettings* const device = device_at(bus, address);
+      const Profile* const profile =
+          device == nullptr ? nullptr : find_profile(settings, device->profile);
+      if (profile != nullptr) count += profile->readings.size();
+    }
+  }
+  return static_cast<std::uint32_t>(count);
+}
+
+}  // namespace etcm::firmware

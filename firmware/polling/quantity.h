@@ -1,0 +1,37 @@
+// What the devices of a site measure.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/config/settings.h"
+#include "firmware/polling/indices.h"
+
+namespace etcm::firmware {
+
+// Readings of the same name and unit are of one quantity, whichever profiles they stand in.
+struct Quantity {
+  std::string name;
+  std::string unit;  // as a person writes it, or empty
+  friend bool operator==(const Quantity&, const Quantity&) = default;
+};
+
+// Those of the profiles that devices have, in the order of the [[bus.device]] and, of each, of the
+// readings of its profile. What is configured behind all others leaves their numbers alone.
+std::vector<Quantity> quantities_of(const Settings& settings);
+
+// REQUIRES: the reading is one of a profile that a device of these settings has.
+QuantityIndex index_of(const Profile::Reading& reading, const std::vector<Quantity>& quantities);
+
+// The readings of all devices together.
+std::uint32_t count_readings(const Settings& settings);
+
+// One reading of a sweep.
+struct Measurement {
+  QuantityIndex quantity;
+  std::optional<std::int64_t> nano;  // in 10^-9 of its unit; none: it has no valid value
+};
+
+}  // namespace etcm::firmware

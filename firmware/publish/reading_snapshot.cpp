@@ -1,0 +1,22 @@
+#include "firmware/publish/reading_snapshot.h"
+
+#include <algorithm>
+
+namespace etcm::firmware {
+
+std::span<const PublishedReading> readings_of(const ReadingSnapshot& snapshot, Serial serial) {
+  const auto& all = snapshot.readings;
+  const auto first = std::lower_bound(
+      all.begin(), all.end(), serial,
+      [](const PublishedReading& reading, Serial wanted) { return reading.serial < wanted; });
+  const auto end = std::find_if(
+      first, all.end(), [&](const PublishedReading& reading) { return reading.serial != serial; });
+  return {first, end};
+}
+
+void reserve(ReadingSnapshot& snapshot, const Settings& settings) {
+  snapshot.quantities = quantities_of(settings);
+  snapshot.readings.reserve(count_readings(settings));
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,43 @@
+// What the nodes measure as others may see it, beside the mesh; never changed once it is taken.
+//
+// It has a sequence of its own: what is measured makes no generation of the mesh.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "etcm/port/clock.h"
+#include "firmware/polling/quantity.h"
+#include "firmware/protocol/serial.h"
+#include "firmware/publish/mesh_analysis.h"
+
+namespace etcm::firmware {
+
+struct PublishedReading {
+  Serial serial;
+  UnitIndex unit_index;              // that it was read from
+  QuantityIndex quantity;            // into ReadingSnapshot::quantities
+  std::uint32_t row = no_row;        // of the node in the mesh of that generation
+  std::optional<std::int64_t> nano;  // in 10^-9 of the quantity's unit; none: it was not valid
+  port::Instant taken_at{};
+  bool is_stale = false;  // read too long ago, or the node is missing
+};
+
+struct ReadingSnapshot {
+  std::uint32_t sequence = 0;        // one more each time; 0 before the first
+  std::uint32_t value_sequence = 0;  // the last one that differs in more than times
+  std::uint32_t generation = 0;      // of the mesh that the rows are of
+  port::Instant taken_at{};
+  std::vector<Quantity> quantities;        // always the same
+  std::vector<PublishedReading> readings;  // by serial, and of each node by quantity
+};
+
+// Of one node.
+std::span<const PublishedReading> readings_of(const ReadingSnapshot& snapshot, Serial serial);
+
+// Takes the memory for all that the snapshots of these settings have.
+void reserve(ReadingSnapshot& snapshot, const Settings& settings);
+
+}  // namespace etcm::firmware

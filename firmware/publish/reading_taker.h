@@ -1,0 +1,31 @@
+// Takes snapshots of the readings, one after the other into the same memory.
+#pragma once
+
+#include <cstdint>
+
+#include "etcm/port/clock.h"
+#include "firmware/config/settings.h"
+#include "firmware/publish/reading_snapshot.h"
+#include "firmware/publish/snapshot.h"
+#include "firmware/records/node_table.h"
+#include "firmware/records/reading_table.h"
+
+namespace etcm::firmware {
+
+class ReadingTaker {
+ public:
+  // All the memory it ever needs is taken here.
+  explicit ReadingTaker(const Settings& settings);
+
+  // The readings of all nodes that are known. `mesh` is what was published last. Clears the news of
+  // the table. O(n log n) of the readings. Good until the next call.
+  const ReadingSnapshot& take(ReadingTable& table, const NodeTable& nodes, const Snapshot& mesh,
+                              port::Instant now);
+  // The one taken last; before, it has quantities only.
+  const ReadingSnapshot& latest() const { return snapshot_; }
+
+ private:
+  ReadingSnapshot snapshot_;
+};
+
+}  // namespace etcm::firmware

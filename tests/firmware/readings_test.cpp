@@ -1,0 +1,336 @@
+// What nodes measure, from the registers of devices to the published table.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "device_bus.h"
+#include "fakes.h"
+#include "firmware/publish/reading_snapshot.h"
+#include "support/scratch_folder.h"
+
+namespace etcm::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A tank and a well both measure a level in m, and the well a temperature too. A rover measures
+// where it is not surveyed.
+constexpr const char* measuring_settings = R"(
+[[profile]]
+name = "tank"
+[[profile.reading]]
+name = "level"
+unit = "m"
+value = { register = 3, type = "i16", scale = "0.001", none = 32767, range = ["-10", "20"] }
+[[profile]]
+name = "well"
+serial = { register = 20, type = "u32" }
+[[profile.reading]]
+name = "temperature"
+unit = "°C"
+value = { register = 10, type = "f32" }
+[[profile.reading]]
+name = "level"
+unit = "m"
+value = { register = 12, type = "i32", scale = "0.000000001" }
+valid = { register = 14, equals = 1 }
+[[profile]]
+name = "rover"
+valid = { register = 30, equals = 1 }
+x = { register = 31, type = "i16" }
+y = { register = 32, type = "i16" }
+[[profile.reading]]
+name = "level"
+unit = "cm"
+value = { register = 33, type = "i16" }
+[[profile]]
+name = "unused"
+[[profile.reading]]
+name = "nothing"
+value = { register = 3 }
+[mesh]
+vertices_max = 100
+[poll]
+interval = "100ms"
+timeout = "50ms"
+stale_after = "1s"
+leave_after = "3s"
+[[bus]]
+tcp = "127.0.0.1:502"
+name = "yard"
+outstanding = 1
+units = "1"
+[[bus.device]]
+units = "2-3"
+profile = "tank"
+[[bus.device]]
+units = "5-6"
+profile = "well"
+[[bus.device]]
+units = "8"
+profile = "rover"
+[[node]]
+unit = 2
+x = 0
+y = 0
+[[node]]
+unit = 3
+x = 100
+y = 0
+[[node]]
+unit = 5
+x = 0
+y = 100
+)";
+
+class Measuring : public testing::Test {
+ protected:
+  void start(std::string text = measuring_settings) {
+    std::vector<std::string> mistakes;
+    rig_.settings = read_settings(folder_.write("site.toml", text), mistakes);
+    ASSERT_TRUE(mistakes.empty()) << mistakes.front();
+    rig_.settings.files = FileSettings{.folder = "", .name = "", .interval = 500ms};
+    rig_.start_with({&bus_});
+  }
+  void put_tank(std::uint8_t unit, std::int16_t level_mm) {
+    bus_.put(unit, 3, {static_cast<std::uint16_t>(level_mm)});
+  }
+  void put_well(std::uint8_t unit, std::uint32_t serial, float temperature, std::int32_t level_nano,
+                bool is_level_valid = true) {
+    const auto high = [](std::uint32_t value) { return static_cast<std::uint16_t>(value >> 16); };
+    const auto low = [](std::uint32_t value) { return static_cast<std::uint16_t>(value); };
+    const auto bits = std::bit_cast<std::uint32_t>(temperature);
+    const auto level = static_cast<std::uint32_t>(level_nano);
+    bus_.put(unit, 20, {high(serial), low(serial)});
+    bus_.put(unit, 10, {high(bits), low(bits), high(level), low(level), is_level_valid});
+  }
+  void put_rover(std::uint8_t unit, std::int16_t x, std::int16_t y, std::int16_t level,
+                 bool has_fix = true) {
+    bus_.put(unit, 30,
+             {has_fix, static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
+              static_cast<std::uint16_t>(level)});
+  }
+  const ReadingSnapshot& published() const { return rig_.gateway->readings(); }
+  const PublishedReading* reading(std::uint32_t serial, const std::string& name) const {
+    for (const PublishedReading& found : readings_of(published(), Serial{serial})) {
+      if (published().quantities[found.quantity.value].name == name) return &found;
+    }
+    return nullptr;
+  }
+  std::optional<std::int64_t> nano(std::uint32_t serial, const std::string& name = "level") const {
+    const PublishedReading* const found = reading(serial, name);
+    return found == nullptr ? std::nullopt : found->nano;
+  }
+  bool is_stale(std::uint32_t serial, const std::string& name = "level") const {
+    const PublishedReading* const found = reading(serial, name);
+    return found != nullptr && found->is_stale;
+  }
+
+  test::ScratchFolder folder_;
+  DeviceBus bus_;
+  Rig rig_;
+};
+
+TEST_F(Measuring, QuantitiesAreThoseOfDevicesWithTheSameNameAndUnit) {
+  start();
+  EXPECT_EQ(published().quantities,
+            (std::vector<Quantity>{{"level", "m"}, {"temperature", "°C"}, {"level", "cm"}}));
+  EXPECT_TRUE(published().readings.empty());
+}
+
+TEST_F(Measuring, ValuesAreExactAndWithTheirNodes) {
+  put_tank(2, 1234);
+  put_tank(3, -999);
+  put_well(5, 77, 21.5f, 123'456'789);
+  put_rover(8, 50, 50, -7);
+  start();
+  rig_.run(1s);
+  EXPECT_EQ(nano(1002), 1'234'000'000);
+  EXPECT_EQ(nano(1003), -999'000'000);
+  EXPECT_EQ(nano(77), 123'456'789);
+  EXPECT_EQ(nano(77, "temperature"), 21'500'000'000);
+  EXPECT_EQ(nano(1008), -7'000'000'000);
+  ASSERT_EQ(published().readings.size(), 5u);
+  for (const PublishedReading& found : published().readings) {
+    ASSERT_NE(found.row, no_row);
+    EXPECT_EQ(rig_.gateway->snapshot().vertices[found.row].serial, found.serial);
+    EXPECT_FALSE(found.is_stale);
+    EXPECT_LE(rig_.clock.now() - found.taken_at, 300ms);
+  }
+  EXPECT_EQ(published().generation, rig_.gateway->generation());
+}
+
+TEST_F(Measuring, WhatIsNoValueIsNone) {
+  put_tank(2, 32767);   // none
+  put_tank(3, 20'001);  // out of range
+  put_well(5, 77, std::numeric_limits<float>::quiet_NaN(), 5, false);
+  start();
+  rig_.run(1s);
+  ASSERT_EQ(published().readings.size(), 4u);
+  for (const PublishedReading& found : published().readings) {
+    EXPECT_FALSE(found.nano.has_value());
+    EXPECT_FALSE(found.is_stale);
+  }
+  put_tank(2, 5);
+  rig_.run(500ms);
+  EXPECT_EQ(nano(1002), 5'000'000);
+  put_tank(2, 32767);
+  rig_.run(500ms);
+  EXPECT_FALSE(nano(1002).has_value()) << "the last value does not stay";
+}
+
+TEST_F(Measuring, AChangedValueMakesNoGeneration) {
+  put_tank(2, 1);
+  put_tank(3, 2);
+  start();
+  rig_.run(1s);
+  const std::uint32_t generation = rig_.gateway->generation();
+  const std::uint32_t sequence = published().sequence;
+  for (std::int16_t level = 10; level < 20; ++level) {
+    put_tank(2, level);
+    const std::uint32_t before = published().value_sequence;
+    rig_.run(300ms);
+    EXPECT_EQ(nano(1002), level * 1'000'000);
+    EXPECT_GT(published().value_sequence, before);
+  }
+  EXPECT_EQ(rig_.gateway->generation(), generation);
+  EXPECT_GE(published().sequence, sequence + 10);
+}
+
+TEST_F(Measuring, TheSameValueAgainHasANewTimeOnly) {
+  put_tank(2, 1);
+  start();
+  rig_.run(1s);
+  const std::uint32_t sequence = published().sequence;
+  const std::uint32_t values = published().value_sequence;
+  const port::Instant taken_at = reading(1002, "level")->taken_at;
+  rig_.run(1s);
+  EXPECT_GT(published().sequence, sequence);
+  EXPECT_GT(reading(1002, "level")->taken_at, taken_at);
+  EXPECT_EQ(published().value_sequence, values);
+}
+
+TEST_F(Measuring, TablesArePublishedNoFasterThanThePause) {
+  for (const std::uint8_t unit : {std::uint8_t{2}, std::uint8_t{3}}) put_tank(unit, 1);
+  start();
+  rig_.run(1s);
+  const std::uint32_t sequence = published().sequence;
+  rig_.run(10s);
+  EXPECT_LE(published().sequence, sequence + 101);
+}
+
+TEST_F(Measuring, WhoFallsSilentIsStaleAndMissingAndNeverFresh) {
+  put_tank(2, 1234);
+  put_tank(3, 1);
+  start();
+  rig_.run(1s);
+  bus_.silence(2);
+  rig_.run(1500ms);
+  EXPECT_TRUE(is_stale(1002));
+  EXPECT_EQ(nano(1002), 1'234'000'000) << "what it was last is still told";
+  EXPECT_FALSE(is_stale(1003));
+  rig_.run(5s);
+  ASSERT_EQ(rig_.gateway->snapshot().missing_count, 1u);
+  ASSERT_NE(reading(1002, "level"), nullptr);
+  EXPECT_TRUE(is_stale(1002));
+  EXPECT_EQ(reading(1002, "level")->row, no_row);
+  // Dismissed, it is not known any more.
+  rig_.update_settings();
+  rig_.run(500ms);
+  EXPECT_EQ(reading(1002, "level"), nullptr);
+  put_tank(2, 7);
+  rig_.run(60s);  // it is asked seldom by now
+  EXPECT_EQ(nano(1002), 7'000'000);
+  EXPECT_FALSE(is_stale(1002));
+}
+
+// A device whose blocks are not all answered measures nothing, though a part of it speaks.
+TEST_F(Measuring, AnIncompleteSweepMeasuresNothing) {
+  put_well(5, 77, 20, 1);
+  start();
+  rig_.run(1s);
+  ASSERT_EQ(nano(77, "temperature"), 20'000'000'000);
+  put_well(5, 77, 30, 2);
+  bus_.devices[5].erase(21);
+  rig_.run(2s);
+  EXPECT_EQ(nano(77, "temperature"), 20'000'000'000);
+  EXPECT_TRUE(is_stale(77, "temperature"));
+}
+
+TEST_F(Measuring, ANodeThatDoesNotKnowWhereItIsMeasures) {
+  put_rover(8, 0, 0, 12, false);
+  start();
+  rig_.run(3s);
+  EXPECT_EQ(nano(1008), 12'000'000'000);
+  EXPECT_FALSE(is_stale(1008)) << "its place is unknown, not its level";
+  EXPECT_EQ(reading(1008, "level")->row, no_row);
+}
+
+TEST_F(Measuring, AnAnswerThatIsNotBelievedMeasuresNothing) {
+  put_well(5, 77, 20, 1);
+  put_well(6, 77, 99, 1);  // says to be the same one
+  start();
+  rig_.run(2s);
+  std::size_t count = 0;
+  for (const PublishedReading& found : published().readings) {
+    EXPECT_EQ(found.serial, Serial{77});
+    if (found.quantity == QuantityIndex{1}) ++count;
+  }
+  EXPECT_EQ(count, 1u);
+}
+
+TEST_F(Measuring, ANodeThatMovesToAnotherUnitTakesItsReadingsAlong) {
+  put_well(5, 77, 20, 1);
+  start();
+  rig_.run(1s);
+  bus_.silence(5);
+  put_well(6, 77, 25, 2);
+  rig_.run(5s);
+  ASSERT_EQ(readings_of(published(), Serial{77}).size(), 2u);
+  EXPECT_EQ(nano(77, "temperature"), 25'000'000'000);
+  EXPECT_FALSE(is_stale(77));
+  // Another one where it was.
+  put_well(5, 78, 5, 3);
+  rig_.run(3s);
+  EXPECT_EQ(nano(78, "temperature"), 5'000'000'000);
+  EXPECT_EQ(nano(77, "temperature"), 25'000'000'000);
+}
+
+TEST_F(Measuring, RowsAreThoseOfTheMeshThatWasPublishedLast) {
+  put_tank(2, 1);
+  put_tank(3, 2);
+  start();
+  for (int round = 0; round < 20; ++round) {
+    bus_.silence(3);
+    rig_.run(round % 2 == 0 ? 5s : 700ms);
+    put_tank(3, 3);
+    rig_.run(350ms);
+    EXPECT_EQ(published().generation, rig_.gateway->generation());
+    for (const PublishedReading& found : published().readings) {
+      if (found.row == no_row) continue;
+      EXPECT_EQ(rig_.gateway->snapshot().vertices.at(found.row).serial, found.serial);
+    }
+  }
+}
+
+TEST_F(Measuring, AReloadThatAsksOftenerMakesNothingFreshAgain) {
+  put_tank(2, 1);
+  start();
+  rig_.run(1s);
+  bus_.silence(2);
+  rig_.run(1500ms);
+  ASSERT_TRUE(is_stale(1002));
+  rig_.settings.poll.interval = 50ms;
+  rig_.settings.poll.stale_after = 2500ms;
+  rig_.update_settings();
+  rig_.run(100ms);
+  EXPECT_TRUE(is_stale(1002));
+}
+
+}  // namespace
+}  // namespace etcm::firmware
