@@ -31,11 +31,11 @@ Gateway::Gateway(std::shared_ptr<const Settings> settings, Mesh& mesh, const Gat
       devices_(*settings_),
       poller_(settings_->poll, ports.buses, *this, ports.log, this, &devices_),
       nodes_(poller_.unit_count()),
-      readings_(poller_),
+      reading_table_(poller_),
       kept_(mesh, *settings_),
       site_(kept_, nodes_, ports.clock, ports.log),
       placement_(kept_, site_, nodes_, settings_->domain, ports.clock, ports.log),
-      presence_(settings_->poll, poller_, nodes_, readings_, placement_, ports.log),
+      presence_(settings_->poll, poller_, nodes_, reading_table_, placement_, ports.log),
       admission_(settings_->poll, kept_.features(), nodes_, poller_, ports.log),
       assigner_(settings_->poll, poller_, nodes_, ports.log),
       is_assigning_(poller_.bus_count()),
@@ -96,7 +96,7 @@ void Gateway::step(port::Instant now) {
   changed_ = admission_.take_changed() || changed_;
   changed_ = presence_.take_changed() || changed_;
   if (changed_ && publish_due_ <= now) publish(now);
-  if (readings_.has_news() && readings_due_ <= now) publish_readings(now);
+  if (reading_table_.has_news() && readings_due_ <= now) publish_readings(now);
   if (file_publisher_) {
     file_publisher_->step(now);
     if (file_publisher_->is_due(now)) file_publisher_->write(snapshot(), now);
@@ -130,7 +130,7 @@ port::Instant Gateway::next_deadline() const {
   port::Instant deadline =
       std::min({poller_.next_deadline(), presence_.next_deadline(), placement_.next_deadline()});
   if (file_publisher_) deadline = std::min(deadline, file_publisher_->next_deadline());
-  if (readings_.has_news()) deadline = std::min(deadline, readings_due_);
+  if (reading_table_.has_news()) deadline = std::min(deadline, readings_due_);
   if (changed_) return std::min(deadline, publish_due_);
   if (state_saver_) deadline = std::min(deadline, state_saver_->next_deadline());
   return deadline;
@@ -138,7 +138,7 @@ port::Instant Gateway::next_deadline() const {
 
 void Gateway::finish(port::Instant now) {
   if (changed_) publish(now);
-  if (readings_.has_news()) publish_readings(now);
+  if (reading_table_.has_news()) publish_readings(now);
   if (file_publisher_) {
     file_publisher_->step(now);
     file_publisher_->write(snapshot(), now);
@@ -184,7 +184,7 @@ bool Gateway::on_reading(UnitIndex unit, const NodeReading& reading,
   NodeRecord* const node = admission_.admit(unit, reading.serial, now);
   if (node == nullptr) return false;
   presence_.hear_node(*node, reading, now);
-  readings_.take(unit, node->serial, measured, now);
+  reading_table_.take(unit, node->serial, measured, now);
   if (node->boot_count != reading.boot_count) {
     node->boot_count = reading.boot_count;
     distributor_.invalidate();
@@ -257,7 +257,7 @@ void Gateway::publish(port::Instant now) {
       snapshots_.take(generation_, kept_, nodes_, poller_, presence_, quarantine_, now);
   distributor_.take_snapshot();
   state_ = snapshot.state;
-  reading_taker_.take(readings_, nodes_, snapshot, now);
+  reading_taker_.take(reading_table_, nodes_, snapshot, now);
   ports_.server.publish(images_.encode(snapshot));
   // A large mesh takes its time; polling must not wait for it often.
   publish_due_ = now + std::max(publish_pause, publish_share * (ports_.clock.now() - started));
@@ -265,7 +265,7 @@ void Gateway::publish(port::Instant now) {
 
 void Gateway::publish_readings(port::Instant now) {
   const port::Instant started = ports_.clock.now();
-  reading_taker_.take(readings_, nodes_, snapshot(), now);
+  reading_taker_.take(reading_table_, nodes_, snapshot(), now);
   readings_due_ = now + std::max(publish_pause, publish_share * (ports_.clock.now() - started));
 }
 

@@ -99,6 +99,8 @@ class Gateway final : private ReadingListener, private RequestSource {
   }
   const DiskWriter* disk_of_state() const { return state_saver_ ? &state_saver_->disk() : nullptr; }
   const Poller& poller() const { return poller_; }
+  // As they are now; published are readings().
+  const ReadingTable& reading_table() const { return reading_table_; }
   const NodeTable& nodes() const { return nodes_; }
   const Presence& presence() const { return presence_; }
   const MeshTimes& mesh_times() const { return placement_.times(); }
@@ -123,7 +125,7 @@ class Gateway final : private ReadingListener, private RequestSource {
   DeviceTable devices_;
   Poller poller_;
   NodeTable nodes_;
-  ReadingTable readings_;
+  ReadingTable reading_table_;
   KeptMesh kept_;
   SiteKeeper site_;
   NodePlacement placement_;

@@ -2,6 +2,7 @@
 // complete sweep of them says.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -12,6 +13,10 @@
 #include "firmware/profile/field.h"
 
 namespace etcm::firmware {
+
+// So that they fit lines, labels and registers, in bytes.
+inline constexpr std::size_t reading_name_max = 48;
+inline constexpr std::size_t reading_unit_max = 24;
 
 struct Profile {
   // How the position is known. One that was surveyed stands in the settings or the site file.

@@ -88,12 +88,23 @@ void read_position(TomlTable& table, const FieldReader& fields, Profile& profile
   }
 }
 
+// A text of so many bytes at the most.
+std::string read_short_text(TomlTable& table, const char* key, std::size_t most) {
+  std::string text = read_text(table, key);
+  if (text.size() > most) {
+    table.mistake(*table.find(key),
+                  std::string("'") + key + "' has " + std::to_string(text.size()) +
+                      " bytes; make it shorter, it can have " + std::to_string(most));
+  }
+  return text;
+}
+
 void read_reading(TomlTable& table, const FieldReader& fields, Profile& profile) {
   Profile::Reading reading;
   table.require("name", "name = \"pressure\"");
   table.require("value", "value = { register = 0, type = \"i16\", scale = \"0.1\" }");
-  reading.name = read_text(table, "name");
-  reading.unit = read_text(table, "unit");
+  reading.name = read_short_text(table, "name", reading_name_max);
+  reading.unit = read_short_text(table, "unit", reading_unit_max);
   if (const auto value = fields.read_field_of(table, "value")) reading.value = *value;
   reading.valid = fields.read_conditions_of(table, "valid");
   for (const Profile::Reading& other : profile.readings) {

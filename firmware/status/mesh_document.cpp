@@ -1,5 +1,7 @@
 #include "firmware/status/mesh_document.h"
 
+#include <array>
+
 #include "firmware/records/node_table.h"
 #include "firmware/status/bus_meter.h"
 
@@ -27,9 +29,6 @@ constexpr int coordinate_digits = 4;
 // Neighbours that are looked at in one piece of a list of edges.
 constexpr std::uint32_t looks_max = 1000;
 
-// Of a degree: a tenth of a millimetre.
-constexpr int degree_digits = 9;
-
 void write_plane_place(const Point& place, const char* between, TextWriter& piece) {
   const auto units = [](std::int64_t coordinate) {
     return static_cast<double>(coordinate) / static_cast<double>(subunits_per_unit);
@@ -39,8 +38,8 @@ void write_plane_place(const Point& place, const char* between, TextWriter& piec
 }
 
 void write_degrees(const port::EarthPoint& place, const char* between, TextWriter& piece) {
-  piece.decimal(static_cast<double>(place.longitude) / 1e9, degree_digits) << between;
-  piece.decimal(static_cast<double>(place.latitude) / 1e9, degree_digits);
+  piece.nano(place.longitude) << between;
+  piece.nano(place.latitude);
 }
 
 void write_rejection(const Rejection& rejection, TextWriter& piece) {
@@ -206,7 +205,7 @@ void MeshDocument::write_place(Point place, TextWriter& piece) const {
   }
 }
 
-// One of its neighbours a call: there may be any number of them.
+// One of its readings or of its neighbours a call: there may be any number of them.
 void MeshDocument::write_vertex(Cursor& cursor, TextWriter& piece) const {
   if (cursor.item >= snapshot_.vertices.size()) return cursor.next_section();
   const SnapshotVertex& vertex = snapshot_.vertices[cursor.item];
@@ -214,17 +213,38 @@ void MeshDocument::write_vertex(Cursor& cursor, TextWriter& piece) const {
     ++cursor.item;
     return;
   }
+  const auto readings = readings_at(vertex.serial);
   if (cursor.part == 0) write_vertex_head(vertex, cursor.item, piece);
-  if (cursor.part < vertex.degree) {
-    const std::uint32_t row = snapshot_.neighbours[vertex.first_neighbour + cursor.part].row;
-    piece << (cursor.part == 0 ? "" : ",") << row + 1;
+  if (cursor.part < readings.size()) return write_reading(readings[cursor.part++], piece);
+  const auto number = static_cast<std::uint32_t>(cursor.part - readings.size());
+  if (number == 0) piece << ",\"neighbours\":[";
+  if (number < vertex.degree) {
+    const std::uint32_t row = snapshot_.neighbours[vertex.first_neighbour + number].row;
+    piece << (number == 0 ? "" : ",") << row + 1;
     ++cursor.part;
   }
-  if (cursor.part >= vertex.degree) {
+  if (number + 1u >= vertex.degree) {
     piece << "]}}";
     ++cursor.item;
     cursor.part = 0;
   }
+}
+
+// The page has them from a document of their own, and draws the mesh anew only where it changed.
+std::span<const PublishedReading> MeshDocument::readings_at(Serial serial) const {
+  if (frame_ == Frame::plane) return {};
+  return readings_of(readings_, serial);
+}
+
+void MeshDocument::write_reading(const PublishedReading& reading, TextWriter& piece) const {
+  const Quantity& quantity = readings_.quantities[reading.quantity.value];
+  std::array<char, sizeof "stale reading  ()" + reading_name_max + reading_unit_max> room;
+  TextWriter name(room);
+  name << (reading.is_stale ? "stale reading " : "reading ") << quantity.name;
+  if (!quantity.unit.empty()) name << " (" << quantity.unit << ")";
+  piece << ",";
+  piece.json(name.text()) << ":";
+  reading.nano ? piece.nano(*reading.nano) : piece << "null";
 }
 
 void MeshDocument::write_vertex_head(const SnapshotVertex& vertex, std::uint32_t row,
@@ -243,12 +263,20 @@ void MeshDocument::write_vertex_head(const SnapshotVertex& vertex, std::uint32_t
   } else {
     piece << "\"kind\":\"steiner\",\"feature\":" << vertex.feature;
   }
-  piece << ",\"neighbours\":[";
 }
 
 void MeshDocument::write_unplaced_node(Cursor& cursor, TextWriter& piece) const {
   if (cursor.item >= snapshot_.unplaced_nodes.size()) return cursor.next_section();
-  const SnapshotUnplacedNode& node = snapshot_.unplaced_nodes[cursor.item++];
+  const SnapshotUnplacedNode& node = snapshot_.unplaced_nodes[cursor.item];
+  const auto readings = readings_at(node.serial);
+  if (cursor.part == 0) write_unplaced_head(node, piece);
+  if (cursor.part < readings.size()) return write_reading(readings[cursor.part++], piece);
+  piece << "}}";
+  ++cursor.item;
+  cursor.part = 0;
+}
+
+void MeshDocument::write_unplaced_head(const SnapshotUnplacedNode& node, TextWriter& piece) const {
   piece << ",\n{\"type\":\"Feature\",\"geometry\":";
   if (node.has_position) {
     write_place(to_point(node.position), piece);
@@ -260,7 +288,6 @@ void MeshDocument::write_unplaced_node(Cursor& cursor, TextWriter& piece) const 
   piece << ",\"in_mesh\":false";
   if (node.is_missing) piece << ",\"missing\":true";
   write_rejection(node.rejection, piece);
-  piece << "}}";
 }
 
 // One edge a call at the most, from whichever of its ends has the lower row.

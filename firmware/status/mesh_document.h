@@ -13,10 +13,12 @@
 //   "missing"          a configured feature that is not in the mesh; no geometry
 // A node that is known and not in the mesh has "in_mesh": false and no id; one that is missing also
 // "missing": true, with its last place and unit. One that is stale although it answers has
-// "no_fix": true.
+// "no_fix": true. What a node measures has a property "reading NAME (UNIT)" each, with the value
+// or, where the device has no valid one, null; when it is stale, "stale reading NAME (UNIT)".
 #pragma once
 
 #include "firmware/polling/poller.h"
+#include "firmware/publish/reading_snapshot.h"
 #include "firmware/publish/snapshot.h"
 #include "firmware/site/site_plane.h"
 #include "firmware/status/document.h"
@@ -28,11 +30,16 @@ class MeshDocument final : public Document {
   // What its coordinates are. Those of a site without degrees are in the plane either way.
   enum class Frame : std::uint8_t { plane, degrees };
 
-  // Names of units are asked of `poller`. All must outlive this; the snapshot and its plane change
-  // only while nobody reads.
-  MeshDocument(const Snapshot& snapshot, const SitePlane& plane, const Poller& poller,
-               std::uint64_t instance, Frame frame)
-      : snapshot_(snapshot), plane_(plane), poller_(poller), instance_(instance), frame_(frame) {}
+  // Names of units are asked of `poller`. All must outlive this; the snapshots and the plane
+  // change only while nobody reads.
+  MeshDocument(const Snapshot& snapshot, const SitePlane& plane, const ReadingSnapshot& readings,
+               const Poller& poller, std::uint64_t instance, Frame frame)
+      : snapshot_(snapshot),
+        plane_(plane),
+        readings_(readings),
+        poller_(poller),
+        instance_(instance),
+        frame_(frame) {}
 
   bool write_next(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const override;
 
@@ -54,12 +61,16 @@ class MeshDocument final : public Document {
   void write_vertex(Cursor& cursor, TextWriter& piece) const;
   void write_vertex_head(const SnapshotVertex& vertex, std::uint32_t row, TextWriter& piece) const;
   void write_unplaced_node(Cursor& cursor, TextWriter& piece) const;
+  void write_unplaced_head(const SnapshotUnplacedNode& node, TextWriter& piece) const;
+  std::span<const PublishedReading> readings_at(Serial serial) const;
+  void write_reading(const PublishedReading& reading, TextWriter& piece) const;
   void write_edges(Cursor& cursor, bool constrained, TextWriter& piece) const;
   void write_missing_feature(Cursor& cursor, TextWriter& piece) const;
   void write_unit(UnitIndex unit, TextWriter& piece) const;
 
   const Snapshot& snapshot_;
   const SitePlane& plane_;
+  const ReadingSnapshot& readings_;
   const Poller& poller_;
   const std::uint64_t instance_;
   const Frame frame_;

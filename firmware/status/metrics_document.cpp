@@ -20,7 +20,7 @@ struct Context {
 };
 
 // Of what there is a sample each.
-enum class Scope : std::uint8_t { gateway, bus, unit, node };
+enum class Scope : std::uint8_t { gateway, bus, unit, node, reading };
 
 // One metric: its samples are those of the scope, and what write() adds.
 struct Family {
@@ -41,14 +41,27 @@ std::uint32_t count_of(Scope scope, const Context& context) {
       return context.poller().unit_count();
     case Scope::node:
       return static_cast<std::uint32_t>(context.sources.gateway.nodes().records().size());
+    case Scope::reading:
+      return static_cast<std::uint32_t>(context.sources.gateway.reading_table().records().size());
   }
   return 0;
 }
 
-// Of the units that are only looked for, those that are not there would be most of the text.
+const ReadingRecord& reading_at(const Context& context, std::uint32_t index) {
+  return context.sources.gateway.reading_table().records()[index];
+}
+
+// Of the units that are only looked for, those that are not there would be most of the text. A
+// reading is that of the node that answered at its unit last.
 bool is_shown(Scope scope, std::uint32_t index, const Context& context) {
-  return scope != Scope::unit || context.poller().is_listed(UnitIndex{index}) ||
-         context.poller().counters(UnitIndex{index}).has_answered();
+  if (scope == Scope::unit) {
+    return context.poller().is_listed(UnitIndex{index}) ||
+           context.poller().counters(UnitIndex{index}).has_answered();
+  }
+  if (scope != Scope::reading) return true;
+  const ReadingRecord& reading = reading_at(context, index);
+  const NodeRecord* const node = context.sources.gateway.nodes().find(reading.serial);
+  return node != nullptr && node->last_unit == reading.unit_index;
 }
 
 void plain(const Context& context, std::uint64_t value, TextWriter& piece) {
@@ -189,6 +202,27 @@ void write_node_silence(const Context& context, std::uint32_t index, TextWriter&
 void write_node_missing(const Context& context, std::uint32_t index, TextWriter& piece) {
   const NodeRecord& node = record(context, index);
   if (node.is_missing) write_node(context, node.serial, node.heard_at, piece);
+}
+
+TextWriter& reading_labels(const Context& context, const ReadingRecord& reading,
+                           TextWriter& piece) {
+  const Quantity& quantity = context.sources.gateway.readings().quantities[reading.quantity.value];
+  piece << context.name << "{name=";
+  piece.label(quantity.name) << ",unit=";
+  return piece.label(quantity.unit) << ",serial=\"" << reading.serial.value << "\"} ";
+}
+
+// A series without a sample is how Prometheus is told that there is no value now.
+void write_reading(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const ReadingRecord& reading = reading_at(context, index);
+  if (reading.is_stale || !reading.nano) return;
+  reading_labels(context, reading, piece).nano(*reading.nano) << "\n";
+}
+
+void write_reading_age(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const ReadingRecord& reading = reading_at(context, index);
+  reading_labels(context, reading, piece).seconds(age_of(reading.taken_at, context.asked_at))
+      << "\n";
 }
 
 void write_bus_silent(const Context& context, std::uint32_t index, TextWriter& piece) {
@@ -344,6 +378,13 @@ constexpr std::array families{
     Family{"etcm_node_missing_seconds", "gauge",
            "Of a node that is missing, the time since its last sound answer.", Scope::node,
            write_node_missing},
+    Family{
+        "etcm_reading", "gauge",
+        "What a node measures, in the unit of the label; none while it is stale or the device has "
+        "no valid value.",
+        Scope::reading, write_reading},
+    Family{"etcm_reading_age_seconds", "gauge", "Time since the device of a reading was read.",
+           Scope::reading, write_reading_age},
 };
 
 }  // namespace

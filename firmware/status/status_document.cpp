@@ -108,6 +108,8 @@ void StatusDocument::write_counts(TextWriter& piece) const {
         << ",\"sensing_range\":" << snapshot.analysis.sensing_range
         << ",\"holes\":" << snapshot.analysis.hole_count
         << ",\"gaps\":" << snapshot.analysis.unwatched_gap_count
+        << ",\"quantities\":" << sources_.gateway.readings().quantities.size()
+        << ",\"readings_sequence\":" << sources_.gateway.readings().sequence
         << ",\"masters\":" << sources_.masters.clients
         << ",\"readers\":" << sources_.readers.clients;
 }

@@ -13,9 +13,11 @@ namespace {
 
 constexpr const char* json_media_type = "application/json";
 
-// Two runs of the gateway count the same generations, of different meshes.
-std::uint64_t version_of(std::uint64_t instance, std::uint32_t generation) {
-  const std::uint64_t mixed = (instance ^ generation) * 0x9e3779b97f4a7c15u;
+// Two runs of the gateway count the same generations and sequences, of different content.
+std::uint64_t version_of(std::uint64_t instance, std::uint32_t generation,
+                         std::uint32_t value_sequence) {
+  const std::uint64_t both = std::uint64_t{generation} << 32 | value_sequence;
+  const std::uint64_t mixed = (instance ^ both) * 0x9e3779b97f4a7c15u;
   return (mixed ^ mixed >> 32) | 1;
 }
 
@@ -34,6 +36,7 @@ StatusPage::StatusPage(const StatusSources& sources, std::uint32_t readers_max)
   for (Kept& kept : kept_) {
     reserve(kept.snapshot, sources.gateway.settings(),
             static_cast<std::uint32_t>(sources.gateway.nodes().records().size()));
+    reserve(kept.readings, sources.gateway.settings());
   }
 }
 
@@ -48,8 +51,9 @@ port::WebAnswer StatusPage::begin(std::size_t number, std::string_view path) {
   reader.cursor = {};
   reader.asked_at = now_;
   reader.kept = no_kept;
-  if (path == "/mesh.geojson") return show_mesh(reader, MeshDocument::Frame::degrees);
-  if (path == "/mesh.json") return show_mesh(reader, MeshDocument::Frame::plane);
+  if (path == "/mesh.geojson") return show_geojson(reader);
+  if (path == "/mesh.json") return show_mesh(reader);
+  if (path == "/readings.json") return show_readings(reader);
   if (path == "/status.json") return show(reader, status_, json_media_type);
   if (path == "/ages.json") return show(reader, ages_, json_media_type);
   if (path == "/metrics") return show(reader, metrics_, metrics_media_type);
@@ -100,15 +104,23 @@ port::WebAnswer StatusPage::show(Reader& reader, const Document& document, const
   return {.media_type = media_type};
 }
 
-port::WebAnswer StatusPage::show_mesh(Reader& reader, MeshDocument::Frame frame) {
-  reader.kept = keep_newest();
-  Kept& kept = kept_[reader.kept];
-  ++kept.readers;
-  const bool is_geojson = frame == MeshDocument::Frame::degrees;
-  port::WebAnswer answer = is_geojson ? show(reader, kept.in_degrees, "application/geo+json")
-                                      : show(reader, kept.in_plane, json_media_type);
-  answer.version = version_of(instance_of(sources_), kept.snapshot.generation);
+port::WebAnswer StatusPage::show_mesh(Reader& reader) {
+  const Kept& kept = keep_newest(reader);
+  port::WebAnswer answer = show(reader, kept.in_plane, json_media_type);
+  answer.version = version_of(instance_of(sources_), kept.snapshot.generation, 0);
   return answer;
+}
+
+port::WebAnswer StatusPage::show_geojson(Reader& reader) {
+  const Kept& kept = keep_newest(reader);
+  port::WebAnswer answer = show(reader, kept.in_degrees, "application/geo+json");
+  answer.version =
+      version_of(instance_of(sources_), kept.snapshot.generation, kept.readings.value_sequence);
+  return answer;
+}
+
+port::WebAnswer StatusPage::show_readings(Reader& reader) {
+  return show(reader, keep_newest(reader).readings_document, json_media_type);
 }
 
 port::WebAnswer StatusPage::show_health(Reader& reader) {
@@ -118,15 +130,26 @@ port::WebAnswer StatusPage::show_health(Reader& reader) {
   return show(reader, reason.text(), port::web_status::unavailable);
 }
 
-// The place with the newest generation that a new reader can have.
-std::size_t StatusPage::keep_newest() {
-  const Snapshot& newest = sources_.gateway.snapshot();
-  const std::size_t newer = kept_[0].snapshot.generation >= kept_[1].snapshot.generation ? 0 : 1;
-  if (kept_[newer].snapshot.generation == newest.generation) return newer;
+StatusPage::Kept& StatusPage::keep_newest(Reader& reader) {
+  reader.kept = newest_place();
+  Kept& kept = kept_[reader.kept];
+  ++kept.readers;
+  return kept;
+}
+
+// The place with the newest state that a new reader can have. Each generation has a sequence of its
+// own.
+std::size_t StatusPage::newest_place() {
+  const Snapshot& mesh = sources_.gateway.snapshot();
+  const ReadingSnapshot& readings = sources_.gateway.readings();
+  const std::size_t newer = kept_[0].readings.sequence >= kept_[1].readings.sequence ? 0 : 1;
+  if (kept_[newer].readings.sequence == readings.sequence) return newer;
   for (std::size_t place : {1 - newer, newer}) {
-    if (kept_[place].readers > 0) continue;
-    kept_[place].snapshot = newest;
-    kept_[place].plane = sources_.gateway.settings().site.plane();
+    Kept& kept = kept_[place];
+    if (kept.readers > 0) continue;
+    if (kept.snapshot.generation != mesh.generation) kept.snapshot = mesh;
+    kept.readings = readings;
+    kept.plane = sources_.gateway.settings().site.plane();
     return place;
   }
   return newer;

@@ -1,8 +1,8 @@
 // What the gateway shows over HTTP: the page and its data, metrics, health.
 //
-// Everything is made while it is read (document.h). A reader of the mesh has one generation to the
-// end: its snapshot is kept for as long as somebody reads it. There are two such places; when slow
-// readers hold both, others get the generation that is in the newer one.
+// Everything is made while it is read (document.h). A reader of the mesh or of readings has one
+// state of them to the end: it is kept for as long as somebody reads it. There are two such places;
+// when slow readers hold both, others get the state that is in the newer one.
 #pragma once
 
 #include <array>
@@ -14,6 +14,7 @@
 #include "firmware/status/bus_meter.h"
 #include "firmware/status/mesh_document.h"
 #include "firmware/status/metrics_document.h"
+#include "firmware/status/readings_document.h"
 #include "firmware/status/status_document.h"
 #include "firmware/status/status_sources.h"
 
@@ -37,29 +38,35 @@ class StatusPage final : public port::WebSite {
     const Document* document = nullptr;  // null: what is in `rest` is all
     Cursor cursor;
     port::Instant asked_at{};
-    std::size_t kept = no_kept;  // the place of the snapshot it reads
+    std::size_t kept = no_kept;  // the place of the snapshots it reads
     std::string_view rest;       // to be handed out next
     std::array<char, piece_bytes_max> piece;
   };
   struct Kept {
     Kept(const Poller& poller, std::uint64_t instance)
-        : in_degrees(snapshot, plane, poller, instance, MeshDocument::Frame::degrees),
-          in_plane(snapshot, plane, poller, instance, MeshDocument::Frame::plane) {}
+        : in_degrees(snapshot, plane, readings, poller, instance, MeshDocument::Frame::degrees),
+          in_plane(snapshot, plane, readings, poller, instance, MeshDocument::Frame::plane),
+          readings_document(readings, instance) {}
     Kept(const Kept&) = delete;
     Kept& operator=(const Kept&) = delete;
     Snapshot snapshot;
     SitePlane plane;
+    ReadingSnapshot readings;
     MeshDocument in_degrees;
     MeshDocument in_plane;
+    ReadingsDocument readings_document;
     std::uint32_t readers = 0;
   };
   static constexpr std::size_t no_kept = ~std::size_t{0};
 
   port::WebAnswer show(Reader& reader, std::string_view text, std::uint16_t status);
   port::WebAnswer show(Reader& reader, const Document& document, const char* media_type);
-  port::WebAnswer show_mesh(Reader& reader, MeshDocument::Frame frame);
+  port::WebAnswer show_mesh(Reader& reader);
+  port::WebAnswer show_geojson(Reader& reader);
+  port::WebAnswer show_readings(Reader& reader);
   port::WebAnswer show_health(Reader& reader);
-  std::size_t keep_newest();
+  Kept& keep_newest(Reader& reader);
+  std::size_t newest_place();
 
   const StatusSources sources_;
   BusMeter meter_;

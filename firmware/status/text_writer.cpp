@@ -13,6 +13,21 @@ TextWriter& TextWriter::decimal(double value, int digits) {
   return *this;
 }
 
+TextWriter& TextWriter::nano(std::int64_t value) {
+  constexpr std::int64_t one = 1'000'000'000;
+  if (value < 0) *this << "-";
+  const std::int64_t size = value < 0 ? -value : value;
+  *this << size / one;
+  std::int64_t rest = size % one;
+  if (rest == 0) return *this;
+  *this << ".";
+  for (std::int64_t digit = one / 10; rest > 0; digit /= 10) {
+    *this << rest / digit;
+    rest %= digit;
+  }
+  return *this;
+}
+
 TextWriter& TextWriter::seconds(port::Duration duration) {
   return decimal(std::chrono::duration<double>(duration).count(), 6);
 }

@@ -43,6 +43,8 @@ class TextWriter {
 
   // With so many digits behind the point, as far as they are not zeros at the end.
   TextWriter& decimal(double value, int digits);
+  // What is in 10^-9, exactly: 1234000000 is 1.234. REQUIRES: not the least of its type.
+  TextWriter& nano(std::int64_t value);
   TextWriter& seconds(port::Duration duration);
   TextWriter& hex(std::uint64_t value) {
     return take(std::to_chars(room_.data() + size_, room_.data() + room_.size(), value, 16));

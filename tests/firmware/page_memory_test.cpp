@@ -5,6 +5,7 @@
 
 #include "fakes.h"
 #include "firmware/status/status_page.h"
+#include "measuring_profile.h"
 #include "support/allocation_watch.h"
 
 namespace etcm::firmware {
@@ -14,6 +15,10 @@ using namespace std::chrono_literals;
 
 TEST(PageMemory, ReadersOfEverythingTakeNone) {
   Rig rig{{feature(1001, 1003)}};
+  rig.settings.device_profiles = {measuring_profile()};
+  rig.settings.buses.front().devices = {{.units = {{.first = 5, .last = 20}},
+                                         .profile = rig.settings.device_profiles.front().name,
+                                         .timeout = 50ms}};
   rig.start();
   RecentEvents events(rig.clock, rig.log);
   port::ServiceCounters masters;
@@ -33,8 +38,8 @@ TEST(PageMemory, ReadersOfEverythingTakeNone) {
     page.advance(rig.clock.now());
     // A slow reader meanwhile has a generation of its own.
     if (unit == 10) page.begin(3, "/mesh.geojson");
-    for (const char* path : {"/", "/map.js", "/mesh.geojson", "/status.json", "/ages.json",
-                             "/metrics", "/healthz", "/nothing"}) {
+    for (const char* path : {"/", "/map.js", "/mesh.geojson", "/readings.json", "/status.json",
+                             "/ages.json", "/metrics", "/healthz", "/nothing"}) {
       page.begin(0, path);
       while (page.read(0, out) > 0) continue;
       page.end(0);
@@ -42,6 +47,7 @@ TEST(PageMemory, ReadersOfEverythingTakeNone) {
     if (unit == 15) page.end(3);
     EXPECT_EQ(watch.allocations(), 0u) << "with " << int{unit} << " nodes";
   }
+  EXPECT_EQ(rig.gateway->readings().readings.size(), 16u * 3);
 }
 
 }  // namespace

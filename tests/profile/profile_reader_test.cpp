@@ -166,6 +166,11 @@ TEST(ProfileMistakes, OfAReading) {
       {"[[profile.reading]]\nname = 'a'\nvalue = { register = 0 }\n[[profile.reading]]\n"
        "name = 'a'\nvalue = { register = 1 }",
        "p.toml:7: two readings are named 'a'; give one another name"},
+      {"[[profile.reading]]\nname = '0123456789012345678901234567890123456789012345678'\n"
+       "value = { register = 0 }",
+       "p.toml:4: 'name' has 49 bytes; make it shorter, it can have 48"},
+      {"[[profile.reading]]\nname = 'a'\nunit = 'ééééééééééééé'\nvalue = { register = 0 }",
+       "p.toml:5: 'unit' has 26 bytes; make it shorter, it can have 24"},
       {"serial = { register = 0 }\nreading = 5", "begin each with [[profile.reading]]"},
   });
 }
