@@ -64,14 +64,16 @@ FIRMWARE_ROOMS = {
                 "mesh"),
     "publish": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
                 "mesh", "nodes"),
+    "readings": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
+                "mesh", "nodes", "publish"),
     "persist": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
                 "mesh", "nodes", "publish"),
     "gateway": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
-                "mesh", "nodes", "publish", "persist"),
+                "mesh", "nodes", "publish", "readings", "persist"),
     "status": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
-                "mesh", "nodes", "publish", "persist", "gateway"),
+                "mesh", "nodes", "publish", "readings", "persist", "gateway"),
     "app": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
-                "mesh", "nodes", "publish", "persist", "gateway", "status"),
+                "mesh", "nodes", "publish", "readings", "persist", "gateway", "status"),
 }
 # Folder, what an include of a room begins with there, and the rooms.
 HOUSES = [
