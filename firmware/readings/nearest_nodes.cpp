@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t node_looks_max = 64;
 constexpr std::size_t steiner_looks_max = 16;
 
-double units(std::int64_t subunits) {
+double units_of(std::int64_t subunits) {
   return static_cast<double>(subunits) / static_cast<double>(subunits_per_unit);
 }
 
@@ -88,7 +88,7 @@ void NearestNodes::add(const Snapshot& snapshot, std::uint32_t row) {
   if (row >= row_count_ || snapshot.vertices[row].kind != VertexKind::node) return;
   if (std::exchange(seen_[row], search_) == search_) return;
   const Point point = snapshot.vertices[row].point;
-  const NearNode node{row, units(point.x - centre_.x), units(point.y - centre_.y)};
+  const NearNode node{row, units_of(point.x - centre_.x), units_of(point.y - centre_.y)};
   const auto end = found_.begin() + static_cast<std::ptrdiff_t>(found_count_);
   const auto place = std::upper_bound(found_.begin(), end, node, is_nearer);
   if (place == found_.end()) return;

@@ -61,7 +61,8 @@ Misses misses_of(const ExpectedSite& site, const std::vector<double>& values) {
 
 TEST(ExpectedValue, OfALinearFieldIsExactInsideAndAtTheHull) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const ExpectedSite site({"", test::scattered(4 + 5 * seed, 1'000'000, seed), {}});
+    const ExpectedSite site(
+        {"", test::scattered(4 + 5 * static_cast<std::size_t>(seed), 1'000'000, seed), {}});
     const auto values = site.linear(20, 3e-5, -7e-5);
     int predicted = 0;
     for (std::uint32_t row = 0; row < site.row_count(); ++row) {

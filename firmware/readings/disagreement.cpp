@@ -1,0 +1,265 @@
+#include "firmware/readings/disagreement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace etcm::firmware {
+
+namespace {
+
+constexpr double no_evidence = std::numeric_limits<double>::quiet_NaN();
+// Squares of values, and of the least deviation, neither overflow nor vanish.
+constexpr double value_max = 1e100;
+constexpr double least_deviation_of_all = 1e-100;
+
+// A reference follows its residuals with this memory, takes none for farther off than so many
+// deviations, and goes no farther than this share of the range of the field.
+constexpr double reference_memory_samples = 60;
+constexpr double step_deviations_max = 2;
+constexpr double followed_share = 0.02;
+// Residuals below this share of the range are the field's affair, and below that of the value
+// those of arithmetic.
+constexpr double least_share_of_range = 0.01;
+constexpr double least_share_of_value = 1e-9;
+// The changes around are rough where the field changes its shape. Slow ones are told from noise by
+// a mean over so many samples, and count with this many times their deviation; sudden ones by a
+// variance of more than so many usual ones, and the excess counts so many times.
+constexpr double slow_samples = 16;
+constexpr double slow_weight = 2;
+constexpr double usual_variances = 2;
+constexpr double excess_weight = 4;
+// A node that has moved farther than this share of the way to the nearest one stands elsewhere.
+constexpr double same_place_share = 0.1;
+
+bool is_value(double value) { return std::abs(value) <= value_max; }
+
+double distance_between(const Point& a, const Point& b) {
+  return std::hypot(static_cast<double>(a.x - b.x), static_cast<double>(a.y - b.y)) /
+         static_cast<double>(subunits_per_unit);
+}
+
+}  // namespace
+
+DisagreementWatch::DisagreementWatch(const NearestNodes& nodes, std::uint32_t vertices_max,
+                                     double tolerance)
+    : nodes_(&nodes),
+      tolerance_(tolerance),
+      records_(vertices_max),
+      values_(vertices_max, no_evidence),
+      change_(vertices_max, no_evidence),
+      slow_change_(vertices_max, no_evidence) {
+  sorted_.reserve(vertices_max);
+}
+
+void DisagreementWatch::take(const Snapshot& snapshot) {
+  for (std::uint32_t row = 0; row < records_.size(); ++row) {
+    Record& record = records_[row];
+    record.is_surface_current = false;
+    const SnapshotVertex vertex =
+        row < snapshot.vertices.size() ? snapshot.vertices[row] : SnapshotVertex{};
+    const bool is_node = vertex.kind == VertexKind::node;
+    const auto around = nodes_->around(row);
+    const double room =
+        around.empty() ? 0 : same_place_share * std::hypot(around[0].x, around[0].y);
+    if (is_node && record.is_node && record.serial == vertex.serial &&
+        distance_between(record.point, vertex.point) <= room) {
+      continue;
+    }
+    record = {};
+    record.is_node = is_node;
+    record.serial = vertex.serial;
+    record.point = vertex.point;
+  }
+}
+
+void DisagreementWatch::forget(std::uint32_t row) {
+  const Record old = records_[row];
+  records_[row] = {};
+  records_[row].serial = old.serial;
+  records_[row].point = old.point;
+  records_[row].is_node = old.is_node;
+}
+
+bool DisagreementWatch::has_value(std::uint32_t row) const {
+  return records_[row].is_node && is_value(values_[row]);
+}
+
+void DisagreementWatch::observe(std::span<const double> values) {
+  const std::size_t given = std::min(values.size(), values_.size());
+  std::copy_n(values.begin(), given, values_.begin());
+  std::fill(values_.begin() + static_cast<std::ptrdiff_t>(given), values_.end(), no_evidence);
+  find_range();
+  for (std::uint32_t row = 0; row < records_.size(); ++row) {
+    const Record& record = records_[row];
+    const bool is_evidence =
+        has_value(row) && record.reference.has_begun() && !record.agreement.disagrees;
+    change_[row] = is_evidence ? values_[row] - record.reference.value() : no_evidence;
+    if (!is_evidence) continue;
+    double& slow = slow_change_[row];
+    slow = std::isnan(slow) ? change_[row] : slow + (change_[row] - slow) / slow_samples;
+  }
+  for (std::uint32_t row = 0; row < records_.size(); ++row) {
+    records_[row].strength = 0;
+    if (has_value(row)) judge(row);
+  }
+  raise_alarms();
+}
+
+// Twice the distance between the quartiles: what half of the sensors say cannot change it.
+void DisagreementWatch::find_range() {
+  sorted_.clear();
+  magnitude_ = 0;
+  for (const Record& record : records_) {
+    if (record.is_node && record.reference.has_begun() && !record.agreement.disagrees) {
+      sorted_.push_back(record.reference.value());
+    }
+  }
+  range_ = 0;
+  if (sorted_.empty()) return;
+  const auto quantile = [&](std::size_t index) {
+    const auto place = sorted_.begin() + static_cast<std::ptrdiff_t>(index);
+    std::nth_element(sorted_.begin(), place, sorted_.end());
+    return *place;
+  };
+  const std::size_t last = sorted_.size() - 1;
+  const double lower = quantile(last / 4);
+  const double upper = quantile(last - last / 4);
+  range_ = 2 * (upper - lower);
+  magnitude_ = std::max(std::abs(lower), std::abs(upper));
+}
+
+double DisagreementWatch::least_deviation() const {
+  return std::max({tolerance_, least_share_of_range * range_, least_share_of_value * magnitude_,
+                   least_deviation_of_all});
+}
+
+void DisagreementWatch::judge(std::uint32_t row) {
+  Record& record = records_[row];
+  if (!record.reference.has_begun()) return begin_reference(record, row);
+  const auto prediction = predict(record, row);
+  Agreement& agreement = record.agreement;
+  agreement.is_judged = prediction && record.sample_count >= learning_samples;
+  agreement.expected.reset();
+  if (!prediction) return;
+  double residual = values_[row] - record.reference.value() - prediction->change;
+  if (record.takes_back) {
+    residual = record.reference.take_back(residual);
+    record.takes_back = false;
+  }
+  agreement.expected = values_[row] - residual;
+
+  const double deviation = deviation_of(record, *prediction);
+  agreement.deviation = deviation;
+  if (agreement.is_judged) record.cusum.add(residual / deviation);
+  agreement.suspicion = record.cusum.sum() / TwoSidedCusum::threshold;
+  if (agreement.disagrees) {
+    if (record.cusum.is_clear()) agreement.disagrees = false;
+    return;
+  }
+  if (record.cusum.is_beyond()) record.strength = std::abs(residual) / deviation;
+  if (!record.cusum.is_suspicious()) learn(record, residual, prediction->roughness);
+}
+
+double DisagreementWatch::deviation_of(const Record& record, const Prediction& prediction) const {
+  const double own = std::max(record.residual.deviation(), least_deviation());
+  const double slow = slow_weight * prediction.slow_roughness;
+  const double usual = record.roughness.median();
+  const double excess =
+      prediction.roughness * prediction.roughness - usual_variances * usual * usual;
+  return std::sqrt(own * own + slow * slow + excess_weight * std::max(0.0, excess));
+}
+
+void DisagreementWatch::begin_reference(Record& record, std::uint32_t row) {
+  const auto prediction = predict(record, row);
+  const double change = prediction ? prediction->change : mean_change_around(row);
+  record.reference.begin_with(values_[row] - change);
+  if (record.reference.has_begun()) record.residual.begin(record.reference.first_difference());
+}
+
+void DisagreementWatch::learn(Record& record, double residual, double roughness) {
+  const double least = least_deviation();
+  if (record.sample_count == 0) record.roughness.begin(roughness);
+  // What a changing field does to it is not usual, however long it lasts.
+  const bool is_usual = roughness <= std::sqrt(2 * usual_variances) * record.roughness.median();
+  if (is_usual || record.sample_count < learning_samples) {
+    record.roughness.add(roughness, least / 10);
+  }
+  record.residual.add(std::abs(residual), least / 10);
+  const double deviation = std::max(record.residual.deviation(), least);
+  const double gain = 1 / std::min<double>(record.sample_count + 2.0, reference_memory_samples);
+  const double step = gain * std::clamp(residual, -step_deviations_max * deviation,
+                                        step_deviations_max * deviation);
+  if (record.sample_count < learning_samples) {
+    record.reference.learn(step);
+    ++record.sample_count;
+  } else {
+    record.reference.follow(step, followed_share * range_);
+  }
+}
+
+std::optional<DisagreementWatch::Prediction> DisagreementWatch::predict(Record& record,
+                                                                        std::uint32_t row) {
+  const auto around = nodes_->around(row);
+  std::array<double, thin_plate_max> changes{};
+  std::array<double, thin_plate_max> slow_changes{};
+  std::size_t count = 0;
+  std::uint32_t used = 0;
+  std::uint32_t disbelieved = 0;
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const std::uint32_t other = around[i].row;
+    if (other >= records_.size()) continue;
+    if (records_[other].agreement.disagrees) disbelieved |= 1u << i;
+    if (count == thin_plate_max || std::isnan(change_[other])) continue;
+    changes[count] = change_[other];
+    slow_changes[count++] = slow_change_[other];
+    used |= 1u << i;
+  }
+  if (record.is_surface_current && (disbelieved & ~record.disbelieved) != 0) {
+    record.takes_back = true;
+  }
+  record.disbelieved = disbelieved;
+  if (used != record.used || !record.is_surface_current) {
+    std::array<Offset, thin_plate_max> places;
+    std::size_t filled = 0;
+    for (std::size_t i = 0; i < around.size(); ++i) {
+      if ((used >> i & 1u) != 0) places[filled++] = {around[i].x, around[i].y};
+    }
+    record.has_surface = record.surface.fit(std::span(places).first(count));
+    record.used = used;
+    record.is_surface_current = true;
+  }
+  // As many nodes as a plane takes fit whichever of them is wrong.
+  if (!record.has_surface || !record.surface.has_deviation()) return std::nullopt;
+  const auto values = std::span(changes).first(count);
+  return Prediction{record.surface.value(values), record.surface.deviation(values),
+                    record.surface.deviation(std::span(slow_changes).first(count))};
+}
+
+double DisagreementWatch::mean_change_around(std::uint32_t row) const {
+  double sum = 0;
+  int count = 0;
+  for (const NearNode& near : nodes_->around(row)) {
+    if (near.row >= change_.size() || std::isnan(change_[near.row])) continue;
+    sum += change_[near.row];
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+// One at a time among neighbours: the others are judged again without the worst.
+void DisagreementWatch::raise_alarms() {
+  for (std::uint32_t row = 0; row < records_.size(); ++row) {
+    Record& record = records_[row];
+    if (record.strength == 0) continue;
+    const auto around = nodes_->around(row);
+    const bool is_worst = std::none_of(around.begin(), around.end(), [&](const NearNode& near) {
+      return near.row < records_.size() && records_[near.row].strength > record.strength;
+    });
+    if (is_worst) record.agreement.disagrees = true;
+  }
+}
+
+}  // namespace etcm::firmware
