@@ -80,19 +80,19 @@ Program::Bus Program::make_bus(const BusSettings& bus, port::Duration retry_inte
                             .lines = board_.io(),
                             .send_enable = board_.line_of(bus.send_enable)});
   }
-  const port::SocketAddress& address = std::get<port::SocketAddress>(bus.link);
+  const port::Endpoint& end = std::get<port::Endpoint>(bus.link);
   if (bus.framing == Framing::rtu) {
-    tcp_lines_.push_back(std::make_unique<port::RtuTcpLine>(loop_, address));
+    tcp_lines_.push_back(std::make_unique<port::RtuTcpLine>(loop_, end));
     return std::make_unique<port::RtuBus>(*tcp_lines_.back(), log_,
                                           port::RtuBusOptions{.name = bus.name,
                                                               .serial_line = {},
-                                                              .address = to_string(address),
+                                                              .address = to_string(end),
                                                               .quiet = quiet_over_tcp,
                                                               .reopen_interval = retry_interval});
   }
   return std::make_unique<port::TcpBus>(loop_, log_,
                                         port::TcpBusOptions{.name = bus.name,
-                                                            .address = address,
+                                                            .end = end,
                                                             .outstanding_max = bus.outstanding_max,
                                                             .reconnect_interval = retry_interval});
 }

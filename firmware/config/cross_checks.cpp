@@ -33,13 +33,25 @@ std::size_t asked_count(const BusSettings& bus) {
   return count;
 }
 
+bool is_reached(const port::HostAddress& host, const port::HostAddress& at) {
+  const bool is_here = port::this_machine.contains(host) || host == port::loopback_ipv6;
+  return host == at || (at == port::any_ipv6 && is_here) ||
+         (at == port::any_ipv4 && is_here && host.is_ipv4());
+}
+
 // Whether a connection to `to` ends where somebody listens at `at`. The address of no host, to
-// which one may connect, is this machine.
-bool reaches(const port::SocketAddress& to, const port::SocketAddress& at) {
+// which one may connect, is this machine; of names one alone is known.
+bool reaches(const port::Endpoint& to, const port::SocketAddress& at) {
   if (to.port != at.port) return false;
-  const bool is_here = to.host == 0 || port::this_machine.contains(to.host);
-  if (at.host == 0) return is_here;
-  return to.host == at.host || (to.host == 0 && at == port::SocketAddress{0x7f000001, at.port});
+  if (to.host == "localhost") {
+    return is_reached(port::loopback_ipv4, at.host) || is_reached(port::loopback_ipv6, at.host);
+  }
+  const auto host = port::address_of(to);
+  if (!host) return false;
+  return is_reached(*host == port::any_ipv4   ? port::loopback_ipv4
+                    : *host == port::any_ipv6 ? port::loopback_ipv6
+                                              : *host,
+                    at.host);
 }
 
 // Whether a name with "/dev/" before it or without is the same line.
@@ -126,21 +138,21 @@ class CrossCheck {
   }
 
   void check_address(std::size_t bus) {
-    const auto* const address = std::get_if<port::SocketAddress>(&settings_.buses[bus].link);
-    if (address == nullptr) return;
+    const auto* const end = std::get_if<port::Endpoint>(&settings_.buses[bus].link);
+    if (end == nullptr) return;
     const auto wrong = [&](const std::string& what) {
       add(mistakes_, find_in_bus(bus, {"tcp"}), what);
     };
     const auto is_itself = [&](const char* does) {
-      wrong(to_string(*address) + " is where this gateway itself " + does +
+      wrong(to_string(*end) + " is where this gateway itself " + does +
             "; give the address of the converter or of the nodes");
     };
-    if (address->port == 0) {
+    if (end->port == 0) {
       wrong("nobody answers at port 0; give the port of the converter, such as " +
-            to_string(port::SocketAddress{address->host, 502}));
-    } else if (reaches(*address, settings_.server.listen)) {
+            to_string(port::Endpoint{end->host, 502}));
+    } else if (reaches(*end, settings_.server.listen)) {
       is_itself("serves the mesh");
-    } else if (settings_.http && reaches(*address, settings_.http->listen)) {
+    } else if (settings_.http && reaches(*end, settings_.http->listen)) {
       is_itself("shows its page");
     }
   }

@@ -99,11 +99,18 @@ void check_gpio(TomlTable& toml_table, Settings& settings) {
   }
 }
 
+// Whether only one can listen at both, on one port.
+bool is_one_socket(const port::HostAddress& a, const port::HostAddress& b) {
+  const auto contains = [](const port::HostAddress& any, const port::HostAddress& host) {
+    return any == port::any_ipv6 || (any == port::any_ipv4 && host.is_ipv4());
+  };
+  return a == b || contains(a, b) || contains(b, a);
+}
+
 void check_http(TomlTable& toml_table, Settings& settings) {
   const port::SocketAddress& page = settings.http->listen;
   const port::SocketAddress& server = settings.server.listen;
-  if (page.port != 0 && page.port == server.port &&
-      (page.host == server.host || page.host == 0 || server.host == 0)) {
+  if (page.port != 0 && page.port == server.port && is_one_socket(page.host, server.host)) {
     toml_table.mistake(toml_table.table(), "the page and [server] would both listen on port " +
                                                std::to_string(server.port) + "; give one another");
   }
@@ -139,14 +146,13 @@ void check_against(TomlTable& toml_table, const BusSettings& bus, const BusSetti
                                                "; put the units of both into one");
     return;
   }
-  const auto* const address = std::get_if<port::SocketAddress>(&bus.link);
-  const auto* const other_address = std::get_if<port::SocketAddress>(&other.link);
-  if (address != nullptr && other_address != nullptr && address->host == other_address->host &&
-      address->port == other_address->port) {
+  const auto* const end = std::get_if<port::Endpoint>(&bus.link);
+  const auto* const other_end = std::get_if<port::Endpoint>(&other.link);
+  if (end != nullptr && other_end != nullptr && *end == *other_end) {
     for (const ModbusAddress unit : UnitRange{.first = 1, .last = unit_max}) {
       if (!has_unit(bus, unit) || !has_unit(other, unit)) continue;
       toml_table.mistake(toml_table.table(),
-                         "unit " + std::to_string(unit.value) + " at " + to_string(*address) +
+                         "unit " + std::to_string(unit.value) + " at " + to_string(*end) +
                              " is asked by another [[bus]] too; take it out of one");
       return;
     }
@@ -381,7 +387,7 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
 
 std::string link_name(const BusSettings& bus) {
   const auto* const line = std::get_if<port::SerialLine>(&bus.link);
-  return line != nullptr ? line->path : to_string(std::get<port::SocketAddress>(bus.link));
+  return line != nullptr ? line->path : to_string(std::get<port::Endpoint>(bus.link));
 }
 
 port::Duration exchange_floor(const port::SerialLine& line) {

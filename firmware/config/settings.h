@@ -11,6 +11,7 @@
 
 #include "etcm/config.h"
 #include "etcm/port/clock.h"
+#include "etcm/port/endpoint.h"
 #include "etcm/port/projection.h"
 #include "etcm/port/serial_line.h"
 #include "etcm/port/socket_address.h"
@@ -82,7 +83,7 @@ enum class Framing : std::uint8_t { tcp, rtu };
 struct BusSettings {
   std::string name;
   Framing framing = Framing::tcp;
-  std::variant<port::SocketAddress, port::SerialLine> link;  // Modbus TCP, or RTU
+  std::variant<port::Endpoint, port::SerialLine> link;  // Modbus TCP, or RTU
   std::vector<UnitRange> units;
   std::vector<UnitRange> assign{};  // units that new nodes are given; they are asked as well
   std::vector<UnitRange> scan{};    // units that are looked for

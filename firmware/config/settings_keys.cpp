@@ -126,8 +126,10 @@ constexpr Meaning<port::Direction> directions[] = {{"adapter", port::Direction::
 constexpr Meaning<Framing> framings[] = {{"tcp", Framing::tcp}, {"rtu", Framing::rtu}};
 
 constexpr Key bus_keys[] = {
-    with_tcp({"tcp", address<&BusSettings::link>(),
-              conditional(R"("127.0.0.1:502")", "this or `rtu`"), restart, "Modbus TCP; IPv4"}),
+    with_tcp({"tcp", endpoint<&BusSettings::link>(),
+              conditional(R"("127.0.0.1:502")", "this or `rtu`"), restart,
+              "Modbus TCP: an address, `\"[2001:db8::1]:502\"` of IPv6, or a "
+              "[name](wiring.md#by-name)"}),
     with_rtu({"rtu", text<&BusSettings::link, &port::SerialLine::path>(),
               conditional(R"("/dev/serial/by-path/...")", "this or `tcp`"), restart,
               "Modbus RTU on a serial port; better `/dev/serial/by-path/...` than `/dev/ttyUSB0`, "
@@ -230,9 +232,11 @@ constexpr Key gpio_keys[] = {
 
 constexpr Key server_keys[] = {
     {"listen", address<&Settings::server, &ServerSettings::listen>(),
-     standard(R"("127.0.0.1:1502")"), restart, "port 0: the system chooses, the log says"},
-    {"allow", networks<&Settings::server, &ServerSettings::allow>(), standard(R"(["127.0.0.0/8"])"),
-     at_once, "who may read; a client from elsewhere is rejected, and the log says so"},
+     standard(R"("127.0.0.1:1502")"), restart,
+     "port 0: the system chooses, the log says; `\"[::]:1502\"`: all addresses, of IPv4 too"},
+    {"allow", networks<&Settings::server, &ServerSettings::allow>(),
+     standard(R"(["127.0.0.0/8", "::1"])"), at_once,
+     "who may read; a client from elsewhere is rejected, and the log says so"},
     {"clients_max", count<&Settings::server, &ServerSettings::clients_max>(1, 1000), standard("16"),
      restart,
      "one more takes the place of the client that has asked nothing for longest, if that is over a "
@@ -251,8 +255,9 @@ constexpr Key analysis_keys[] = {
 constexpr Key http_keys[] = {
     {"listen", address<&Settings::http, &HttpSettings::listen>(), standard(R"("127.0.0.1:8080")"),
      restart, "whoever can reach it sees everything and can change nothing"},
-    {"allow", networks<&Settings::http, &HttpSettings::allow>(), standard(R"(["127.0.0.0/8"])"),
-     at_once, "who may look; others are rejected, and the log says so"},
+    {"allow", networks<&Settings::http, &HttpSettings::allow>(),
+     standard(R"(["127.0.0.0/8", "::1"])"), at_once,
+     "who may look; others are rejected, and the log says so"},
     {"clients_max", count<&Settings::http, &HttpSettings::clients_max>(1, 1000), standard("32"),
      restart, "connections; a browser takes up to 6; further ones wait"},
 };

@@ -138,7 +138,21 @@ std::optional<port::SocketAddress> read(const AddressType&, const GivenKey& key,
   const auto text = node.value_exact<std::string>();
   const auto found = text ? port::parse_socket_address(*text) : std::nullopt;
   if (found) return found;
-  return wrong(key, node, quoted(key) + " is no address; write it as \"127.0.0.1:502\"");
+  return wrong(key, node,
+               quoted(key) +
+                   " is no address; write it as \"127.0.0.1:502\", \"[::1]:502\", or \"[::]:502\" "
+                   "for all addresses of this machine");
+}
+
+std::optional<port::Endpoint> read(const EndpointType&, const GivenKey& key,
+                                   const toml::node& node) {
+  const auto text = node.value_exact<std::string>();
+  auto found = text ? port::parse_endpoint(*text) : std::nullopt;
+  if (found) return found;
+  return wrong(key, node,
+               quoted(key) +
+                   " is neither an address nor a name with a port; write it as \"127.0.0.1:502\", "
+                   "\"plc.example:502\", or an IPv6 address in brackets, \"[2001:db8::1]:502\"");
 }
 
 std::optional<std::vector<port::Network>> read(const NetworksType&, const GivenKey& key,
@@ -153,7 +167,9 @@ std::optional<std::vector<port::Network>> read(const NetworksType&, const GivenK
   }
   if (list != nullptr && networks.size() == list->size()) return networks;
   return wrong(key, node,
-               quoted(key) + " must list networks; write it as [\"127.0.0.0/8\", \"10.0.0.0/8\"]");
+               quoted(key) +
+                   " must list networks; write it as [\"127.0.0.0/8\", \"10.0.0.0/8\", "
+                   "\"2001:db8::/32\"]");
 }
 
 std::optional<std::vector<UnitRange>> read(const UnitsType&, const GivenKey& key,
@@ -234,6 +250,7 @@ std::string range(const FlagType&) { return "`true`, `false`"; }
 std::string range(const TextType&) { return "text"; }
 std::string range(const PathType&) { return "path"; }
 std::string range(const AddressType&) { return "`\"ADDRESS:PORT\"`"; }
+std::string range(const EndpointType&) { return "`\"HOST:PORT\"`"; }
 std::string range(const NetworksType&) { return "list of networks"; }
 std::string range(const UnitsType&) { return "`\"1-60\"`, `\"1-3,9\"`"; }
 std::string range(const BoardLineType&) { return "line"; }

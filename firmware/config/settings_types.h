@@ -63,6 +63,10 @@ struct PathType {
 struct AddressType {
   Access<port::SocketAddress> field;
 };
+// A host by address or name, and a port.
+struct EndpointType {
+  Access<port::Endpoint> field;
+};
 struct NetworksType {
   Access<std::vector<port::Network>> field;
 };
@@ -93,9 +97,10 @@ struct OriginType {
   Access<SiteOrigin> field;
 };
 
-using ValueType = std::variant<DurationType, CountType, ChoiceType, BaudType, FlagType, TextType,
-                               PathType, AddressType, NetworksType, UnitsType, BoardLineType,
-                               OptionalCountType, DecimalType, ScaleType, OriginType>;
+using ValueType =
+    std::variant<DurationType, CountType, ChoiceType, BaudType, FlagType, TextType, PathType,
+                 AddressType, EndpointType, NetworksType, UnitsType, BoardLineType,
+                 OptionalCountType, DecimalType, ScaleType, OriginType>;
 
 // A key as it stands in a file.
 struct GivenKey {
@@ -232,6 +237,10 @@ constexpr PathType path_from_file() {
 template <auto... path>
 constexpr AddressType address() {
   return {detail::field<port::SocketAddress, path...>()};
+}
+template <auto... path>
+constexpr EndpointType endpoint() {
+  return {detail::field<port::Endpoint, path...>()};
 }
 template <auto... path>
 constexpr NetworksType networks() {

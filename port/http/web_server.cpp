@@ -1,8 +1,6 @@
 #include "http/web_server.h"
 
-#include <arpa/inet.h>
 #include <microhttpd.h>
-#include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -29,12 +27,6 @@ Tag tag_of(std::uint64_t version) {
   char* const end = std::to_chars(tag.data() + 1, tag.data() + tag.size() - 2, version, 16).ptr;
   *end = '"';
   return tag;
-}
-
-std::uint32_t host_of(const sockaddr* address) {
-  sockaddr_in internet{};
-  std::memcpy(&internet, address, sizeof internet);
-  return ntohl(internet.sin_addr.s_addr);
 }
 
 struct DestroyResponse {
@@ -104,8 +96,10 @@ class WebServer::Callbacks {
       place->is_free = false;
       place->descriptor =
           MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
-      place->host = host_of(
-          MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS)->client_addr);
+      place->host =
+          from_native(
+              MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS)->client_addr)
+              .host;
       place->overdue = server.now_ + server.options_.request_time_max;
       *context = &*place;
       if (++server.counters_.clients == server.clients_.size()) server.acceptor_.hold();
@@ -223,10 +217,9 @@ void WebServer::allow(std::vector<Network> networks, Log& log) {
 
 void WebServer::accepted(FileDescriptor socket, const SocketAddress& peer) {
   if (!any_contains(allowed_, peer.host)) return turn_away(peer.host);
-  const sockaddr_in address = to_native(peer);
+  const NativeAddress address = to_native(peer);
   // It has the socket from here on, and closes it where it has no room for it.
-  MHD_add_connection(daemon_.get(), socket.release(), reinterpret_cast<const sockaddr*>(&address),
-                     sizeof address);
+  MHD_add_connection(daemon_.get(), socket.release(), address.get(), address.size);
 }
 
 void WebServer::exhausted(const char* why) {
@@ -236,7 +229,7 @@ void WebServer::exhausted(const char* why) {
                                 "[server] and [http]");
 }
 
-void WebServer::turn_away(std::uint32_t host) {
+void WebServer::turn_away(const HostAddress& host) {
   ++counters_.rejected;
   log_->write(Level::warning, "a browser at " + host_text(host) +
                                   " is rejected: its network is not in allow of [http]; add it "

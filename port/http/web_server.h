@@ -62,7 +62,7 @@ class WebServer final : private EventHandler, private AcceptHandler {
   struct Client {
     WebServer* server = nullptr;
     int descriptor = -1;
-    std::uint32_t host = 0;
+    HostAddress host;
     bool is_free = true;
     bool is_reading = false;  // an answer of the site
     Instant overdue{};
@@ -75,7 +75,7 @@ class WebServer final : private EventHandler, private AcceptHandler {
   void accepted(FileDescriptor socket, const SocketAddress& peer) override;
   void exhausted(const char* why) override;
   void close_overdue();
-  void turn_away(std::uint32_t host);
+  void turn_away(const HostAddress& host);
   void hang_up(Client& client);
   static bool has_gone(const Client& client);
 

@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <span>
 
-#include "etcm/port/socket_address.h"
+#include "etcm/port/clock.h"
+#include "etcm/port/endpoint.h"
 #include "modbus/frame.h"
 
 namespace etcm::port {
@@ -17,7 +18,7 @@ class FrameConnection {
     virtual void on_connected() = 0;
     // The frame's PDU is valid during the call.
     virtual void on_frame(const Frame& frame) = 0;
-    // It could not be made, or went away; it is down already.
+    // It could not be made, or went away; it is down already. `why` is valid during the call.
     virtual void on_lost(const char* why) = 0;
 
    protected:
@@ -31,8 +32,12 @@ class FrameConnection {
 
   virtual State state() const = 0;
 
-  // Starts to connect; on_lost() may be called at once. REQUIRES: down.
-  virtual void connect(const SocketAddress& address) = 0;
+  // Starts to connect, and tries each address for so long; on_lost() may be called at once.
+  // REQUIRES: down.
+  virtual void connect(const Endpoint& end, Instant now, Duration time_max) = 0;
+  // Ends attempts to connect that take too long, and begins others.
+  virtual void advance(Instant now) = 0;
+  virtual Instant next_deadline() const = 0;
 
   // Sends a PDU that stands at frame[mbap_header_bytes]; on_lost() may be called at once. REQUIRES:
   // up.

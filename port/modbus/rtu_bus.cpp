@@ -130,6 +130,7 @@ void RtuBus::send(const Request& request, std::span<std::uint8_t> frame, std::si
 }
 
 void RtuBus::advance(Instant now) {
+  if (phase_ == Phase::opening) line_.advance(now);
   if (const char* const why = line_.why_gone()) close(why, now);
   if (phase_ == Phase::closed) {
     if (next_attempt_ <= now) open(now);
@@ -161,7 +162,7 @@ Instant RtuBus::next_deadline() const {
     case Phase::closed:
       return next_attempt_;
     case Phase::opening:
-      return line_.is_ready() ? Instant{} : never;
+      return line_.is_ready() ? Instant{} : line_.next_deadline();
     case Phase::idle:
       return never;
     case Phase::waiting:
@@ -304,7 +305,7 @@ void RtuBus::set_send_enable(bool active) {
 void RtuBus::open(Instant now) {
   next_attempt_ = now + options_.reopen_interval;
   std::string why;
-  if (!line_.open(why)) return close(why, now);
+  if (!line_.open(now, why)) return close(why, now);
   if (line_.is_ready()) return become_open(now);
   phase_ = Phase::opening;
 }

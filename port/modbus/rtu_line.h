@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "etcm/port/clock.h"
 #include "modbus/rtu_frame.h"
 
 namespace etcm::port {
@@ -18,10 +19,13 @@ class RtuLine {
   static constexpr std::size_t heard_bytes_max = 2 * rtu_frame_bytes_max;
 
   // False where that failed, with the reason, and the cure where there is one.
-  virtual bool open(std::string& why) = 0;
+  virtual bool open(Instant now, std::string& why) = 0;
   virtual void close() = 0;
   // Once it is open, whether it takes frames: a connection takes its time. REQUIRES: open.
   virtual bool is_ready() const { return true; }
+  // Lets time pass while it is not.
+  virtual void advance(Instant) {}
+  virtual Instant next_deadline() const { return never; }
   // Why it went away, which was found while hearing: there is nothing left but to close it. Null
   // while it is there.
   virtual const char* why_gone() const = 0;

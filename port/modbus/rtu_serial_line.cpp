@@ -10,7 +10,7 @@
 
 namespace etcm::port {
 
-bool RtuSerialLine::open(std::string& why) {
+bool RtuSerialLine::open(Instant, std::string& why) {
   close();
   port_ = open_serial(settings_, why);
   if (!port_.is_open()) return false;

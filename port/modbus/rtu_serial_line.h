@@ -15,7 +15,7 @@ class RtuSerialLine final : public RtuLine, private EventHandler {
   RtuSerialLine(const RtuSerialLine&) = delete;
   RtuSerialLine& operator=(const RtuSerialLine&) = delete;
 
-  bool open(std::string& why) override;
+  bool open(Instant now, std::string& why) override;
   void close() override;
   const char* why_gone() const override { return is_gone_ ? "the port is gone" : nullptr; }
   void discard() override;

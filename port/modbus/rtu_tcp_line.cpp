@@ -5,36 +5,37 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "posix/tcp_socket.h"
 
 namespace etcm::port {
 
-bool RtuTcpLine::open(std::string& why) {
+bool RtuTcpLine::open(Instant now, std::string&) {
   close();
-  socket_ = connect_tcp(address_);
-  if (!socket_.is_open()) {
-    why = std::strerror(errno);
-    return false;
-  }
-  loop_.add(socket_.get(), *this, false, true);
+  connector_.start(end_, now);
   return true;
 }
 
+void RtuTcpLine::on_socket(FileDescriptor socket) {
+  socket_ = std::move(socket);
+  loop_.add(socket_.get(), *this, true, false);
+}
+
 void RtuTcpLine::close() {
+  connector_.stop();
   if (socket_.is_open()) {
     // What the server has not passed on must not reach the line after all.
     reset_on_close(socket_.get());
-    if (why_gone_ == nullptr) loop_.remove(socket_.get());
+    if (why_gone_.empty()) loop_.remove(socket_.get());
   }
   socket_.close();
-  is_connected_ = false;
-  why_gone_ = nullptr;
+  why_gone_.clear();
   forget_all();
 }
 
 void RtuTcpLine::discard() {
-  if (is_connected_) receive();
+  if (is_ready()) receive();
   forget_all();
 }
 
@@ -45,17 +46,11 @@ bool RtuTcpLine::write(std::span<const std::uint8_t> frame, std::string& why) {
   return false;
 }
 
-void RtuTcpLine::on_ready(bool, bool) {
-  if (is_connected_) return receive();
-  const int error = connect_error(socket_.get());
-  if (error != 0) return lose(std::strerror(error));
-  is_connected_ = true;
-  loop_.change(socket_.get(), true, false);
-}
+void RtuTcpLine::on_ready(bool, bool) { receive(); }
 
 void RtuTcpLine::receive() {
   std::array<std::uint8_t, heard_bytes_max> bytes;
-  while (why_gone_ == nullptr) {
+  while (is_ready()) {
     const ssize_t count = ::recv(socket_.get(), bytes.data(), bytes.size(), 0);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0 && errno == EAGAIN) return;
@@ -67,7 +62,6 @@ void RtuTcpLine::receive() {
 
 void RtuTcpLine::lose(const char* why) {
   // Its user closes it; until then the loop would call for it all the time.
-  is_connected_ = false;
   why_gone_ = why;
   loop_.remove(socket_.get());
 }

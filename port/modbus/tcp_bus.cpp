@@ -81,7 +81,8 @@ void TcpBus::advance(Instant now) {
   queue_.advance(now);
   if (const auto late = queue_.take_late()) report_late(*late, now);
   give_up_silent(now);
-  if (connection_.state() != FrameConnection::State::up && next_attempt() <= now) connect(now);
+  connection_.advance(now);
+  if (connection_.state() == FrameConnection::State::down && next_attempt_ <= now) connect(now);
 }
 
 void TcpBus::give_up_silent(Instant now) {
@@ -111,13 +112,10 @@ bool TcpBus::take_answer(BusAnswer& answer) {
   return true;
 }
 
-Instant TcpBus::next_attempt() const {
-  return connection_.state() == FrameConnection::State::connecting ? attempt_ends_ : next_attempt_;
-}
-
 Instant TcpBus::next_deadline() const {
-  const bool is_up = connection_.state() == FrameConnection::State::up;
-  return std::min(is_up ? never : next_attempt(), queue_.next_deadline());
+  const bool is_down = connection_.state() == FrameConnection::State::down;
+  return std::min(
+      {is_down ? next_attempt_ : never, connection_.next_deadline(), queue_.next_deadline()});
 }
 
 void TcpBus::on_connected() {
@@ -127,7 +125,7 @@ void TcpBus::on_connected() {
 
 void TcpBus::note_up() {
   reported_down_ = false;
-  log_.write(Level::info, "bus " + options_.name + ": connected to " + to_string(options_.address));
+  log_.write(Level::info, "bus " + options_.name + ": connected to " + to_string(options_.end));
 }
 
 void TcpBus::on_frame(const Frame& frame) {
@@ -201,13 +199,9 @@ void TcpBus::report_late(const LateTransaction& late, Instant now) {
 }
 
 void TcpBus::connect(Instant now) {
-  if (connection_.state() == FrameConnection::State::connecting) {
-    connection_.close();
-    on_lost("no answer to the attempt to connect");
-  }
   next_attempt_ = now + options_.reconnect_interval;
-  attempt_ends_ = now + std::max(options_.reconnect_interval, tcp_connect_max);
-  connection_.connect(options_.address);
+  connection_.connect(options_.end, now,
+                      std::max(options_.reconnect_interval, TcpConnector::connect_time_max));
 }
 
 void TcpBus::on_lost(const char* why) {
@@ -216,8 +210,8 @@ void TcpBus::on_lost(const char* why) {
   is_silent_ = false;
   if (reported_down_) return;
   reported_down_ = true;
-  log_.write(Level::warning, "bus " + options_.name + ": " + to_string(options_.address) + ": " +
-                                 why + "; trying again");
+  log_.write(Level::warning, "bus " + options_.name + ": " + to_string(options_.end) + ": " + why +
+                                 "; trying again");
 }
 
 }  // namespace etcm::port

@@ -30,13 +30,10 @@ namespace etcm::port {
 
 inline constexpr Duration tcp_silence_max = std::chrono::seconds(5);
 inline constexpr Duration tcp_silence_longest = std::chrono::minutes(1);
-// An attempt to connect may take so long, or reconnect_interval where that is longer: a packet that
-// is lost is sent again after a second.
-inline constexpr Duration tcp_connect_max = std::chrono::seconds(3);
 
 struct TcpBusOptions {
   std::string name;  // for the log
-  SocketAddress address;
+  Endpoint end;
   std::uint32_t outstanding_max = 1;  // requests under way at a time
   Duration reconnect_interval{};      // from one attempt to connect to the next
 };
@@ -79,7 +76,6 @@ class TcpBus final : public NodeBus, private FrameConnection::Listener {
   void give_up_silent(Instant now);
   void note_up();
   void connect(Instant now);
-  Instant next_attempt() const;
 
   Log& log_;
   TcpBusOptions options_;
@@ -87,7 +83,6 @@ class TcpBus final : public NodeBus, private FrameConnection::Listener {
   FrameConnection& connection_;
   bool reported_down_ = false;
   Instant next_attempt_{};
-  Instant attempt_ends_{};
 
   std::optional<Instant> unheard_since_;    // a request was sent, and nothing has come since then
   Duration slowest_timeout_{};              // of the requests since then

@@ -4,17 +4,28 @@
 
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "posix/tcp_socket.h"
 
 namespace etcm::port {
 
-void TcpConnection::connect(const SocketAddress& address) {
-  socket_ = connect_tcp(address);
-  if (!socket_.is_open()) return listener().on_lost(std::strerror(errno));
+void TcpConnection::connect(const Endpoint& end, Instant now, Duration time_max) {
   state_ = State::connecting;
   reader_.clear();
-  loop_.add(socket_.get(), *this, false, true);
+  connector_.start(end, now, time_max);
+}
+
+void TcpConnection::on_socket(FileDescriptor socket) {
+  socket_ = std::move(socket);
+  state_ = State::up;
+  loop_.add(socket_.get(), *this, true, false);
+  listener().on_connected();
+}
+
+void TcpConnection::on_failure(const char* why) {
+  state_ = State::down;
+  listener().on_lost(why);
 }
 
 void TcpConnection::send(std::span<std::uint8_t> frame, std::uint16_t transaction,
@@ -35,6 +46,7 @@ void TcpConnection::discard() {
 }
 
 void TcpConnection::close() {
+  connector_.stop();
   if (socket_.is_open()) loop_.remove(socket_.get());
   socket_.close();
   state_ = State::down;
@@ -46,13 +58,6 @@ void TcpConnection::abort() {
 }
 
 void TcpConnection::on_ready(bool can_read, bool can_write) {
-  if (state_ == State::connecting) {
-    const int error = connect_error(socket_.get());
-    if (error != 0) return lose(std::strerror(error));
-    state_ = State::up;
-    loop_.change(socket_.get(), true, false);
-    return listener().on_connected();
-  }
   if (can_read || can_write) receive();
 }
 

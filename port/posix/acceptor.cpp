@@ -83,6 +83,8 @@ std::string Acceptor::cure(const char* section) const {
       return "end the program that has it (`ss -ltnp` names it), or change " + listen;
     case EADDRNOTAVAIL:
       return "this machine has no such address now: look at its network, or change " + listen;
+    case EAFNOSUPPORT:
+      return "this system has no IPv6: give an IPv4 address in " + listen;
     case EACCES:
       return "ports below 1024 are the system's: grant CAP_NET_BIND_SERVICE, or change " + listen;
     default:

@@ -1,15 +1,24 @@
 // Non-blocking TCP sockets by numeric address.
 #pragma once
 
+#include <sys/socket.h>
+
 #include "etcm/port/socket_address.h"
 #include "posix/file_descriptor.h"
-
-struct sockaddr_in;
 
 namespace etcm::port {
 
 // As the system has it.
-sockaddr_in to_native(const SocketAddress& address);
+struct NativeAddress {
+  sockaddr_storage storage{};
+  socklen_t size = sizeof(sockaddr_storage);
+
+  sockaddr* get() { return reinterpret_cast<sockaddr*>(&storage); }
+  const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&storage); }
+};
+NativeAddress to_native(const SocketAddress& address);
+// REQUIRES: an address of IPv4 or IPv6.
+SocketAddress from_native(const sockaddr* native);
 
 // A listening socket; not open where it cannot be had: errno tells. Port 0 lets the system choose;
 // bound_address() tells.

@@ -1,19 +1,30 @@
 #include "etcm/port/socket_address.h"
 
 #include <arpa/inet.h>
+#include <net/if.h>
 
 #include <algorithm>
 #include <charconv>
+#include <cstring>
 #include <system_error>
 
 namespace etcm::port {
 
 namespace {
 
-std::optional<std::uint32_t> parse_host(std::string_view text) {
+constexpr std::uint8_t bits_of_ipv4 = 32;
+constexpr std::uint8_t bits_of_ipv6 = 128;
+
+std::optional<HostAddress> parse_ipv4(const std::string& text) {
   in_addr native{};
-  if (::inet_pton(AF_INET, std::string(text).c_str(), &native) != 1) return std::nullopt;
-  return ntohl(native.s_addr);
+  if (::inet_pton(AF_INET, text.c_str(), &native) != 1) return std::nullopt;
+  return HostAddress{ntohl(native.s_addr)};
+}
+
+std::optional<HostAddress> parse_ipv6(const std::string& text) {
+  std::array<std::uint8_t, 16> bytes{};
+  if (::inet_pton(AF_INET6, text.c_str(), bytes.data()) != 1) return std::nullopt;
+  return HostAddress{bytes, 0};
 }
 
 template <class Number>
@@ -24,41 +35,63 @@ bool parse_whole(std::string_view text, Number& value) {
 
 }  // namespace
 
+std::optional<HostAddress> parse_host_address(std::string_view text) {
+  // The system reads up to a zero byte.
+  const std::string whole(text);
+  if (whole.size() != std::strlen(whole.c_str())) return std::nullopt;
+  const auto ipv4 = parse_ipv4(whole);
+  return ipv4 ? ipv4 : parse_ipv6(whole);
+}
+
 std::optional<SocketAddress> parse_socket_address(std::string_view text) {
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) return std::nullopt;
-  const auto host = parse_host(text.substr(0, colon));
+  std::string_view host = text.substr(0, colon);
+  const bool is_bracketed = host.starts_with('[') && host.ends_with(']');
+  if (is_bracketed) host = host.substr(1, host.size() - 2);
+  const bool has_colons = host.find(':') != std::string_view::npos;
+  const auto found = parse_host_address(host);
   SocketAddress address;
-  if (!host || !parse_whole(text.substr(colon + 1), address.port)) return std::nullopt;
-  address.host = *host;
+  if (!found || has_colons != is_bracketed || !parse_whole(text.substr(colon + 1), address.port)) {
+    return std::nullopt;
+  }
+  address.host = *found;
   return address;
 }
 
-std::string host_text(std::uint32_t host) {
-  const in_addr native{htonl(host)};
-  char text[INET_ADDRSTRLEN];
-  ::inet_ntop(AF_INET, &native, text, sizeof text);
-  return text;
+std::string host_text(const HostAddress& host) {
+  char text[INET6_ADDRSTRLEN];
+  if (host.is_ipv4()) {
+    ::inet_ntop(AF_INET, host.bytes.data() + 12, text, sizeof text);
+    return text;
+  }
+  ::inet_ntop(AF_INET6, host.bytes.data(), text, sizeof text);
+  if (host.zone == 0) return text;
+  char interface[IF_NAMESIZE];
+  return std::string(text) + "%" +
+         (::if_indextoname(host.zone, interface) != nullptr ? interface : std::to_string(host.zone));
 }
 
 std::string to_string(const SocketAddress& address) {
-  return host_text(address.host) + ":" + std::to_string(address.port);
+  const std::string host = host_text(address.host);
+  return (address.host.is_ipv4() ? host : "[" + host + "]") + ":" + std::to_string(address.port);
 }
 
-bool any_contains(std::span<const Network> networks, std::uint32_t address) {
+bool any_contains(std::span<const Network> networks, const HostAddress& address) {
   return std::any_of(networks.begin(), networks.end(),
                      [&](const Network& network) { return network.contains(address); });
 }
 
 std::optional<Network> parse_network(std::string_view text) {
   const std::size_t slash = text.find('/');
-  Network network{.host = 0, .prefix = 32};
+  const auto host = parse_host_address(text.substr(0, slash));
+  if (!host) return std::nullopt;
+  const std::uint8_t longest = host->is_ipv4() ? bits_of_ipv4 : bits_of_ipv6;
+  Network network{.host = *host, .prefix = longest};
   if (slash != std::string_view::npos && !parse_whole(text.substr(slash + 1), network.prefix)) {
     return std::nullopt;
   }
-  const auto host = parse_host(text.substr(0, slash));
-  if (!host || network.prefix > 32) return std::nullopt;
-  network.host = *host;
+  if (network.prefix > longest) return std::nullopt;
   return network;
 }
 

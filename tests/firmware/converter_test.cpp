@@ -35,10 +35,12 @@ class Device final : public port::FrameConnection {
   explicit Device(const Behind& behind) : behind_(behind) {}
 
   State state() const override { return state_; }
-  void connect(const port::SocketAddress&) override {
+  void connect(const port::Endpoint&, port::Instant, port::Duration) override {
     state_ = State::up;
     listener().on_connected();
   }
+  void advance(port::Instant) override {}
+  port::Instant next_deadline() const override { return port::never; }
   void send(std::span<std::uint8_t> frame, std::uint16_t transaction, std::uint8_t unit,
             std::size_t pdu_bytes) override {
     const auto pdu = frame.subspan(port::mbap_header_bytes, pdu_bytes);
@@ -123,7 +125,7 @@ class ConverterSite final : public ReadingListener {
       : device(behind),
         readings(256),
         settings_{.name = "yard",
-                  .link = port::SocketAddress{},
+                  .link = port::Endpoint{},
                   .units = units.empty() ? std::vector<UnitRange>{{1, behind.units}} : units,
                   .timeout = 200ms,
                   .outstanding_max = 4,
@@ -174,7 +176,7 @@ class ConverterSite final : public ReadingListener {
   PollSettings poll_{.interval = 1s, .absent_interval = 10s};
   BusSettings settings_;
   port::TcpBus bus_{
-      device, log, {.name = "yard", .address = {}, .outstanding_max = 4, .reconnect_interval = 1s}};
+      device, log, {.name = "yard", .end = {}, .outstanding_max = 4, .reconnect_interval = 1s}};
   std::vector<PolledBus> polled_{{.bus = &bus_, .settings = &settings_}};
   Poller poller_{poll_, polled_, *this, log};
 };

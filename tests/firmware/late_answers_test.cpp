@@ -38,7 +38,7 @@ class LateLine final : public port::RtuLine {
         silence_(frame_silence(line)),
         latency_(std::move(latency)) {}
 
-  bool open(std::string&) override { return true; }
+  bool open(port::Instant, std::string&) override { return true; }
   void close() override { forget_all(); }
   const char* why_gone() const override { return nullptr; }
   void discard() override { forget_all(); }

@@ -43,7 +43,7 @@ std::vector<std::uint16_t> registers_of(std::uint32_t generation) {
 class Master {
  public:
   Master(port::EventLoop& loop, const port::SocketAddress& server)
-      : loop_(loop), bus_(loop, log_, {.name = "master", .address = server}) {}
+      : loop_(loop), bus_(loop, log_, {.name = "master", .end = port::endpoint_of(server)}) {}
 
   std::vector<std::uint16_t> read(std::uint16_t first, std::uint16_t count) {
     EXPECT_TRUE(port::turn_until(loop_, [&] {

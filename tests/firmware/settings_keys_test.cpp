@@ -80,6 +80,11 @@ struct ChangeValue {
     ++value.port;
     type.field.set(target, value);
   }
+  void operator()(const EndpointType& type) const {
+    port::Endpoint value = type.field.get(target);
+    ++value.port;
+    type.field.set(target, value);
+  }
   void operator()(const NetworksType& type) const { type.field.set(target, {port::everybody}); }
   void operator()(const UnitsType& type) const { type.field.set(target, {{200, 201}}); }
   void operator()(const BoardLineType& type) const {

@@ -302,7 +302,7 @@ TEST_F(Server, AStrangerTakesNobodysPlace) {
   sockaddr_in place{.sin_family = AF_INET, .sin_port = 0, .sin_addr = {}, .sin_zero = {}};
   place.sin_addr.s_addr = htonl(0x7f000002);
   ASSERT_EQ(::bind(stranger.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place), 0);
-  place.sin_addr.s_addr = htonl(server_.address().host);
+  place.sin_addr.s_addr = htonl(0x7f000001);
   place.sin_port = htons(server_.address().port);
   ASSERT_EQ(::connect(stranger.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place), 0);
   EXPECT_TRUE(turn_until(loop_, [&] { return is_closed(stranger.get()); }));
@@ -335,6 +335,24 @@ TEST_F(Server, WithoutDescriptorsItNeitherSpinsNorStays) {
   EXPECT_EQ(ask(later, 1, 0), 1);
 }
 
+// One socket for both kinds of addresses, and lists of networks hold for either.
+TEST_F(Server, AtEveryAddressClientsOfIpv4AndOfIpv6AreServedAsTheyAreAllowed) {
+  KeptLog log;
+  RegisterServer both(loop_, {.host = any_ipv6, .port = 0}, 4, {{"a", "b", "c"}}, image_of(1));
+  both.allow({this_machine}, log);
+  const std::uint16_t port = both.address().port;
+  const FileDescriptor ipv4 = connect_tcp({.host = loopback_ipv4, .port = port});
+  EXPECT_EQ(ask(ipv4, 1, 0), 1);
+  const FileDescriptor ipv6 = connect_tcp({.host = loopback_ipv6, .port = port});
+  EXPECT_TRUE(turn_until(loop_, [&] { return is_closed(ipv6.get()); }));
+  ASSERT_EQ(log.lines.size(), 1u);
+  EXPECT_TRUE(log.lines[0].starts_with("a client at ::1 is rejected")) << log.lines[0];
+  both.allow({{.host = loopback_ipv6, .prefix = 128}}, log);
+  EXPECT_TRUE(turn_until(loop_, [&] { return is_closed(ipv4.get()); }));
+  const FileDescriptor again = connect_tcp({.host = loopback_ipv6, .port = port});
+  EXPECT_EQ(ask(again, 1, 0), 1);
+}
+
 TEST_F(Server, OnlyWhoIsAllowedIsServed) {
   KeptLog log;
   const FileDescriptor early = connect();
@@ -364,7 +382,7 @@ TEST(Networks, AreReadAndCompared) {
   EXPECT_FALSE(parse_network("192.168.1.7")->contains(0xc0a80106));
   EXPECT_TRUE(parse_network("0.0.0.0/0")->contains(0xffffffff));
   for (const char* text : {"", "/8", "10.0.0.0/", "10.0.0.0/33", "10.0.0.0/-1", "10.0.0/8",
-                           "10.0.0.0/8 ", "10.0.0.0/256", "localhost", "::1/128"}) {
+                           "10.0.0.0/8 ", "10.0.0.0/256", "localhost", "::1/129"}) {
     EXPECT_FALSE(parse_network(text)) << text;
   }
 }

@@ -29,7 +29,7 @@ class RtuOverTcp : public testing::Test {
   RtuOverTcp() : listener_(listen_tcp({0x7f000001, 0})), address_(bound_address(listener_.get())) {}
 
   void open() {
-    line_.emplace(loop_, address_);
+    line_.emplace(loop_, endpoint_of(address_));
     bus_ = std::make_unique<RtuBus>(*line_, log_,
                                     RtuBusOptions{.name = "yard",
                                                   .serial_line = {},

@@ -16,11 +16,12 @@ class Bus : public testing::Test {
   Bus() : listener_(listen_tcp({.host = 0x7f000001, .port = 0})) {}
 
   void make_bus() {
-    bus_ = std::make_unique<TcpBus>(loop_, log_,
-                                    TcpBusOptions{.name = "test",
-                                                  .address = bound_address(listener_.get()),
-                                                  .outstanding_max = 2,
-                                                  .reconnect_interval = 100ms});
+    bus_ =
+        std::make_unique<TcpBus>(loop_, log_,
+                                 TcpBusOptions{.name = "test",
+                                               .end = endpoint_of(bound_address(listener_.get())),
+                                               .outstanding_max = 2,
+                                               .reconnect_interval = 100ms});
   }
 
   // The listener has room for one connection, and has it: further ones wait.
@@ -245,10 +246,11 @@ TEST_F(Bus, WhatIsNoModbusCostsTheConnection) {
 TEST_F(Bus, ARefusedConnectionIsTriedAgainAndSaidOnce) {
   const SocketAddress address = bound_address(listener_.get());
   listener_.close();
-  bus_ = std::make_unique<TcpBus>(
-      loop_, log_,
-      TcpBusOptions{
-          .name = "test", .address = address, .outstanding_max = 1, .reconnect_interval = 100ms});
+  bus_ = std::make_unique<TcpBus>(loop_, log_,
+                                  TcpBusOptions{.name = "test",
+                                                .end = endpoint_of(address),
+                                                .outstanding_max = 1,
+                                                .reconnect_interval = 100ms});
   for (int attempt = 0; attempt < 3; ++attempt) {
     bus_->advance(now_);
     loop_.wait(5ms);
@@ -355,10 +357,10 @@ TEST_F(Bus, ASlowConnectionIsWaitedFor) {
   fill_queue();
   make_bus();
   const Instant begun = now_;
-  for (; now_ < begun + tcp_connect_max; now_ += 100ms) {
+  for (; now_ < begun + TcpConnector::connect_time_max; now_ += 100ms) {
     bus_->advance(now_);
     loop_.wait(Duration{});
-    EXPECT_LE(bus_->next_deadline(), begun + tcp_connect_max);
+    EXPECT_LE(bus_->next_deadline(), begun + TcpConnector::connect_time_max);
     ASSERT_TRUE(log_.lines.empty()) << log_.lines.back();
   }
   now_ -= 100ms;
@@ -371,12 +373,12 @@ TEST_F(Bus, AConnectionThatNeverComesIsTriedAgain) {
   fill_queue();
   make_bus();
   bus_->advance(now_);
-  now_ += tcp_connect_max;
+  now_ += TcpConnector::connect_time_max;
   EXPECT_EQ(bus_->next_deadline(), now_);
   bus_->advance(now_);
   ASSERT_EQ(log_.lines.size(), 1u);
   EXPECT_NE(log_.lines[0].find("no answer to the attempt"), std::string::npos) << log_.lines[0];
-  EXPECT_EQ(bus_->next_deadline(), now_ + tcp_connect_max);
+  EXPECT_EQ(bus_->next_deadline(), now_ + TcpConnector::connect_time_max);
 }
 
 TEST_F(Bus, WritesRegisters) {

@@ -140,6 +140,33 @@ TEST_F(WebServerTest, WhoIsNotAllowedIsTurnedAway) {
   EXPECT_TRUE(get("/10").starts_with("HTTP/1.1 200 OK\r\n"));
 }
 
+TEST_F(WebServerTest, ABrowserOfIpv6IsServedAsItIsAllowed) {
+  WebServer both(loop_, site_, {.listen = {.host = loopback_ipv6, .port = 0}, .clients_max = 2},
+                 counters_);
+  KeptLog log;
+  both.allow({this_machine}, log);
+  const auto turn_both_until = [&](const std::function<bool()>& condition) {
+    return port::turn_until(loop_, [&] {
+      both.advance(now_);
+      return condition();
+    });
+  };
+  const FileDescriptor stranger = connect_tcp(both.address());
+  EXPECT_TRUE(turn_both_until([&] { return is_gone(stranger.get()); }));
+  ASSERT_EQ(log.lines.size(), 1u);
+  EXPECT_TRUE(log.lines[0].starts_with("a browser at ::1 is rejected")) << log.lines[0];
+  both.allow({{.host = loopback_ipv6, .prefix = 128}}, log);
+  const FileDescriptor browser = connect_tcp(both.address());
+  EXPECT_TRUE(turn_both_until([&] { return is_writable(browser.get()); }));
+  send(browser.get(), "GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
+  Bytes answer;
+  EXPECT_TRUE(turn_both_until([&] {
+    receive_available(browser.get(), answer);
+    return !answer.empty();
+  }));
+  EXPECT_TRUE(std::string(answer.begin(), answer.end()).starts_with("HTTP/1.1 200 OK"));
+}
+
 TEST_F(WebServerTest, WhatTheClientHasIsNotSentAgain) {
   const FileDescriptor socket =
       client("GET /1000 HTTP/1.1\r\nHost: a\r\nIf-None-Match: \"abcd\"\r\n\r\n");

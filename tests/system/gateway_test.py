@@ -135,6 +135,17 @@ class AgainstNodes(GatewayCase):
         gateway.wait_for_line(r"node 1 is no longer missed: dismissed by the reload")
         self.wait_for_header(nodes=2, state=1)
 
+    def test_nodes_are_reached_by_name_and_by_ipv6_beside_a_name_that_is_not_there(self):
+        [(named, _)] = self.start_nodes(["0,1,join,0,0"], name="named")
+        [(ipv6, _)] = self.start_nodes(["0,2,join,1000,-5"], listen="[::1]:0", name="ipv6")
+        gateway = self.start_gateway(
+            [(named.replace("127.0.0.1", "localhost"), "1"), (ipv6, "1"),
+             ("no-such-host.invalid:502", "1")], listen="[::]:0")
+        gateway.wait_for_line(r"no-such-host\.invalid:502: .*correct the name.*trying again")
+        self.wait_for_header(nodes=2)
+        self.assertEqual(gateway.stop(), 0, gateway.log())
+        self.assertEqual(gateway.log().count("correct the name"), 1)
+
     def test_a_gateway_that_was_stopped_expels_nobody(self):
         gateway = self.start_gateway(self.start_nodes(THREE), **SOON)
         self.wait_for_header(nodes=3, state=0)

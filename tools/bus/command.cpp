@@ -1,9 +1,5 @@
 #include "command.h"
 
-#include <netdb.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-
 #include <charconv>
 
 #include "modbus/frame.h"
@@ -16,8 +12,6 @@ using namespace std::chrono_literals;
 
 constexpr port::Duration timeout_least = 10ms;
 constexpr port::Duration timeout_most = 10s;
-// The first answer of a converter that sleeps, or whose address nobody knows yet, takes longer.
-constexpr port::Duration connect_patience = 3s;
 
 template <class Number>
 std::optional<Number> whole_number(std::string_view text, int base = 10) {
@@ -27,44 +21,21 @@ std::optional<Number> whole_number(std::string_view text, int base = 10) {
   return value;
 }
 
-// "converter", "192.168.1.5", either with ":502".
-port::SocketAddress resolve(const std::string& device, std::uint16_t tcp_port) {
-  const std::size_t colon = device.rfind(':');
-  const std::string host = device.substr(0, colon);
-  if (colon != std::string::npos) {
-    const auto given = whole_number<std::uint16_t>(std::string_view(device).substr(colon + 1));
-    if (!given) throw UsageError(device + ": no port behind the colon; write 192.168.1.5:502");
-    tcp_port = *given;
-  }
-  // The resolver would take 10.0.5 for 10.0.0.5, and ask whoever is there.
-  if (host.find_first_not_of("0123456789.") == std::string::npos &&
-      !port::parse_socket_address(host + ":0")) {
-    throw UsageError(device +
-                     ": an IPv4 address has four numbers of at most 255, as in 192.168.1.5");
-  }
-  const addrinfo wanted{.ai_flags = 0,
-                        .ai_family = AF_INET,
-                        .ai_socktype = SOCK_STREAM,
-                        .ai_protocol = 0,
-                        .ai_addrlen = 0,
-                        .ai_addr = nullptr,
-                        .ai_canonname = nullptr,
-                        .ai_next = nullptr};
-  addrinfo* found = nullptr;
-  if (const int error = ::getaddrinfo(host.c_str(), nullptr, &wanted, &found); error != 0) {
-    throw LinkError(device + ": " + ::gai_strerror(error) +
-                    "; give an IPv4 address, or the path of a serial port");
-  }
-  const auto* const native = reinterpret_cast<const sockaddr_in*>(found->ai_addr);
-  const port::SocketAddress address{.host = ntohl(native->sin_addr.s_addr), .port = tcp_port};
-  ::freeaddrinfo(found);
-  return address;
+// "converter", "192.168.1.5", "[2001:db8::1]", each with or without ":502".
+port::Endpoint endpoint(const std::string& device, std::uint16_t tcp_port) {
+  const auto end = port::parse_endpoint(device, tcp_port);
+  if (end) return *end;
+  throw UsageError(device +
+                   ": no host with a port; write a name, an IPv4 address with four numbers of at "
+                   "most 255, as in "
+                   "192.168.1.5:502, or an IPv6 address, as in [2001:db8::1]:502");
 }
 
 }  // namespace
 
 void BusOptions::add_to(CLI::App& command) {
-  command.add_option("device", device_, "path of a serial port, or host or host:port")->required();
+  command.add_option("device", device_, "path of a serial port, or host or host:port; [IPV6]:port")
+      ->required();
   command
       .add_option("-m,--mode", mode_, "rtu or tcp; without it a device with a / is a serial port")
       ->check(CLI::IsMember({"rtu", "tcp"}));
@@ -108,7 +79,7 @@ port::Duration BusOptions::timeout() const {
 }
 
 std::unique_ptr<Link> BusOptions::open() const {
-  if (!is_serial()) return open_tcp_link(resolve(device_, tcp_port_), connect_patience);
+  if (!is_serial()) return open_tcp_link(endpoint(device_, tcp_port_));
   port::SerialLine line = line_;
   if (!port::is_baud(line.baud)) {
     throw UsageError("-b " + std::to_string(line.baud) +

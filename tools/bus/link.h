@@ -10,8 +10,8 @@
 #include <string>
 
 #include "etcm/port/clock.h"
+#include "etcm/port/endpoint.h"
 #include "etcm/port/serial_line.h"
-#include "etcm/port/socket_address.h"
 #include "posix/event_loop.h"
 #include "posix/steady_clock.h"
 #include "posix/stop_signal.h"
@@ -64,8 +64,8 @@ class Link {
 
 std::unique_ptr<Link> open_serial_link(const port::SerialLine& line);
 
-// Connects within `patience`.
-std::unique_ptr<Link> open_tcp_link(const port::SocketAddress& address, port::Duration patience);
+// Looks a name up and connects.
+std::unique_ptr<Link> open_tcp_link(const port::Endpoint& end);
 
 // What both links wait with.
 class Waiter {

@@ -64,7 +64,7 @@ class SerialLink final : public Link {
         silence_(frame_silence(line)),
         line_(waiter_.loop(), line) {
     std::string why;
-    if (!line_.open(why)) throw LinkError(line.path + ": " + why);
+    if (!line_.open(waiter_.now(), why)) throw LinkError(line.path + ": " + why);
   }
 
   bool may_ask(std::uint8_t unit, std::span<const std::uint8_t> request) const override {

@@ -1,6 +1,8 @@
 // Modbus TCP: each question has a number, so an answer is never taken for another's.
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <string>
 
 #include "link.h"
 #include "modbus/tcp_connection.h"
@@ -11,13 +13,13 @@ namespace {
 
 class TcpLink final : public Link, private port::FrameConnection::Listener {
  public:
-  TcpLink(const port::SocketAddress& address, port::Duration patience) : name_(to_string(address)) {
-    connection_.connect(address);
-    const port::Instant end = waiter_.now() + patience;
+  explicit TcpLink(const port::Endpoint& end) : name_(to_string(end)) {
+    // The first answer of a converter that sleeps, or whose address nobody knows yet, takes longer.
+    connection_.connect(end, waiter_.now(), port::TcpConnector::connect_time_max);
     while (connection_.state() != State::up) {
-      if (lost_ != nullptr) fail(lost_);
-      if (end <= waiter_.now()) fail("no answer to the attempt to connect");
-      waiter_.wait_until(end);
+      connection_.advance(waiter_.now());
+      if (lost_) fail();
+      waiter_.wait_until(connection_.next_deadline());
     }
   }
 
@@ -61,14 +63,17 @@ class TcpLink final : public Link, private port::FrameConnection::Listener {
  private:
   using State = port::FrameConnection::State;
 
-  [[noreturn]] void fail(const char* why) const {
-    throw LinkError(name_ + ": " + why +
-                    "; check address and port (-p), and that the device takes one more master");
+  [[noreturn]] void fail() const {
+    const bool has_cure = lost_->find(';') != std::string::npos;
+    throw LinkError(
+        name_ + ": " + *lost_ +
+        (has_cure ? ""
+                  : "; check address and port (-p), and that the device takes one more master"));
   }
 
   void throw_if_lost() const {
-    if (lost_ == nullptr) return;
-    throw LinkError(name_ + ": " + lost_ +
+    if (!lost_) return;
+    throw LinkError(name_ + ": " + *lost_ +
                     "; most devices take few masters at a time: end the others, and try again");
   }
 
@@ -85,7 +90,7 @@ class TcpLink final : public Link, private port::FrameConnection::Listener {
   std::string name_;
   Waiter waiter_;
   port::TcpConnection connection_{waiter_.loop(), *this};
-  const char* lost_ = nullptr;  // why, where it is
+  std::optional<std::string> lost_;  // why, where it is
   std::uint16_t transaction_ = 0;
   bool is_answered_ = false;
   std::uint8_t answer_unit_ = 0;
@@ -95,8 +100,8 @@ class TcpLink final : public Link, private port::FrameConnection::Listener {
 
 }  // namespace
 
-std::unique_ptr<Link> open_tcp_link(const port::SocketAddress& address, port::Duration patience) {
-  return std::make_unique<TcpLink>(address, patience);
+std::unique_ptr<Link> open_tcp_link(const port::Endpoint& end) {
+  return std::make_unique<TcpLink>(end);
 }
 
 }  // namespace etcm::bus
