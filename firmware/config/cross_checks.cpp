@@ -71,6 +71,7 @@ class CrossCheck {
     for (std::size_t i = 0; i < settings_.buses.size(); ++i) {
       check_address(i);
       check_port(i);
+      check_speed(i);
       check_sweep(i);
     }
     check_lines();
@@ -175,6 +176,19 @@ class CrossCheck {
     const auto* const line = std::get_if<port::SerialLine>(&settings_.buses[bus].link);
     std::error_code is_not_there;
     return line == nullptr ? "" : std::filesystem::canonical(line->path, is_not_there);
+  }
+
+  // Within this of a usual speed it is more likely meant to be that one.
+  void check_speed(std::size_t number) {
+    constexpr std::uint32_t likely_percent = 5;
+    const auto* const line = std::get_if<port::SerialLine>(&settings_.buses[number].link);
+    if (line == nullptr) return;
+    const std::uint32_t usual = port::usual_baud_near(line->baud);
+    const std::uint32_t apart = usual < line->baud ? line->baud - usual : usual - line->baud;
+    if (apart == 0 || apart > usual * likely_percent / 100) return;
+    add(warnings_, find_in_bus(number, {"baud"}),
+        "baud = " + std::to_string(line->baud) + " is no usual speed, and " +
+            std::to_string(usual) + " is near; correct it unless the units have just that one");
   }
 
   // Of a bus over TCP it is not known how fast it is.

@@ -116,14 +116,27 @@ void check_http(TomlTable& toml_table, Settings& settings) {
   }
 }
 
-// The transceiver has one master, new nodes have a unit to themselves.
-void check_bus(TomlTable& toml_table, const KeyTable& table, const BusSettings& bus) {
-  const auto* const line = std::get_if<port::SerialLine>(&bus.link);
-  if (line != nullptr && bus.send_enable && line->direction == port::Direction::kernel) {
+void check_rs485(TomlTable& toml_table, const BusSettings& bus, const port::Rs485& rs485) {
+  if (bus.send_enable && rs485.mode == port::Rs485Mode::on) {
     toml_table.mistake(*toml_table.find("rs485_line"),
                        "both the driver and a line would switch the transceiver; take rs485 or "
                        "rs485_line out");
   }
+  if (rs485.mode == port::Rs485Mode::on) return;
+  for (const char* const key : {"rs485_rts", "rs485_delay_before", "rs485_delay_after"}) {
+    if (const toml::node* const given = toml_table.find(key)) {
+      toml_table.mistake(*given,
+                         std::string("'") + key +
+                             "' says how the driver switches, and rs485 does not say that it "
+                             "does; add rs485 = \"on\", or take it out");
+    }
+  }
+}
+
+// The transceiver has one master, new nodes have a unit to themselves.
+void check_bus(TomlTable& toml_table, const KeyTable& table, const BusSettings& bus) {
+  const auto* const line = std::get_if<port::SerialLine>(&bus.link);
+  if (line != nullptr) check_rs485(toml_table, bus, line->rs485);
   if (toml_table.find("assign") == nullptr && toml_table.find("scan") == nullptr &&
       toml_table.find("device") == nullptr) {
     require(toml_table, table, "units");

@@ -120,8 +120,10 @@ constexpr Meaning<WordOrder> word_orders[] = {{"ABCD", WordOrder::abcd},
                                               {"DCBA", WordOrder::dcba}};
 constexpr Meaning<port::Parity> parities[] = {
     {"none", port::Parity::none}, {"even", port::Parity::even}, {"odd", port::Parity::odd}};
-constexpr Meaning<port::Direction> directions[] = {{"adapter", port::Direction::adapter},
-                                                   {"kernel", port::Direction::kernel}};
+constexpr Meaning<port::Rs485Mode> rs485_modes[] = {
+    {"keep", port::Rs485Mode::keep}, {"off", port::Rs485Mode::off}, {"on", port::Rs485Mode::on}};
+constexpr Meaning<std::optional<port::RtsLevel>> rts_levels[] = {{"high", port::RtsLevel::high},
+                                                                 {"low", port::RtsLevel::low}};
 
 constexpr Meaning<Framing> framings[] = {{"tcp", Framing::tcp}, {"rtu", Framing::rtu}};
 
@@ -163,10 +165,28 @@ constexpr Key bus_keys[] = {
               standard(R"("even")"), restart, "of each byte, as its units have it"}),
     with_rtu({"stop_bits", count<&BusSettings::link, &port::SerialLine::stop_bits>(1, 2),
               standard("1"), restart, "2 where units without parity want it so"}),
-    with_rtu({"rs485", choice<directions, &BusSettings::link, &port::SerialLine::direction>(),
-              standard(R"("adapter")"), restart,
-              "who switches the transceiver: the adapter itself, or the driver by RTS "
-              "(TIOCSRS485)"}),
+    with_rtu(
+        {"rs485",
+         choice<rs485_modes, &BusSettings::link, &port::SerialLine::rs485, &port::Rs485::mode>(),
+         standard(R"("keep")"), restart,
+         "whether the driver [switches the transceiver](wiring.md#who-switches-the-transceiver) "
+         "by RTS: `keep` leaves that to the device tree"}),
+    with_rtu({"rs485_rts",
+              choice<rts_levels, &BusSettings::link, &port::SerialLine::rs485,
+                     &port::Rs485::rts_while_sending>(),
+              unset(R"("high")", "as the driver has it"), restart,
+              "RTS while the gateway sends, with `rs485 = \"on\"`"}),
+    with_rtu({"rs485_delay_before",
+              optional_duration<&BusSettings::link, &port::SerialLine::rs485,
+                                &port::Rs485::delay_before>(port::rs485_delay_max),
+              unset(R"("1ms")", "as the driver has it"), restart,
+              "from that switch to the first bit, in whole milliseconds"}),
+    with_rtu(
+        {"rs485_delay_after",
+         optional_duration<&BusSettings::link, &port::SerialLine::rs485, &port::Rs485::delay_after>(
+             port::rs485_delay_max),
+         unset(R"("0ms")", "as the driver has it"), restart,
+         "from the last bit to the switch back"}),
     with_rtu({"rs485_line", board_line<&BusSettings::send_enable>(), unset(R"("RS485_DE")"),
               restart,
               "a digital line that switches the transceiver: active while the gateway sends"}),

@@ -77,6 +77,16 @@ std::optional<port::Duration> read(const DurationType& type, const GivenKey& key
   return found;
 }
 
+std::optional<std::optional<port::Duration>> read(const OptionalDurationType& type,
+                                                  const GivenKey& key, const toml::node& node) {
+  const auto found = key.toml_table.duration(key.name);
+  if (!found) return std::nullopt;
+  if (*found > type.most) {
+    return wrong(key, node, quoted(key) + " is too long; give at most " + text_of(type.most));
+  }
+  return found;
+}
+
 std::optional<std::uint32_t> read(const CountType& type, const GivenKey& key,
                                   const toml::node& node) {
   const auto found = node.value_exact<std::int64_t>();
@@ -109,8 +119,8 @@ std::optional<std::uint32_t> read(const BaudType&, const GivenKey& key, const to
   }
   return wrong(key, node,
                quoted(key) +
-                   " is no usual speed; give 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, "
-                   "230400, 460800 or 921600");
+                   " is no speed; give 9600, 19200, 115200, or another whole number from " +
+                   std::to_string(port::baud_least) + " to " + std::to_string(port::baud_most));
 }
 
 std::optional<bool> read(const FlagType&, const GivenKey& key, const toml::node& node) {
@@ -234,6 +244,9 @@ std::optional<SiteOrigin> read(const OriginType&, const GivenKey& key, const tom
 std::string range(const DurationType& type) {
   return type.least > 1ms ? "duration, at least `" + text_of(type.least) + "`" : "duration";
 }
+std::string range(const OptionalDurationType& type) {
+  return "duration, at most `" + text_of(type.most) + "`";
+}
 std::string range(const CountType& type) {
   return (type.measure.empty() ? "" : std::string(type.measure) + ", ") +
          std::to_string(type.least) + " ... " + std::to_string(type.most);
@@ -245,7 +258,9 @@ std::string range(const ChoiceType& type) {
   }
   return list;
 }
-std::string range(const BaudType&) { return "1200 ... 921600"; }
+std::string range(const BaudType&) {
+  return std::to_string(port::baud_least) + " ... " + std::to_string(port::baud_most);
+}
 std::string range(const FlagType&) { return "`true`, `false`"; }
 std::string range(const TextType&) { return "text"; }
 std::string range(const PathType&) { return "path"; }

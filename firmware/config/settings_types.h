@@ -37,6 +37,11 @@ struct DurationType {
   Access<port::Duration> field;
   port::Duration least;
 };
+// Whole milliseconds; need not be there.
+struct OptionalDurationType {
+  Access<std::optional<port::Duration>> field;
+  port::Duration most;
+};
 struct CountType {
   Access<std::uint32_t> field;
   std::uint32_t least;
@@ -98,9 +103,9 @@ struct OriginType {
 };
 
 using ValueType =
-    std::variant<DurationType, CountType, ChoiceType, BaudType, FlagType, TextType, PathType,
-                 AddressType, EndpointType, NetworksType, UnitsType, BoardLineType,
-                 OptionalCountType, DecimalType, ScaleType, OriginType>;
+    std::variant<DurationType, OptionalDurationType, CountType, ChoiceType, BaudType, FlagType,
+                 TextType, PathType, AddressType, EndpointType, NetworksType, UnitsType,
+                 BoardLineType, OptionalCountType, DecimalType, ScaleType, OriginType>;
 
 // A key as it stands in a file.
 struct GivenKey {
@@ -191,6 +196,10 @@ inline constexpr auto words_of = [] {
 template <auto... path>
 constexpr DurationType duration(port::Duration least) {
   return {detail::field<port::Duration, path...>(), least};
+}
+template <auto... path>
+constexpr OptionalDurationType optional_duration(port::Duration most) {
+  return {detail::field<std::optional<port::Duration>, path...>(), most};
 }
 template <auto... path>
 constexpr CountType count(std::uint32_t least, std::uint32_t most, std::string_view measure = {}) {

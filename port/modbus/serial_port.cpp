@@ -1,6 +1,6 @@
-// libmodbus knows how a port is set for RTU: speed, parity, raw bytes, RS-485. It does so on a
-// descriptor of its own, for it takes a port from whoever has it, puts back the old settings when
-// it closes one, and tells by reading nothing that nothing has come.
+// libmodbus knows how a port is set for RTU: speed, parity, raw bytes. It does so on a descriptor
+// of its own, for it takes a port from whoever has it, puts back the old settings when it closes
+// one, and tells by reading nothing that nothing has come.
 #include "modbus/serial_port.h"
 
 #include <fcntl.h>
@@ -17,6 +17,9 @@
 #include <fstream>
 #include <memory>
 #include <system_error>
+
+#include "modbus/line_speed.h"
+#include "modbus/rs485.h"
 
 namespace etcm::port {
 
@@ -70,13 +73,17 @@ bool set_up(const SerialLine& line, std::string& why) {
   }
   // Closed as it is set.
   const FileDescriptor second(modbus_get_socket(context.get()));
-  if (line.direction == Direction::kernel &&
-      modbus_rtu_set_serial_mode(context.get(), MODBUS_RTU_RS485) != 0) {
-    why = std::string("its driver refuses to switch RS-485 (TIOCSRS485: ") + std::strerror(errno) +
-          "); take `rs485` out where the adapter switches by itself, or give `rs485_line`";
-    return false;
-  }
   return true;
+}
+
+// Drivers that gather bytes before they hand them over (16 ms in adapters on USB) are asked not to.
+// One that cannot is as good.
+void lower_latency(int descriptor) {
+  serial_struct driver{};
+  if (::ioctl(descriptor, TIOCGSERIAL, &driver) != 0) return;
+  if ((static_cast<unsigned>(driver.flags) & ASYNC_LOW_LATENCY) != 0) return;
+  driver.flags = static_cast<int>(static_cast<unsigned>(driver.flags) | ASYNC_LOW_LATENCY);
+  ::ioctl(descriptor, TIOCSSERIAL, &driver);
 }
 
 // Whether this process has locked what it has open as this.
@@ -131,6 +138,8 @@ FileDescriptor open_serial(const SerialLine& line, std::string& why) {
     why = std::strerror(errno);
     return {};
   }
+  if (!set_speed(port.get(), line.baud, why) || !set_rs485(port.get(), line.rs485, why)) return {};
+  lower_latency(port.get());
   discard_waiting(port.get());
   return port;
 }

@@ -1,4 +1,5 @@
-// A serial port of the system, set by libmodbus and never waited for.
+// A serial port of the system, set by libmodbus (speeds that it does not know and RS-485 by us),
+// and never waited for.
 #pragma once
 
 #include <string>

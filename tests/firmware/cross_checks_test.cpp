@@ -118,6 +118,8 @@ INSTANTIATE_TEST_SUITE_P(
             bus("127.0.0.1:502", "units = \"1-6\"\n") +
                 bus("127.0.0.1:503", "units = \"1-3\"\nassign = \"10-11\"\n"),
             3, "the buses have 11 units", "set it to twice as many"},
+        Row{"a_speed_that_is_hardly_meant", serial("baud = 19600\n"), 7,
+            "baud = 19600 is no usual speed, and 19200 is near", "correct it"},
         Row{"a_line_too_slow_for_its_units",
             "features_max = 1\n[poll]\nstale_after = \"2s\"\n" +
                 serial("baud = 1200\nname = \"yard\"\n") +

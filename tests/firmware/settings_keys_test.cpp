@@ -30,13 +30,16 @@ std::vector<std::string> lines_in_use() {
   return lines;
 }
 
-// A file that is not there is left out, and a surveyed device has a profile.
+// A file that is not there is left out, and of two that would switch a transceiver the line; a
+// surveyed device has a profile.
 std::string joined(const std::vector<std::string>& lines) {
   std::string text;
   for (const std::string& line : lines) {
-    const bool is_left_out = line == R"(profiles = "profiles.toml")";
+    const bool is_left_out =
+        line == R"(profiles = "profiles.toml")" || line == R"(rs485_line = "RS485_DE")";
     text += (is_left_out                     ? ""
              : line == R"(profile = "etcm")" ? R"(profile = "meter")"
+             : line == R"(rs485 = "keep")"   ? R"(rs485 = "on")"
                                              : line) +
             "\n";
   }
@@ -64,6 +67,9 @@ struct ChangeValue {
   Target target;
 
   void operator()(const DurationType& type) const { add(type.field, port::Duration(1ms)); }
+  void operator()(const OptionalDurationType& type) const {
+    type.field.set(target, port::Duration(7ms));
+  }
   void operator()(const CountType& type) const {
     const std::uint32_t value = type.field.get(target);
     type.field.set(target, value < type.most ? value + 1 : value - 1);

@@ -126,7 +126,10 @@ units = "1-247"
 baud = 9600
 parity = "none"
 stop_bits = 2
-rs485 = "kernel"
+rs485 = "on"
+rs485_rts = "low"
+rs485_delay_before = "2ms"
+rs485_delay_after = "100ms"
 word_order = "CDAB"
 timeout = "80ms"
 quiet = "30ms"
@@ -141,13 +144,18 @@ units = "1"
   EXPECT_EQ(line.baud, 9600u);
   EXPECT_EQ(line.parity, port::Parity::none);
   EXPECT_EQ(line.stop_bits, 2);
-  EXPECT_EQ(line.direction, port::Direction::kernel);
+  EXPECT_EQ(line.rs485.mode, port::Rs485Mode::on);
+  EXPECT_EQ(line.rs485.rts_while_sending, port::RtsLevel::low);
+  EXPECT_EQ(line.rs485.delay_before, 2ms);
+  EXPECT_EQ(line.rs485.delay_after, 100ms);
   EXPECT_EQ(bus.word_order, WordOrder::cdab);
   EXPECT_EQ(bus.timeout, 80ms);
   EXPECT_EQ(bus.quiet, 30ms);
   EXPECT_EQ(bus.outstanding_max, 1u);
   const auto& usual = std::get<port::SerialLine>(settings.buses[1].link);
   EXPECT_EQ(usual.baud, 19200u);
+  EXPECT_EQ(usual.rs485.mode, port::Rs485Mode::keep);
+  EXPECT_EQ(usual.rs485.delay_before, std::nullopt);
   EXPECT_EQ(usual.parity, port::Parity::even);
   EXPECT_EQ(settings.buses[1].quiet, 50ms);
 }
@@ -336,7 +344,14 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"no_link", "[[bus]]\nunits = \"1\"\n", 4, "neither 'tcp' nor 'rtu'", "add one"},
         Mistake{"two_links", serial("tcp = \"1.2.3.4:5\"\n"), 7, "both 'tcp' and 'rtu'",
                 "make it two buses"},
-        Mistake{"odd_baud", serial("baud = 9601\n"), 7, "no usual speed", "9600, 19200"},
+        Mistake{"slow_baud", serial("baud = 49\n"), 7, "is no speed", "9600, 19200"},
+        Mistake{"fast_baud", serial("baud = 4000001\n"), 7, "is no speed", "from 50 to 4000000"},
+        Mistake{"delay_without_rs485", serial("rs485_delay_before = \"1ms\"\n"), 7,
+                "'rs485_delay_before' says how the driver switches", "add rs485 = \"on\""},
+        Mistake{"rts_without_rs485", serial("rs485 = \"off\"\nrs485_rts = \"low\"\n"), 8,
+                "'rs485_rts' says how the driver switches", "take it out"},
+        Mistake{"long_delay", serial("rs485 = \"on\"\nrs485_delay_after = \"101ms\"\n"), 8,
+                "'rs485_delay_after' is too long", "at most \"100ms\""},
         Mistake{"bad_parity", serial("parity = \"mark\"\n"), 7, "parity 'mark' is unknown",
                 "\"even\""},
         Mistake{"three_stop_bits", serial("stop_bits = 3\n"), 7, "out of range", "from 1 to 2"},
@@ -378,7 +393,7 @@ INSTANTIATE_TEST_SUITE_P(
                 5, "'enabled'", "true"},
         Mistake{"alert_for_nobody", "[gpio]\nalert = \"A\"\n" + serial(""), 4, "unit 247",
                 "add 247"},
-        Mistake{"two_switch", serial("rs485 = \"kernel\"\nrs485_line = \"DE\"\n"), 8,
+        Mistake{"two_switch", serial("rs485 = \"on\"\nrs485_line = \"DE\"\n"), 8,
                 "both the driver and a line", "take rs485 or"},
         Mistake{"line_as_number", "[gpio]\nstatus_led = 4\n" + serial(""), 5, "must be a text",
                 "status_led = \"STATUS_LED\""},

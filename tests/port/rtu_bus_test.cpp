@@ -571,12 +571,12 @@ TEST_F(SerialBus, APortThatIsNotThereIsTriedAgainAndSaidOnce) {
 TEST_F(SerialBus, ADriverThatCannotSwitchIsSaidWithTheCure) {
   RtuBus bus(loop_, log_,
              {.name = "yard",
-              .serial_line = {.path = path_, .direction = Direction::kernel},
+              .serial_line = {.path = path_, .rs485 = {.mode = Rs485Mode::on}},
               .reopen_interval = 1s,
               .send_enable = {}});
   bus.advance(now_);
   EXPECT_FALSE(bus.ready());
-  EXPECT_NE(log_.lines.back().find("TIOCSRS485"), std::string::npos) << log_.lines.back();
+  EXPECT_NE(log_.lines.back().find("TIOCGRS485"), std::string::npos) << log_.lines.back();
   EXPECT_NE(log_.lines.back().find("take `rs485` out"), std::string::npos) << log_.lines.back();
 }
 

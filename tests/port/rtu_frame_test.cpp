@@ -111,7 +111,11 @@ TEST(SerialLine, TimesAreThoseOfTheSpecification) {
   EXPECT_EQ(character_time(fast) / 1us, 86) << "10 bits";
   EXPECT_EQ(frame_silence(fast), 1750us);
   EXPECT_TRUE(is_baud(19200));
-  EXPECT_FALSE(is_baud(12345));
+  EXPECT_FALSE(is_baud(49));
+  EXPECT_FALSE(is_baud(4'000'001));
+  EXPECT_EQ(usual_baud_near(19600), 19200u);
+  EXPECT_EQ(usual_baud_near(0), 1200u);
+  EXPECT_EQ(usual_baud_near(4'294'967'295), 921600u);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <modbus/modbus.h>
+#include <sys/ioctl.h>
 #include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
@@ -13,6 +14,7 @@
 #include <csignal>
 #include <filesystem>
 
+#include "modbus/line_speed.h"
 #include "peer.h"
 #include "pseudo_terminal.h"
 #include "support/emulated.h"
@@ -25,6 +27,18 @@ termios settings_of(const FileDescriptor& port) {
   termios settings{};
   EXPECT_EQ(::tcgetattr(port.get(), &settings), 0);
   return settings;
+}
+
+std::uint32_t speed_of(int descriptor) {
+  // Of the kernel's own settings of a terminal; its header cannot stand beside <termios.h>.
+  struct {
+    std::uint32_t flags[4];
+    std::uint8_t line, characters[19];
+    std::uint32_t in, out;
+  } settings{};
+  EXPECT_EQ(::ioctl(descriptor, _IOR('T', 0x2A, settings), &settings), 0);
+  EXPECT_EQ(settings.in, settings.out);
+  return settings.out;
 }
 
 TEST(SerialPort, IsSetAsTheLineSays) {
@@ -54,6 +68,48 @@ TEST(SerialPort, IsSetAsTheLineSays) {
       }
     }
   }
+}
+
+// libmodbus takes such a speed for 9600.
+TEST(SerialPort, HasASpeedThatIsNotUsual) {
+  const nodes::PseudoTerminal cable;
+  for (const std::uint32_t baud : {baud_least, 250'000u, 1'500'000u, baud_most, 9600u}) {
+    for (int time = 0; time < 2; ++time) {
+      std::string why;
+      const FileDescriptor port = open_serial({.path = cable.path(), .baud = baud}, why);
+      ASSERT_TRUE(port.is_open()) << baud << ": " << why;
+      EXPECT_EQ(speed_of(port.get()), baud);
+    }
+  }
+}
+
+TEST(SerialPort, IsKeptFromSpeedsTooFarOff) {
+  EXPECT_TRUE(is_near(250'000, 250'000));
+  EXPECT_TRUE(is_near(255'000, 250'000));
+  EXPECT_TRUE(is_near(245'000, 250'000));
+  EXPECT_FALSE(is_near(255'001, 250'000));
+  EXPECT_FALSE(is_near(244'999, 250'000));
+  EXPECT_FALSE(is_near(0, 50));
+  EXPECT_FALSE(is_near(4'294'967'295, 50));
+  const FileDescriptor null(::open("/dev/null", O_RDWR | O_CLOEXEC));
+  std::string why;
+  EXPECT_FALSE(set_speed(null.get(), 1234, why));
+  EXPECT_NE(why.find("takes no speed of 1234 baud"), std::string::npos) << why;
+  EXPECT_NE(why.find("give `baud`"), std::string::npos) << why;
+}
+
+// A pseudo terminal knows no RS-485: its driver refuses, and what is not asked for is no trouble.
+TEST(SerialPort, WithoutRs485InItsDriverIsOnlyRefusedWhatNeedsIt) {
+  const nodes::PseudoTerminal cable;
+  for (const Rs485Mode mode : {Rs485Mode::keep, Rs485Mode::off}) {
+    std::string why;
+    EXPECT_TRUE(open_serial({.path = cable.path(), .rs485 = {.mode = mode}}, why).is_open()) << why;
+  }
+  std::string why;
+  EXPECT_FALSE(
+      open_serial({.path = cable.path(), .rs485 = {.mode = Rs485Mode::on}}, why).is_open());
+  EXPECT_NE(why.find("TIOCGRS485"), std::string::npos) << why;
+  EXPECT_NE(why.find("give `rs485_line`"), std::string::npos) << why;
 }
 
 // A pseudo terminal has no parity, and the C library complains of that where nothing else changes.

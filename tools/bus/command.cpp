@@ -50,8 +50,7 @@ void BusOptions::add_to(CLI::App& command) {
   command.add_option("-s,--stop-bits", line_.stop_bits, "1 or 2")
       ->check(CLI::Range(1, 2))
       ->capture_default_str();
-  command.add_flag("-R,--rts", kernel_direction_,
-                   "the driver switches an RS-485 transceiver by RTS");
+  command.add_flag("-R,--rts", has_rts_, "the driver switches an RS-485 transceiver by RTS");
 }
 
 bool BusOptions::is_serial() const {
@@ -83,13 +82,14 @@ std::unique_ptr<Link> BusOptions::open() const {
   port::SerialLine line = line_;
   if (!port::is_baud(line.baud)) {
     throw UsageError("-b " + std::to_string(line.baud) +
-                     ": no usual speed; give 9600, 19200 or 115200");
+                     ": no speed; give 9600, 19200, 115200, or another from " +
+                     std::to_string(port::baud_least) + " to " + std::to_string(port::baud_most));
   }
   line.path = device_;
   line.parity = parity_ == "none"   ? port::Parity::none
                 : parity_ == "even" ? port::Parity::even
                                     : port::Parity::odd;
-  if (kernel_direction_) line.direction = port::Direction::kernel;
+  if (has_rts_) line.rs485.mode = port::Rs485Mode::on;
   return open_serial_link(line);
 }
 

@@ -59,7 +59,7 @@ class BusOptions {
   std::uint16_t tcp_port_ = 502;
   port::SerialLine line_;
   std::string parity_ = "even";
-  bool kernel_direction_ = false;
+  bool has_rts_ = false;
 };
 
 // -t and --word-order: the table of registers, and what stands in them.

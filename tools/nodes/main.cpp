@@ -108,7 +108,9 @@ int main(int argc, char** argv) {
     return exit_bad_input;
   }
   if (!port::is_baud(line.baud)) {
-    std::fprintf(stderr, "--baud %u: no usual speed; give 9600, 19200 or 115200\n", line.baud);
+    std::fprintf(stderr,
+                 "--baud %u: no speed; give 9600, 19200, 115200, or another from %u to %u\n",
+                 line.baud, port::baud_least, port::baud_most);
     return exit_bad_input;
   }
   nodes::Script script;
