@@ -1,6 +1,7 @@
 #include "firmware/status/mesh_document.h"
 
 #include <array>
+#include <utility>
 
 #include "firmware/records/node_table.h"
 #include "firmware/status/bus_meter.h"
@@ -205,7 +206,7 @@ void MeshDocument::write_place(Point place, TextWriter& piece) const {
   }
 }
 
-// One of its readings or of its neighbours a call: there may be any number of them.
+// One of its readings, neighbours or turns a call: there may be any number of them.
 void MeshDocument::write_vertex(Cursor& cursor, TextWriter& piece) const {
   if (cursor.item >= snapshot_.vertices.size()) return cursor.next_section();
   const SnapshotVertex& vertex = snapshot_.vertices[cursor.item];
@@ -216,18 +217,33 @@ void MeshDocument::write_vertex(Cursor& cursor, TextWriter& piece) const {
   const auto readings = readings_at(vertex.serial);
   if (cursor.part == 0) write_vertex_head(vertex, cursor.item, piece);
   if (cursor.part < readings.size()) return write_reading(readings[cursor.part++], piece);
-  const auto number = static_cast<std::uint32_t>(cursor.part - readings.size());
+  const auto number = static_cast<std::uint32_t>(cursor.part++ - readings.size());
   if (number == 0) piece << ",\"neighbours\":[";
   if (number < vertex.degree) {
     const std::uint32_t row = snapshot_.neighbours[vertex.first_neighbour + number].row;
     piece << (number == 0 ? "" : ",") << row + 1;
-    ++cursor.part;
+    return;
   }
-  if (number + 1u >= vertex.degree) {
-    piece << "]}}";
-    ++cursor.item;
-    cursor.part = 0;
+  const std::uint32_t turn = number - vertex.degree;
+  if (turn == 0) {
+    piece << "],\"open\":[";
+    cursor.has_begun = false;
   }
+  if (turn < vertex.degree) {
+    if (!domain_.has_on_left(vertex.first_neighbour + turn)) piece << cursor.separator() << turn;
+    return;
+  }
+  piece << "]}}";
+  ++cursor.item;
+  cursor.part = 0;
+}
+
+void MeshDocument::write_along(std::uint32_t row, TextWriter& piece) const {
+  std::string_view before = ",\"along\":[";
+  for (const SnapshotNeighbour& neighbour : neighbours_of(snapshot_, row)) {
+    if (neighbour.constrained) piece << std::exchange(before, ",") << neighbour.row + 1;
+  }
+  piece << "]";
 }
 
 // The page has them from a document of their own, and draws the mesh anew only where it changed.
@@ -262,6 +278,7 @@ void MeshDocument::write_vertex_head(const SnapshotVertex& vertex, std::uint32_t
     write_rejection(vertex.rejection, piece);
   } else {
     piece << "\"kind\":\"steiner\",\"feature\":" << vertex.feature;
+    write_along(row, piece);
   }
 }
 

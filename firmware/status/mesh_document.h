@@ -3,7 +3,11 @@
 // "y" or "longitude" and "latitude", where the site knows both.
 //
 // Its features, by the property "kind":
-//   "node", "steiner"  a point; "neighbours" are ids of other points, counter-clockwise
+//   "node", "steiner", "anchor"
+//                      a point; "neighbours" are ids of other points, counter-clockwise. With each
+//                      neighbour and the next one it makes a triangle of the domain, but where
+//                      "open" has the index of the first of the two, from 0. "along" of a Steiner
+//                      vertex has its two neighbours on its feature
 //   "edges"            all edges of the mesh that are no part of a feature
 //   "features"         those that are
 //   "long_links"       edges longer than the radio range, if one is set
@@ -20,23 +24,34 @@
 #include "firmware/polling/poller.h"
 #include "firmware/publish/reading_snapshot.h"
 #include "firmware/publish/snapshot.h"
+#include "firmware/publish/snapshot_domain.h"
 #include "firmware/site/site_plane.h"
 #include "firmware/status/document.h"
 
 namespace etcm::firmware {
+
+// What belongs together of one generation.
+struct ShownMesh {
+  explicit ShownMesh(const MeshConfig& config) : domain(config) {}
+
+  Snapshot snapshot;
+  SnapshotDomain domain;  // of it
+  SitePlane plane;
+  ReadingSnapshot readings;
+};
 
 class MeshDocument final : public Document {
  public:
   // What its coordinates are. Those of a site without degrees are in the plane either way.
   enum class Frame : std::uint8_t { plane, degrees };
 
-  // Names of units are asked of `poller`. All must outlive this; the snapshots and the plane
-  // change only while nobody reads.
-  MeshDocument(const Snapshot& snapshot, const SitePlane& plane, const ReadingSnapshot& readings,
-               const Poller& poller, std::uint64_t instance, Frame frame)
-      : snapshot_(snapshot),
-        plane_(plane),
-        readings_(readings),
+  // Names of units are asked of `poller`. Both must outlive this; the mesh changes only while
+  // nobody reads.
+  MeshDocument(const ShownMesh& mesh, const Poller& poller, std::uint64_t instance, Frame frame)
+      : snapshot_(mesh.snapshot),
+        domain_(mesh.domain),
+        plane_(mesh.plane),
+        readings_(mesh.readings),
         poller_(poller),
         instance_(instance),
         frame_(frame) {}
@@ -59,6 +74,7 @@ class MeshDocument final : public Document {
   // other frame, to be completed.
   void write_place(Point place, TextWriter& piece) const;
   void write_vertex(Cursor& cursor, TextWriter& piece) const;
+  void write_along(std::uint32_t row, TextWriter& piece) const;
   void write_vertex_head(const SnapshotVertex& vertex, std::uint32_t row, TextWriter& piece) const;
   void write_unplaced_node(Cursor& cursor, TextWriter& piece) const;
   void write_unplaced_head(const SnapshotUnplacedNode& node, TextWriter& piece) const;
@@ -69,6 +85,7 @@ class MeshDocument final : public Document {
   void write_unit(UnitIndex unit, TextWriter& piece) const;
 
   const Snapshot& snapshot_;
+  const SnapshotDomain& domain_;
   const SitePlane& plane_;
   const ReadingSnapshot& readings_;
   const Poller& poller_;

@@ -29,14 +29,14 @@ StatusPage::StatusPage(const StatusSources& sources, std::uint32_t readers_max)
       status_(sources_, meter_),
       ages_(sources_),
       metrics_(sources_, meter_),
-      kept_{Kept(sources.gateway.poller(), instance_of(sources)),
-            Kept(sources.gateway.poller(), instance_of(sources))},
+      kept_{Kept(sources.gateway.settings().mesh, sources.gateway.poller(), instance_of(sources)),
+            Kept(sources.gateway.settings().mesh, sources.gateway.poller(), instance_of(sources))},
       readers_(readers_max),
       now_(sources.started_at) {
   for (Kept& kept : kept_) {
-    reserve(kept.snapshot, sources.gateway.settings(),
+    reserve(kept.mesh.snapshot, sources.gateway.settings(),
             static_cast<std::uint32_t>(sources.gateway.nodes().records().size()));
-    reserve(kept.readings, sources.gateway.settings());
+    reserve(kept.mesh.readings, sources.gateway.settings());
   }
 }
 
@@ -107,15 +107,15 @@ port::WebAnswer StatusPage::show(Reader& reader, const Document& document, const
 port::WebAnswer StatusPage::show_mesh(Reader& reader) {
   const Kept& kept = keep_newest(reader);
   port::WebAnswer answer = show(reader, kept.in_plane, json_media_type);
-  answer.version = version_of(instance_of(sources_), kept.snapshot.generation, 0);
+  answer.version = version_of(instance_of(sources_), kept.mesh.snapshot.generation, 0);
   return answer;
 }
 
 port::WebAnswer StatusPage::show_geojson(Reader& reader) {
   const Kept& kept = keep_newest(reader);
   port::WebAnswer answer = show(reader, kept.in_degrees, "application/geo+json");
-  answer.version =
-      version_of(instance_of(sources_), kept.snapshot.generation, kept.readings.value_sequence);
+  answer.version = version_of(instance_of(sources_), kept.mesh.snapshot.generation,
+                              kept.mesh.readings.value_sequence);
   return answer;
 }
 
@@ -142,14 +142,18 @@ StatusPage::Kept& StatusPage::keep_newest(Reader& reader) {
 std::size_t StatusPage::newest_place() {
   const Snapshot& mesh = sources_.gateway.snapshot();
   const ReadingSnapshot& readings = sources_.gateway.readings();
-  const std::size_t newer = kept_[0].readings.sequence >= kept_[1].readings.sequence ? 0 : 1;
-  if (kept_[newer].readings.sequence == readings.sequence) return newer;
+  const std::size_t newer =
+      kept_[0].mesh.readings.sequence >= kept_[1].mesh.readings.sequence ? 0 : 1;
+  if (kept_[newer].mesh.readings.sequence == readings.sequence) return newer;
   for (std::size_t place : {1 - newer, newer}) {
     Kept& kept = kept_[place];
     if (kept.readers > 0) continue;
-    if (kept.snapshot.generation != mesh.generation) kept.snapshot = mesh;
-    kept.readings = readings;
-    kept.plane = sources_.gateway.settings().site.plane();
+    if (kept.mesh.snapshot.generation != mesh.generation) {
+      kept.mesh.snapshot = mesh;
+      kept.mesh.domain.label(kept.mesh.snapshot);
+    }
+    kept.mesh.readings = readings;
+    kept.mesh.plane = sources_.gateway.settings().site.plane();
     return place;
   }
   return newer;

@@ -43,15 +43,14 @@ class StatusPage final : public port::WebSite {
     std::array<char, piece_bytes_max> piece;
   };
   struct Kept {
-    Kept(const Poller& poller, std::uint64_t instance)
-        : in_degrees(snapshot, plane, readings, poller, instance, MeshDocument::Frame::degrees),
-          in_plane(snapshot, plane, readings, poller, instance, MeshDocument::Frame::plane),
-          readings_document(readings, instance) {}
+    Kept(const MeshConfig& config, const Poller& poller, std::uint64_t instance)
+        : mesh(config),
+          in_degrees(mesh, poller, instance, MeshDocument::Frame::degrees),
+          in_plane(mesh, poller, instance, MeshDocument::Frame::plane),
+          readings_document(mesh.readings, instance) {}
     Kept(const Kept&) = delete;
     Kept& operator=(const Kept&) = delete;
-    Snapshot snapshot;
-    SitePlane plane;
-    ReadingSnapshot readings;
+    ShownMesh mesh;
     MeshDocument in_degrees;
     MeshDocument in_plane;
     ReadingsDocument readings_document;

@@ -2,15 +2,18 @@
 import { MeshMap } from "./map.js";
 import { readMesh, setAges } from "./model.js";
 import {
-  countLegend, makeLegend, showBuses, showDetails, showEvents, showMissing, showNoAnswer,
-  showQuarantine, showStatus,
+  countLegend, makeLegend, showBands, showBuses, showDetails, showEvents, showMissing, showNoAnswer,
+  showQuantities, showQuarantine, showStatus,
 } from "./panels.js";
+import { readReadings } from "./readings.js";
+import { Shading } from "./shading.js";
 import { NodeTable } from "./table.js";
 
 const pauseMs = 1000;
 const patienceMs = 5000;
 
 let mesh = null;
+let readings = null;
 let choice = null;
 let answeredAt = null;
 
@@ -20,6 +23,9 @@ makeLegend(map);
 document.getElementById("zoom-in").addEventListener("click", () => map.view.zoomIn());
 document.getElementById("zoom-out").addEventListener("click", () => map.view.zoomOut());
 document.getElementById("fit").addEventListener("click", () => map.view.fit());
+const quantity = document.getElementById("quantity");
+quantity.addEventListener("change", shade);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => showBands(map, readings));
 document.getElementById("close").addEventListener("click", () => choose(null));
 addEventListener("keydown", (event) => {
   if (event.key === "Escape") choose(null);
@@ -29,7 +35,15 @@ function choose(point) {
   choice = point;
   map.setChoice(point);
   table.setChoice(point);
-  showDetails(point, mesh, choose);
+  showDetails(point, mesh, readings, choose);
+}
+
+// Shows the chosen quantity over the mesh, or none.
+function shade() {
+  const index = quantity.value === "" ? -1 : Number(quantity.value);
+  const chosen = readings?.quantities[index];
+  map.setShading(mesh && chosen ? new Shading(mesh, chosen, readings.ofQuantity[index]) : null);
+  showBands(map, readings);
 }
 
 // The same node or Steiner vertex in a newer mesh, or null.
@@ -46,8 +60,17 @@ async function ask(path) {
   return answer.json();
 }
 
+// Values change far more often than the mesh. Nobody looks at them where nothing shows them.
+async function turnReadings(status) {
+  const isSame = readings?.instance === status.instance;
+  if (isSame && quantity.value === "" && !choice) return;
+  readings = status.quantities === 0 ? null : readReadings(await ask("readings.json"));
+  showQuantities(readings);
+}
+
 async function turn() {
   const status = await ask("status.json");
+  await turnReadings(status);
   if (!mesh || mesh.generation !== status.generation || mesh.instance !== status.instance) {
     const newer = readMesh(await ask("mesh.json"));
     choice = sameIn(newer, choice);
@@ -57,6 +80,7 @@ async function turn() {
   } else {
     setAges(mesh, await ask("ages.json"), status);
   }
+  shade();
   document.getElementById("empty").hidden = mesh.bounds !== null;
   showStatus(status);
   showBuses(status);
@@ -69,7 +93,7 @@ async function turn() {
   table.setChoice(choice);
   map.choice = choice;
   map.redraw();
-  showDetails(choice, mesh, choose);
+  showDetails(choice, mesh, readings, choose);
 }
 
 function setLost(isLost) {

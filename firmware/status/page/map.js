@@ -1,5 +1,8 @@
 // Draws the mesh, and knows what is under the pointer.
 import { nameOf } from "./model.js";
+import { isFresh, valueText } from "./readings.js";
+import { bandColours, rampNames } from "./shading.js";
+import { diamond, isOutline, nodeShape } from "./shapes.js";
 import { View } from "./view.js";
 
 // What can be shown or not, bottom first.
@@ -21,6 +24,7 @@ export const layers = [
 const hitDistance = 14;       // pixels
 const labelledNodesMax = 150;
 const labelSpacing = 46;      // pixels between nodes from which serials are legible
+const areaPart = 0.62;        // of the colour of a value where it fills an area below lines
 
 export class MeshMap {
   // `chosen` is called with the point that was clicked, or null.
@@ -28,6 +32,7 @@ export class MeshMap {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
     this.mesh = null;
+    this.shading = null;
     this.choice = null;
     this.hover = null;
     this.tip = document.getElementById("tip");
@@ -51,6 +56,12 @@ export class MeshMap {
     this.spacing = spacingOf(mesh);
     this.hover = null;
     this.view.setBounds(mesh.bounds);
+    this.redraw();
+  }
+
+  // The quantity to be shown (shading.js), or null.
+  setShading(shading) {
+    this.shading = shading;
     this.redraw();
   }
 
@@ -90,7 +101,11 @@ export class MeshMap {
       "missing", "hole", "link"]) {
       this.colours[name] = colour(`map-${name}`);
     }
+    this.ramp = rampNames().map(colour);
   }
+
+  // Of the bands of values.
+  areaColours(count) { return bandColours(this.ramp, count, this.colours.back, areaPart); }
 
   isOn(name) { return layers.find((layer) => layer.name === name).on; }
 
@@ -101,6 +116,8 @@ export class MeshMap {
     context.clearRect(0, 0, view.width, view.height);
     if (!mesh) return;
     const radius = Math.min(6.5, Math.max(1.6, (this.spacing * view.scale) / 5));
+    this.shading?.draw(context, (lines) => this.trace(lines),
+      this.areaColours(this.shading.bandCount), colours.text);
     if (this.isOn("holes")) this.fillHoles();
     if (this.isOn("edges")) this.strokeLines(mesh.edges, colours.edge, 1);
     if (this.isOn("links")) this.strokeLines(mesh.longLinks, colours.link, 1.6, [6, 4]);
@@ -113,11 +130,13 @@ export class MeshMap {
       this.drawDiamonds(mesh.relays, Math.max(2, radius * 0.8));
     }
     for (const state of ["missing", "fresh", "ageing", "stale", "quarantined"]) {
-      if (this.isOn(state)) this.drawNodes(mesh.nodes, state, radius);
+      if (!this.isOn(state)) continue;
+      if (this.shading) this.drawValues(mesh.nodes, state, Math.max(3, radius));
+      else this.drawNodes(mesh.nodes, state, radius);
     }
     this.drawRing(this.choice, radius + 5, 3);
     if (this.hover !== this.choice) this.drawRing(this.hover, radius + 4, 1.5);
-    this.drawSerials(radius);
+    this.drawLabels(radius);
     this.drawScale();
   }
 
@@ -207,6 +226,24 @@ export class MeshMap {
     }
   }
 
+  // In the shape of the state and the colour of the value; without a fresh one it is empty.
+  drawValues(nodes, state, radius) {
+    const { context, view, colours, shading } = this;
+    const fills = bandColours(this.ramp, shading.bandCount, colours.back, 1);
+    context.lineWidth = 1.3;
+    for (const node of nodes) {
+      if (node.state !== state || !node.hasPlace) continue;
+      const reading = shading.ofSerial.get(node.serial);
+      context.beginPath();
+      nodeShape(context, state, view.screenX(node.x), view.screenY(node.y), radius);
+      context.fillStyle = isFresh(reading) ? fills[shading.band(reading.value)] : colours.back;
+      context.strokeStyle = isFresh(reading) ? colours.text
+        : reading?.isStale ? colours.stale : colours.dim;
+      context.fill();
+      context.stroke();
+    }
+  }
+
   // Filled, apart from what is below it.
   paint(colour) {
     this.context.fillStyle = colour;
@@ -226,7 +263,8 @@ export class MeshMap {
     context.stroke();
   }
 
-  drawSerials(radius) {
+  // Serials, or what is measured.
+  drawLabels(radius) {
     const { context, view, mesh } = this;
     if (this.spacing * view.scale < labelSpacing) return;
     const seen = mesh.nodes.filter((node) => node.hasPlace && this.isSeen(node));
@@ -240,9 +278,20 @@ export class MeshMap {
     for (const node of seen) {
       const x = view.screenX(node.x) + radius + 2;
       const y = view.screenY(node.y) - radius;
-      context.strokeText(node.serial, x, y);
-      context.fillText(node.serial, x, y);
+      const text = this.shading ? this.shownValue(node) : String(node.serial);
+      context.strokeText(text, x, y);
+      context.fillText(text, x, y);
     }
+  }
+
+  // What a node measures of the quantity that is shown; "" where it is not known to.
+  shownValue(node) {
+    const reading = this.shading?.ofSerial.get(node.serial);
+    if (!reading) return "";
+    const { digits, quantity } = this.shading;
+    const finer = digits === undefined ? undefined : Math.min(9, digits + 1);
+    const text = valueText(reading.value, quantity.unit, finer);
+    return reading.isStale ? `${text} (stale)` : text;
   }
 
   isSeen(point) {
@@ -265,7 +314,9 @@ export class MeshMap {
     this.canvas.classList.toggle("over", Boolean(point));
     this.tip.hidden = !point;
     if (point) {
-      this.tip.textContent = point.isNode ? `${nameOf(point)}, ${point.state}`
+      const value = point.isNode && this.shownValue(point);
+      this.tip.textContent = point.isNode
+        ? `${nameOf(point)}, ${point.state}${value ? `, ${value}` : ""}`
         : `Relay proposal on feature ${point.feature}`;
       const x = Math.min(at.x + 14, this.view.width - this.tip.offsetWidth - 4);
       this.tip.style.left = `${x}px`;
@@ -334,34 +385,4 @@ function spacingOf(mesh) {
   const across = mesh.bounds.right - mesh.bounds.left;
   const up = mesh.bounds.top - mesh.bounds.bottom;
   return Math.sqrt(Math.max(across * up, Math.max(across, up) ** 2 / 20) / mesh.points.size);
-}
-
-function diamond(context, x, y, size) {
-  context.moveTo(x, y - size);
-  context.lineTo(x + size, y);
-  context.lineTo(x, y + size);
-  context.lineTo(x - size, y);
-  context.closePath();
-}
-
-function isOutline(state) { return state === "stale" || state === "missing"; }
-
-// States differ in shape too, for who does not tell their colours apart.
-function nodeShape(context, state, x, y, radius) {
-  if (state === "missing") {
-    context.moveTo(x - radius, y - radius);
-    context.lineTo(x + radius, y + radius);
-    context.moveTo(x - radius, y + radius);
-    context.lineTo(x + radius, y - radius);
-  } else if (state === "quarantined") {
-    context.rect(x - radius, y - radius, 2 * radius, 2 * radius);
-  } else if (state === "ageing") {
-    context.moveTo(x, y - radius * 1.25);
-    context.lineTo(x + radius * 1.2, y + radius * 0.9);
-    context.lineTo(x - radius * 1.2, y + radius * 0.9);
-    context.closePath();
-  } else {
-    context.moveTo(x + radius, y);
-    context.arc(x, y, radius, 0, 2 * Math.PI);
-  }
 }

@@ -3,6 +3,7 @@ import {
   ageText, degreesText, nameOf, placeText, sinceText, stateInWords, timeText, whereText,
 } from "./model.js";
 import { layers } from "./map.js";
+import { decimal, isFresh, quantityText, readingsOf, valueText } from "./readings.js";
 
 const byId = (id) => document.getElementById(id);
 
@@ -132,8 +133,13 @@ function whyText(node) {
   return node.no_fix ? "it answers, but has no fix" : "";
 }
 
+function readingText({ unit }, reading) {
+  const age = reading.isStale ? `stale, ${ageText(reading.ageMs)} old` : `${ageText(reading.ageMs)} ago`;
+  return element("span", `${valueText(reading.value, unit)}, ${age}`, reading.isStale ? "stale" : undefined);
+}
+
 // The details of a point; null closes them. `go` is called with a neighbour that was clicked.
-export function showDetails(point, mesh, go) {
+export function showDetails(point, mesh, readings, go) {
   byId("details").hidden = !point;
   if (!point) return;
   byId("details-title").textContent = nameOf(point);
@@ -147,6 +153,9 @@ export function showDetails(point, mesh, go) {
       ["Unit, bus", whereText(point)]);
     const why = whyText(point);
     if (why) facts.splice(1, 0, ["Why", why]);
+    for (const [quantity, reading] of readingsOf(readings, point.serial)) {
+      facts.push([quantity.name, readingText(quantity, reading)]);
+    }
   } else {
     facts.unshift(["What", "a place for a relay"], ["On feature", point.feature]);
   }
@@ -171,6 +180,54 @@ export function showDetails(point, mesh, go) {
       item.append(button);
       return item;
     }));
+}
+
+// What can be shown on the map; the choice stays where it can.
+export function showQuantities(readings) {
+  byId("measured").hidden = !readings;
+  const texts = readings?.quantities.map(quantityText) ?? [];
+  const list = byId("quantity");
+  const key = texts.join("\n");
+  if (list.dataset.shown === key) return;
+  list.dataset.shown = key;
+  list.replaceChildren(new Option("No readings", ""),
+    ...texts.map((text, index) => new Option(text, String(index))));
+}
+
+// The bands of the quantity on the map, the highest first, and how many nodes have a value.
+export function showBands(map, readings) {
+  const { shading } = map;
+  byId("measured-count").textContent = shading && readings ? countText(shading) : "";
+  byId("bands").replaceChildren(...(shading ? bandRows(map) : []));
+  map.view.setCovered(shading ? byId("measured").offsetWidth : 0);
+}
+
+function bandRows(map) {
+  const { shading } = map;
+  if (shading.bounds.length === 0) return [];
+  const { bounds, digits, quantity } = shading;
+  const [first] = bounds;
+  const texts = bounds.length === 1 ? [valueText(first, quantity.unit, digits)]
+    : bounds.slice(1).map((bound, band) =>
+      `${decimal(bounds[band], digits)} … ${valueText(bound, quantity.unit, digits)}`);
+  const colours = map.areaColours(shading.bandCount);
+  return texts.map((text, band) => {
+    const item = element("li");
+    const sample = element("span");
+    sample.style.background = colours[band];
+    item.append(sample, text);
+    return item;
+  }).reverse();
+}
+
+function countText(shading) {
+  const readings = [...shading.ofSerial.values()];
+  const stale = readings.filter((reading) => reading.isStale).length;
+  const fresh = readings.filter(isFresh).length;
+  const parts = [`${fresh} ${fresh === 1 ? "node" : "nodes"}`];
+  if (stale > 0) parts.push(`${stale} stale`);
+  if (readings.length > fresh + stale) parts.push(`${readings.length - fresh - stale} without a value`);
+  return parts.join(", ");
 }
 
 export function makeLegend(map) {

@@ -16,6 +16,7 @@ export class View {
     this.center = { x: 0, y: 0 };   // in units
     this.bounds = null;
     this.followsBounds = true;      // until somebody pans or zooms
+    this.covered = 0;               // pixels on the right that a legend covers
     this.pointers = new Map();
     this.moved = 0;
     canvas.addEventListener("pointerdown", (event) => this.press(event));
@@ -41,6 +42,14 @@ export class View {
     if (this.followsBounds) this.fit();
   }
 
+  // So much of the right is not to be used, as long as enough is left.
+  setCovered(pixels) {
+    const covered = pixels < this.width / 3 ? pixels : 0;
+    if (covered === this.covered) return;
+    this.covered = covered;
+    if (this.followsBounds) this.fit();
+  }
+
   fit() {
     this.followsBounds = true;
     if (!this.bounds) return;
@@ -48,10 +57,11 @@ export class View {
     const margin = 48;
     const across = Math.max(right - left, 1e-3);
     const up = Math.max(top - bottom, 1e-3);
-    const fitting = Math.min((this.width - 2 * margin) / across, (this.height - 2 * margin) / up);
+    const fitting = Math.min((this.width - this.covered - 2 * margin) / across, (this.height - 2 * margin) / up);
     // A single node, or a canvas that has no size yet.
     this.scale = right === left && top === bottom ? 1 : Math.max(fitting, 1e-6);
-    this.center = { x: (left + right) / 2, y: (bottom + top) / 2 };
+    const aside = this.covered / 2 / this.scale;
+    this.center = { x: (left + right) / 2 + aside, y: (bottom + top) / 2 };
     this.changed();
   }
 

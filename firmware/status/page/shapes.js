@@ -1,0 +1,31 @@
+// The shapes of points on the map, as parts of a path.
+
+export function diamond(context, x, y, size) {
+  context.moveTo(x, y - size);
+  context.lineTo(x + size, y);
+  context.lineTo(x, y + size);
+  context.lineTo(x - size, y);
+  context.closePath();
+}
+
+export function isOutline(state) { return state === "stale" || state === "missing"; }
+
+// States differ in shape too, for who does not tell their colours apart.
+export function nodeShape(context, state, x, y, radius) {
+  if (state === "missing") {
+    context.moveTo(x - radius, y - radius);
+    context.lineTo(x + radius, y + radius);
+    context.moveTo(x - radius, y + radius);
+    context.lineTo(x + radius, y - radius);
+  } else if (state === "quarantined") {
+    context.rect(x - radius, y - radius, 2 * radius, 2 * radius);
+  } else if (state === "ageing") {
+    context.moveTo(x, y - radius * 1.25);
+    context.lineTo(x + radius * 1.2, y + radius * 0.9);
+    context.lineTo(x - radius * 1.2, y + radius * 0.9);
+    context.closePath();
+  } else {
+    context.moveTo(x + radius, y);
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+  }
+}

@@ -1,0 +1,189 @@
+"""What devices measure, from pymodbus to the page, the metrics, the files and a master; the values
+change, are not valid, and a device falls silent.
+
+ETCM_BIN is the programs' folder; ETCM_SCREENSHOTS, where it is set, a folder for screenshots.
+"""
+import json
+import math
+import re
+import unittest
+
+from selenium.webdriver.support.ui import Select
+
+from browser import BrowserCase, PageCase
+from gateway_test import SOON, wait_for
+from measuring import INVALID, PROFILE, Tanks
+
+SQUARE = [(0, 0), (1000, 0), (1000, 800), (0, 800)]
+
+
+class MeasuringCase(PageCase):
+    def start_tanks(self, places, levels, more="", **times):
+        self.tanks = Tanks(self, places)
+        self.tanks.set(levels)
+        gateway = self.start_gateway([], self.HTTP + self.tanks.settings + more, head=PROFILE, **times)
+        self.url = gateway.wait_for_line(r"status page on (http://\S+)").group(1)
+        return gateway
+
+    def json(self, path):
+        return json.loads(self.get(path))
+
+    def levels(self):
+        """{serial: (value, is stale)}"""
+        return {serial: (value, stale) for serial, quantity, value, _, stale
+                in self.json("/readings.json")["readings"] if quantity == 0}
+
+    def wait_for_levels(self, wanted):
+        wait_for(f"levels {wanted}", lambda: self.levels() == wanted)
+
+    def metrics(self, name):
+        found = re.findall(rf'^{name}\{{name="level",unit="m",serial="(\d+)"\}} (\S+)$',
+                           self.get("/metrics").decode(), re.M)
+        return {int(serial): float(value) for serial, value in found}
+
+
+class ForPrograms(MeasuringCase):
+    def test_values_change_go_invalid_and_a_device_falls_silent(self):
+        self.start_tanks(SQUARE[:3], {1: 1500, 2: -250, 3: INVALID}, **SOON)
+        self.wait_for_header(nodes=3)
+        self.wait_for_levels({101: (1.5, False), 102: (-0.25, False), 103: (None, False)})
+        self.assertEqual(self.metrics("etcm_reading"), {101: 1.5, 102: -0.25})
+        generation = self.header()["generation"]
+        self.tanks.set({1: 1501, 3: 7})
+        self.wait_for_levels({101: (1.501, False), 102: (-0.25, False), 103: (0.007, False)})
+        self.tanks.set({2: INVALID})
+        self.wait_for_levels({101: (1.501, False), 102: (None, False), 103: (0.007, False)})
+        self.assertEqual(self.header()["generation"], generation, "values make no generation")
+        self.tanks.set({1: None})
+        self.wait_for_levels({101: (1.501, True), 102: (None, False), 103: (0.007, False)})
+        wait_for("its metric to end", lambda: self.metrics("etcm_reading") == {103: 0.007})
+        self.assertGreater(self.metrics("etcm_reading_age_seconds")[101], 1)
+        properties = lambda: {f["properties"].get("serial"): f["properties"]
+                              for f in self.json("/mesh.geojson")["features"]}
+        wait_for("a missing node with a stale reading", lambda: (
+            lambda node: node.get("missing") and node.get("stale reading level (m)") == 1.501
+            and "reading level (m)" not in node)(properties()[101]))
+        self.assertEqual(properties()[103]["reading temperature (°C)"], 21.5)
+        self.tanks.set({1: 2000})
+        self.wait_for_levels({101: (2, False), 102: (None, False), 103: (0.007, False)})
+
+
+class OnTheMap(BrowserCase, MeasuringCase):
+    def choose(self, text):
+        Select(self.find("#quantity")).select_by_visible_text(text)
+
+    def bands(self):
+        return self.text("#bands").splitlines()
+
+    def watch(self):
+        """What the browser complained about must be nothing."""
+        self.assertEqual([entry for entry in self.browser.get_log("browser")
+                          if entry["level"] == "SEVERE"], [])
+
+    def test_a_quantity_is_chosen_and_followed(self):
+        self.start_tanks(SQUARE + [(480, 390)], {1: 0, 2: 4000, 3: 8000, 4: 4000, 5: 4100},
+                         "[[feature]]\nfrom = 101\nto = 103\n", **SOON)
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#quantity", r"(?s)No readings.*level \(m\).*temperature")
+        self.wait_for_text("#counts", r"Nodes\s*5")
+        self.wait_for_text("#state", r"^All well$")
+        bare = self.picture()
+        self.choose("level (m)")
+        wait_for("round bands", lambda: self.bands() == [
+            f"{low} … {low + 1} m" for low in range(7, -1, -1)])
+        self.wait_for_text("#measured-count", r"^5 nodes$")
+        shaded = self.wait_for_another_picture(bare)
+        self.screenshot("readings")
+        # A value below zero, one that is not valid, one that is stale.
+        self.tanks.set({1: -3000})
+        wait_for("bands below zero", lambda: self.bands()[-1] == "-4 … -2 m")
+        self.tanks.set({2: INVALID})
+        self.wait_for_text("#measured-count", r"^4 nodes, 1 without a value$")
+        self.tanks.set({3: None})
+        self.wait_for_text("#measured-count", r"^3 nodes, 1 stale, 1 without a value$")
+        self.screenshot("readings-stale")
+        # The same value everywhere, and one alone.
+        self.tanks.set({1: 1250, 4: 1250, 5: 1250})
+        wait_for("one band", lambda: self.bands() == ["1.25 m"])
+        self.tanks.set({1: INVALID, 4: INVALID})
+        self.wait_for_text("#measured-count", r"^1 node, 1 stale, 3 without a value$")
+        self.assertEqual(self.bands(), ["1.25 m"])
+        self.screenshot("readings-one")
+        self.tanks.set({5: INVALID})
+        wait_for("no band", lambda: self.bands() == [])
+        # The details have the exact value of each quantity.
+        self.tanks.set({5: 1251})
+        self.find("tr[data-serial='105'] button").click()
+        self.wait_for_text("#facts", r"(?s)level\s+1\.251 m, .* ago.*temperature\s+21\.5 °C")
+        self.choose("No readings")
+        wait_for("no bands", lambda: self.bands() == [] and self.text("#measured-count") == "")
+        self.watch()
+
+    def test_without_devices_there_is_nothing_to_choose(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0"])
+        self.browser.get(self.url)
+        self.wait_for_text("#counts", r"Nodes\s*2")
+        self.assertFalse(self.find("#measured").is_displayed())
+
+    # Between the nodes of a feature values are linear along it, and corners without one are bare:
+    # what the page works out is asked of its own modules.
+    def test_values_between_nodes_are_linear_along_the_feature(self):
+        self.start_tanks([(0, 0), (1000, 0), (500, 30), (480, -40)], {1: 0, 2: 1000, 3: 5000, 4: 5000},
+                         "[[feature]]\nfrom = 101\nto = 102\n")
+        self.wait_for_header(nodes=4, features=1)
+        self.wait_for_levels({101: (0, False), 102: (1, False), 103: (5, False), 104: (5, False)})
+        self.browser.get(self.url)
+        ask = lambda: self.browser.execute_async_script("""
+            const done = arguments[arguments.length - 1];
+            (async () => {
+              const { readMesh } = await import("./model.js");
+              const { readReadings, valuesOn } = await import("./readings.js");
+              const { Shading } = await import("./shading.js");
+              const get = async (path) => (await fetch(path)).json();
+              const mesh = readMesh(await get("mesh.geojson"));
+              const readings = readReadings(await get("readings.json"));
+              const values = valuesOn(mesh, readings.ofQuantity[0]);
+              const shading = new Shading(mesh, readings.quantities[0], readings.ofQuantity[0]);
+              done({ steiner: mesh.steiner.map((p) => [p.x, values.get(p.id)]),
+                     shaded: shading.shaded.length });
+            })();""")
+        found = ask()
+        self.assertGreater(len(found["steiner"]), 0)
+        for x, value in found["steiner"]:
+            self.assertAlmostEqual(value, x / 1000, 6)
+        triangles = self.json("/status.json")["triangles"]
+        self.assertEqual(found["shaded"], triangles)
+        self.tanks.set({1: INVALID})
+        self.wait_for_levels({101: (None, False), 102: (1, False), 103: (5, False), 104: (5, False)})
+        found = ask()
+        self.assertEqual([value for _, value in found["steiner"]], [None] * len(found["steiner"]))
+        self.assertLess(found["shaded"], triangles)
+
+    def test_a_thousand_nodes_by_day_and_by_night(self):
+        self.vertices_max, self.interval = 2000, "5s"
+        places = [(n * 7919 % 10007, n * n % 7993) for n in range(1, 1001)]
+        groups = [places[at:at + 200] for at in range(0, 1000, 200)]
+        tanks = [Tanks(self, group, f"tanks{at}", 1000 * (at + 1)) for at, group in enumerate(groups)]
+        for group, places in zip(tanks, groups):
+            group.set({unit: round(9000 * math.sin(x / 3000) * math.cos(y / 2500))
+                       for unit, (x, y) in enumerate(places, start=1)})
+        gateway = self.start_gateway([], self.HTTP + "".join(group.settings for group in tanks),
+                                     head=PROFILE)
+        self.url = gateway.wait_for_line(r"status page on (http://\S+)").group(1)
+        for name, width, height, colours in (("day", 1280, 800, "light"), ("night", 1280, 800, "dark"),
+                                             ("narrow", 360, 760, "light")):
+            self.size(width, height, colours)
+            self.browser.get(self.url)
+            self.wait_for_text("#counts", r"Nodes\s*1000")
+            self.wait_for_text("#quantity", r"level")
+            self.choose("level (m)")
+            self.wait_for_text("#measured-count", r"^1000 nodes$")
+            self.assertEqual(self.browser.execute_script(
+                "return document.documentElement.scrollWidth"), width if width < 500 else 1280)
+            self.screenshot(f"readings-{name}")
+        self.watch()
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
