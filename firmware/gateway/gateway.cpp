@@ -41,6 +41,7 @@ Gateway::Gateway(std::shared_ptr<const Settings> settings, Mesh& mesh, const Gat
       is_assigning_(poller_.bus_count()),
       snapshots_(*settings_, static_cast<std::uint32_t>(nodes_.records().size())),
       reading_taker_(*settings_),
+      sensors_(*settings_),
       distributor_(*settings_, poller_, nodes_, snapshots_.latest(), ports.log),
       images_(register_capacity(*settings_), images_ready, settings_->server.clients_max + 2),
       state_transfer_(kept_, site_, placement_, nodes_, poller_) {
@@ -96,7 +97,12 @@ void Gateway::step(port::Instant now) {
   changed_ = admission_.take_changed() || changed_;
   changed_ = presence_.take_changed() || changed_;
   if (changed_ && publish_due_ <= now) publish(now);
-  if (reading_table_.has_news() && readings_due_ <= now) publish_readings(now);
+  if (sensors_.next_deadline() <= now) {
+    sensors_.observe(readings(), now, ports_.log);
+    publish_readings(now);
+  } else if (reading_table_.has_news() && readings_due_ <= now) {
+    publish_readings(now);
+  }
   if (file_publisher_) {
     file_publisher_->step(now);
     if (file_publisher_->is_due(now)) file_publisher_->write(snapshot(), now);
@@ -131,6 +137,7 @@ port::Instant Gateway::next_deadline() const {
       std::min({poller_.next_deadline(), presence_.next_deadline(), placement_.next_deadline()});
   if (file_publisher_) deadline = std::min(deadline, file_publisher_->next_deadline());
   if (reading_table_.has_news()) deadline = std::min(deadline, readings_due_);
+  deadline = std::min(deadline, sensors_.next_deadline());
   if (changed_) return std::min(deadline, publish_due_);
   if (state_saver_) deadline = std::min(deadline, state_saver_->next_deadline());
   return deadline;
@@ -257,7 +264,8 @@ void Gateway::publish(port::Instant now) {
       snapshots_.take(generation_, kept_, nodes_, poller_, presence_, quarantine_, now);
   distributor_.take_snapshot();
   state_ = snapshot.state;
-  reading_taker_.take(reading_table_, nodes_, snapshot, now);
+  sensors_.take(snapshot);
+  sensors_.mark(reading_taker_.take(reading_table_, nodes_, snapshot, now));
   ports_.server.publish(images_.encode(snapshot));
   // A large mesh takes its time; polling must not wait for it often.
   publish_due_ = now + std::max(publish_pause, publish_share * (ports_.clock.now() - started));
@@ -265,7 +273,7 @@ void Gateway::publish(port::Instant now) {
 
 void Gateway::publish_readings(port::Instant now) {
   const port::Instant started = ports_.clock.now();
-  reading_taker_.take(reading_table_, nodes_, snapshot(), now);
+  sensors_.mark(reading_taker_.take(reading_table_, nodes_, snapshot(), now));
   readings_due_ = now + std::max(publish_pause, publish_share * (ports_.clock.now() - started));
 }
 

@@ -36,6 +36,7 @@
 #include "firmware/publish/quarantine.h"
 #include "firmware/publish/reading_taker.h"
 #include "firmware/publish/snapshot_taker.h"
+#include "firmware/readings/sensor_watch.h"
 #include "firmware/records/node_table.h"
 #include "firmware/records/reading_table.h"
 
@@ -136,6 +137,7 @@ class Gateway final : private ReadingListener, private RequestSource {
   std::vector<QuarantineEntry> quarantine_;
   SnapshotTaker snapshots_;
   ReadingTaker reading_taker_;
+  SensorWatch sensors_;
   NeighbourDistributor distributor_;
   ImagePool images_;
   StateTransfer state_transfer_;

@@ -14,6 +14,12 @@ std::span<const PublishedReading> readings_of(const ReadingSnapshot& snapshot, S
   return {first, end};
 }
 
+std::uint32_t count_disagreeing(const ReadingSnapshot& snapshot) {
+  return static_cast<std::uint32_t>(
+      std::count_if(snapshot.readings.begin(), snapshot.readings.end(),
+                    [](const PublishedReading& reading) { return reading.disagrees; }));
+}
+
 void reserve(ReadingSnapshot& snapshot, const Settings& settings) {
   snapshot.quantities = quantities_of(settings);
   snapshot.readings.reserve(count_readings(settings));

@@ -23,6 +23,9 @@ struct PublishedReading {
   std::optional<std::int64_t> nano;  // in 10^-9 of the quantity's unit; none: it was not valid
   port::Instant taken_at{};
   bool is_stale = false;  // read too long ago, or the node is missing
+  // What the nodes around say that it should read; none where they do not suffice.
+  std::optional<std::int64_t> expected_nano{};
+  bool disagrees = false;  // with that, for some time
 };
 
 struct ReadingSnapshot {
@@ -36,6 +39,9 @@ struct ReadingSnapshot {
 
 // Of one node.
 std::span<const PublishedReading> readings_of(const ReadingSnapshot& snapshot, Serial serial);
+
+// Readings that disagree with what is expected.
+std::uint32_t count_disagreeing(const ReadingSnapshot& snapshot);
 
 // Takes the memory for all that the snapshots of these settings have.
 void reserve(ReadingSnapshot& snapshot, const Settings& settings);

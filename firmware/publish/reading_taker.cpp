@@ -20,8 +20,8 @@ std::uint32_t row_of(const NodeRecord& node, const Snapshot& mesh) {
 
 ReadingTaker::ReadingTaker(const Settings& settings) { reserve(snapshot_, settings); }
 
-const ReadingSnapshot& ReadingTaker::take(ReadingTable& table, const NodeTable& nodes,
-                                          const Snapshot& mesh, port::Instant now) {
+ReadingSnapshot& ReadingTaker::take(ReadingTable& table, const NodeTable& nodes,
+                                    const Snapshot& mesh, port::Instant now) {
   const std::size_t count_before = snapshot_.readings.size();
   snapshot_.readings.clear();
   for (const ReadingRecord& record : table.records()) {

@@ -18,8 +18,9 @@ class ReadingTaker {
   explicit ReadingTaker(const Settings& settings);
 
   // The readings of all nodes that are known. `mesh` is what was published last. Clears the news of
-  // the table. O(n log n) of the readings. Good until the next call.
-  const ReadingSnapshot& take(ReadingTable& table, const NodeTable& nodes, const Snapshot& mesh,
+  // the table. O(n log n) of the readings. Good until the next call; what is expected of them is to
+  // be added.
+  ReadingSnapshot& take(ReadingTable& table, const NodeTable& nodes, const Snapshot& mesh,
                               port::Instant now);
   // The one taken last; before, it has quantities only.
   const ReadingSnapshot& latest() const { return snapshot_; }

@@ -261,6 +261,13 @@ void MeshDocument::write_reading(const PublishedReading& reading, TextWriter& pi
   piece << ",";
   piece.json(name.text()) << ":";
   reading.nano ? piece.nano(*reading.nano) : piece << "null";
+  if (!reading.disagrees) return;
+  TextWriter expected(room);
+  expected << "expected " << quantity.name;
+  if (!quantity.unit.empty()) expected << " (" << quantity.unit << ")";
+  piece << ",";
+  piece.json(expected.text()) << ":";
+  reading.expected_nano ? piece.nano(*reading.expected_nano) : piece << "null";
 }
 
 void MeshDocument::write_vertex_head(const SnapshotVertex& vertex, std::uint32_t row,

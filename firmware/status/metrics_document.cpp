@@ -225,6 +225,29 @@ void write_reading_age(const Context& context, std::uint32_t index, TextWriter& 
       << "\n";
 }
 
+// As it was published; null before.
+const PublishedReading* published(const Context& context, const ReadingRecord& reading) {
+  for (const PublishedReading& found :
+       readings_of(context.sources.gateway.readings(), reading.serial)) {
+    if (found.quantity == reading.quantity) return &found;
+  }
+  return nullptr;
+}
+
+void write_expected(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const ReadingRecord& reading = reading_at(context, index);
+  const PublishedReading* const shown = published(context, reading);
+  if (shown == nullptr || !shown->expected_nano) return;
+  reading_labels(context, reading, piece).nano(*shown->expected_nano) << "\n";
+}
+
+void write_disagrees(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const ReadingRecord& reading = reading_at(context, index);
+  const PublishedReading* const shown = published(context, reading);
+  if (shown == nullptr) return;
+  reading_labels(context, reading, piece) << (shown->disagrees ? 1 : 0) << "\n";
+}
+
 void write_bus_silent(const Context& context, std::uint32_t index, TextWriter& piece) {
   const BusIndex bus{index};
   bus_labels(context, bus, piece) << (context.sources.gateway.presence().is_silent(bus) ? 1 : 0)
@@ -383,6 +406,12 @@ constexpr std::array families{
         "What a node measures, in the unit of the label; none while it is stale or the device has "
         "no valid value.",
         Scope::reading, write_reading},
+    Family{"etcm_reading_expected", "gauge",
+           "What a reading would be by the nodes around it, once a minute.", Scope::reading,
+           write_expected},
+    Family{"etcm_reading_disagrees", "gauge",
+           "1 when a reading has disagreed for some minutes with the nodes around it.",
+           Scope::reading, write_disagrees},
     Family{"etcm_reading_age_seconds", "gauge", "Time since the device of a reading was read.",
            Scope::reading, write_reading_age},
 };

@@ -40,7 +40,10 @@ bool ReadingsDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWr
               << ",";
         reading.nano ? piece.nano(*reading.nano) : piece << "null";
         piece << "," << age_of(reading.taken_at, asked_at) / 1ms << ",";
-        piece.yes_or_no(reading.is_stale) << "]";
+        piece.yes_or_no(reading.is_stale) << ",";
+        reading.expected_nano ? piece.nano(*reading.expected_nano) : piece << "null";
+        piece << ",";
+        piece.yes_or_no(reading.disagrees) << "]";
       }
       return true;
     default:

@@ -96,6 +96,7 @@ void StatusDocument::write_counts(TextWriter& piece) const {
         << ",\"features_configured\":" << snapshot.features_configured
         << ",\"quarantined\":" << snapshot.quarantined_count
         << ",\"stale_nodes\":" << snapshot.stale_count
+        << ",\"disagreeing_sensors\":" << count_disagreeing(sources_.gateway.readings())
         << ",\"missing_nodes\":" << snapshot.missing_count
         << ",\"waiting_nodes\":" << snapshot.waiting_count
         << ",\"vertices_max\":" << sources_.gateway.settings().mesh.vertices_max

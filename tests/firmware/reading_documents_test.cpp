@@ -43,8 +43,9 @@ class ShownReadings : public Measuring {
   }
   // With ages as "AGE".
   std::string readings() {
-    return std::regex_replace(get("/readings.json"), std::regex(R"(,\d+,(true|false)\])"),
-                              ",AGE,$1]");
+    return std::regex_replace(get("/readings.json"),
+                              std::regex(R"(,\d+,(true|false),null,false\])"),
+                              ",AGE,$1,null,false]");
   }
   static bool has(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
@@ -71,9 +72,10 @@ TEST_F(ShownReadings, AreAListOfTheirOwn) {
   run_page(1s);
   const std::string text = readings();
   EXPECT_STREQ(answer_.media_type, "application/json");
-  EXPECT_TRUE(has(text,
-                  "\"readings\":[[77,0,0.123456789,AGE,false],[77,1,21.5,AGE,false],"
-                  "[1002,0,-0.001,AGE,false],[1003,0,null,AGE,false]]}\n"))
+  EXPECT_TRUE(
+      has(text,
+          "\"readings\":[[77,0,0.123456789,AGE,false,null,false],[77,1,21.5,AGE,false,null,false],"
+          "[1002,0,-0.001,AGE,false,null,false],[1003,0,null,AGE,false,null,false]]}\n"))
       << text;
   EXPECT_TRUE(has(text, "\"generation\":" + std::to_string(rig_.gateway->generation()) + ","));
   EXPECT_TRUE(has(get("/status.json"), "\"quantities\":3,\"readings_sequence\":" +
@@ -90,7 +92,9 @@ TEST_F(ShownReadings, OfASilentNodeAreStaleWithTheirAge) {
   run_page(2s);
   std::smatch found;
   const std::string text = get("/readings.json");
-  ASSERT_TRUE(std::regex_search(text, found, std::regex(R"(\[1002,0,1\.5,(\d+),true\])"))) << text;
+  ASSERT_TRUE(
+      std::regex_search(text, found, std::regex(R"(\[1002,0,1\.5,(\d+),true,null,false\])")))
+      << text;
   EXPECT_GT(std::stoi(found[1]), 1500);
   const std::string metrics = get("/metrics");
   EXPECT_FALSE(has(metrics, "etcm_reading{name=\"level\",unit=\"m\",serial=\"1002\"}"));
@@ -102,7 +106,7 @@ TEST_F(ShownReadings, OfASilentNodeAreStaleWithTheirAge) {
   EXPECT_GT(std::stod(found[1]), 1.5);
   EXPECT_TRUE(has(get("/mesh.geojson"), ",\"stale reading level (m)\":1.5,"));
   run_page(5s);  // and missing
-  EXPECT_TRUE(has(readings(), "[1002,0,1.5,AGE,true]"));
+  EXPECT_TRUE(has(readings(), "[1002,0,1.5,AGE,true,null,false]"));
   EXPECT_TRUE(has(get("/mesh.geojson"), "\"missing\":true,\"stale reading level (m)\":1.5}}"));
 }
 
@@ -150,7 +154,8 @@ TEST_F(ShownReadings, ASlowReaderHasOneTableToTheEnd) {
     put_tank(3, level);
     run_page(500ms);
     const std::string value = "0.00" + std::to_string(level);
-    EXPECT_TRUE(has(readings(), "[1002,0," + value + ",AGE,false],[1003,0," + value + ","));
+    EXPECT_TRUE(
+        has(readings(), "[1002,0," + value + ",AGE,false,null,false],[1003,0," + value + ","));
   }
   slow += rest_of(1);
   EXPECT_TRUE(has(slow, "[1002,0,0.001,")) << slow;

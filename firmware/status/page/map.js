@@ -290,7 +290,7 @@ export class MeshMap {
     if (!reading) return "";
     const { digits, quantity } = this.shading;
     const finer = digits === undefined ? undefined : Math.min(9, digits + 1);
-    const text = valueText(reading.value, quantity.unit, finer);
+    const text = (reading.disagrees ? "⚠ " : "") + valueText(reading.value, quantity.unit, finer);
     return reading.isStale ? `${text} (stale)` : text;
   }
 

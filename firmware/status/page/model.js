@@ -157,6 +157,8 @@ export function stateInWords(status) {
   if (status.waiting_nodes > 0) troubles.push(`${status.waiting_nodes} without a fix`);
   if (status.missing_nodes > 0) troubles.push(`${status.missing_nodes} missing`);
   for (const bus of status.buses) if (bus.silent_ms !== undefined) troubles.push(`bus ${bus.name} silent`);
+  const sensors = status.disagreeing_sensors;
+  if (sensors > 0) troubles.push(`${sensors} ${sensors === 1 ? "sensor disagrees" : "sensors disagree"} with the nodes around`);
   if (status.stale_nodes > 0) troubles.push(`${status.stale_nodes} stale`);
   if (troubles.length === 0) return ["good", "All well"];
   const text = troubles.join(", ");

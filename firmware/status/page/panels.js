@@ -135,7 +135,13 @@ function whyText(node) {
 
 function readingText({ unit }, reading) {
   const age = reading.isStale ? `stale, ${ageText(reading.ageMs)} old` : `${ageText(reading.ageMs)} ago`;
-  return element("span", `${valueText(reading.value, unit)}, ${age}`, reading.isStale ? "stale" : undefined);
+  const content = element("span");
+  content.append(element("span", `${valueText(reading.value, unit)}, ${age}`, reading.isStale ? "stale" : undefined));
+  if (reading.expected !== null) {
+    const expected = `expected ${valueText(Number(reading.expected.toPrecision(5)), unit)}`;
+    content.append(element("br"), element("span", expected, reading.disagrees ? "quarantined" : undefined));
+  }
+  return content;
 }
 
 // The details of a point; null closes them. `go` is called with a neighbour that was clicked.

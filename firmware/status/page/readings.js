@@ -6,8 +6,8 @@ const bandsWanted = 10;
 // Reads readings.json.
 export function readReadings(json) {
   const ofQuantity = json.quantities.map(() => new Map());   // serial -> reading
-  for (const [serial, quantity, value, ageMs, isStale] of json.readings) {
-    ofQuantity[quantity].set(serial, { value, ageMs, isStale });
+  for (const [serial, quantity, value, ageMs, isStale, expected, disagrees] of json.readings) {
+    ofQuantity[quantity].set(serial, { value, ageMs, isStale, expected, disagrees });
   }
   return { instance: json.instance, sequence: json.sequence, quantities: json.quantities, ofQuantity };
 }
