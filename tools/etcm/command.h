@@ -30,6 +30,7 @@ class UsageError : public std::runtime_error {
 // returns an ExitCode. Errors of etcm/files/error.h pass through.
 using Run = std::function<int()>;
 void add_analyse_command(CLI::App& program, Run& run);
+void add_interpolate_command(CLI::App& program, Run& run);
 void add_mesh_command(CLI::App& program, Run& run);
 void add_replay_command(CLI::App& program, Run& run);
 void add_verify_command(CLI::App& program, Run& run);

@@ -44,15 +44,6 @@ class Placer {
   const Placement& placement_;
 };
 
-std::optional<std::int64_t> subunits_of(const Decimal& given, const Placement& placement) {
-  Decimal value = given * Decimal::of(subunits_per_unit);
-  if (placement.scale) value = value * *placement.scale;
-  const auto integer = value.rounded().to_integer();
-  constexpr std::int64_t most = position_max * subunits_per_unit;
-  if (!integer || *integer < -most || *integer > most) return std::nullopt;
-  return integer;
-}
-
 std::string describe_duplicate(const ConstraintGraph& graph, const GridGraph& grid) {
   std::vector<std::uint32_t> order(grid.nodes.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -77,6 +68,15 @@ std::string describe_duplicate(const ConstraintGraph& graph, const GridGraph& gr
 }
 
 }  // namespace
+
+std::optional<std::int64_t> subunits_of(const Decimal& coordinate, const Placement& placement) {
+  Decimal value = coordinate * Decimal::of(subunits_per_unit);
+  if (placement.scale) value = value * *placement.scale;
+  const auto integer = value.rounded().to_integer();
+  constexpr std::int64_t most = position_max * subunits_per_unit;
+  if (!integer || *integer < -most || *integer > most) return std::nullopt;
+  return integer;
+}
 
 Position place_on_grid(const std::string& file, std::size_t line, const Decimal& x,
                        const Decimal& y, const Placement& placement) {

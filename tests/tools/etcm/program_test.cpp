@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "program_run.h"
 #include "support/scratch_folder.h"
 
 namespace etcm::cli {
@@ -18,30 +19,6 @@ namespace {
 using test::ScratchFolder;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-struct Outcome {
-  int code = -1;  // -1: ended by a signal
-  std::string output;
-  std::string errors;
-};
-
-const ScratchFolder& streams() {
-  static const ScratchFolder folder;
-  return folder;
-}
-
-// Runs the program through the shell, so that a row can redirect and limit as a user would.
-Outcome run(const std::string& arguments, const std::string& before = "") {
-  const std::string command = before + " " + ETCM_PROGRAM + " " + arguments;
-  const std::string redirected =
-      "{ " + command + "; } >" + streams().path("out") + " 2>" + streams().path("err");
-  const int status = std::system(redirected.c_str());
-  Outcome outcome;
-  if (WIFEXITED(status)) outcome.code = WEXITSTATUS(status);
-  outcome.output = streams().read("out");
-  outcome.errors = streams().read("err");
-  return outcome;
-}
 
 const char* const crossed = "4 2 0 0\n1 0 0\n2 10 10\n3 10 0\n4 0 10\n2 0\n1 1 2\n2 3 4\n0\n";
 const char* const small_plate =

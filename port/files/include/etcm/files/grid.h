@@ -28,6 +28,10 @@ Position place_on_grid(const std::string& file, std::size_t line, const Decimal&
                        const Decimal& y, const Placement& placement);
 GridGraph place_on_grid(const ConstraintGraph& graph, const Placement& placement);
 
+// A coordinate of any place, scaled and taken to the nearest sub-unit. None where it is out of the
+// range of positions.
+std::optional<std::int64_t> subunits_of(const Decimal& coordinate, const Placement& placement);
+
 // One line on why Mesh::build() refused the graph, with the place in its file. For the statuses
 // that blame the input.
 std::string describe_refusal(const ConstraintGraph& graph, const GridGraph& grid,
