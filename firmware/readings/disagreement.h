@@ -32,7 +32,7 @@ struct Agreement {
 
 class DisagreementWatch {
  public:
-  // For sites of so many rows; all the memory it needs is taken here, about 1.7 KB a row. Several
+  // For sites of so many rows; all the memory it needs is taken here, about 1.5 KB a row. Several
   // watches may share `nodes`, which must outlive them. Differences of up to `tolerance`, in the
   // unit of the quantity, mean nothing: the resolution of the sensors, or 0.
   DisagreementWatch(const NearestNodes& nodes, std::uint32_t vertices_max, double tolerance = 0);
