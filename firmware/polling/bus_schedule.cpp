@@ -11,6 +11,10 @@ constexpr std::size_t addresses = 256;
 constexpr std::uint32_t failures_free = 2;
 // A day doubled this often is still a Duration.
 constexpr std::uint32_t doublings_max = 16;
+// What failing units have of a busy bus, one part in so many; less where a question in vain holds
+// the line for as long as a converter is patient.
+constexpr std::int64_t retry_parts = 32;
+constexpr std::int64_t converter_parts = 100;
 // A unit that is only looked for, was found, and has not answered so often is looked for again.
 constexpr std::uint32_t failures_of_the_lost = 8;
 port::Duration exchange_floor_of(const BusSettings& bus) {
@@ -47,7 +51,8 @@ BusSchedule::BusSchedule(const PollSettings& poll, const BusSettings& settings,
       bus_(bus),
       exchange_floor_(exchange_floor_of(settings)),
       cost_max_(cost_max_of(settings)),
-      units_(addresses) {}
+      units_(addresses),
+      retry_share_(retry_parts) {}
 
 void BusSchedule::add_unit(ModbusAddress address, bool is_listed) {
   units_[address.value] = {.timeout = timeout_of(settings_, address),
@@ -123,7 +128,14 @@ BusSchedule::Turns& BusSchedule::turns_of(Reason reason) {
 
 void BusSchedule::ask(const Question& question, port::Instant now) {
   UnitSchedule& unit = units_[question.address.value];
-  unit.due = question.due;
+  if (!begun_at_) begun_at_ = now;
+  // A unit that was never asked is due since the start.
+  const bool was_late = unit.is_late;
+  unit.due = std::max(question.due, *begun_at_);
+  const port::Duration late = now - unit.due;
+  unit.is_late = late >= poll_.interval;
+  unit.is_made_up_for = unit.is_late && !was_late && late < 2 * poll_.interval;
+  if (question.due < *begun_at_) unit.due = now;
   unit.reason = question.reason;
   unit.asked_at = now;
   if (question.reason == Reason::repeat || question.reason == Reason::retry) ++retries_under_way_;
@@ -162,7 +174,7 @@ port::Instant BusSchedule::start_beside(port::Instant due, port::Instant free_at
 // When the first of these may be asked, as far as that is known now.
 port::Instant BusSchedule::start_of_failing(const Turns& turns, const TimeShare& share,
                                             port::Instant now) const {
-  const std::uint32_t under_way_max = std::max(1u, settings_.outstanding_max / 2);
+  const std::uint32_t under_way_max = takes_one() ? 1 : std::max(1u, settings_.outstanding_max / 2);
   if (turns.empty() || retries_under_way_ >= under_way_max) return port::never;
   const port::Instant due = turns.front().due;
   if (!takes_one()) return due;
@@ -217,19 +229,19 @@ void BusSchedule::note_cost(ModbusAddress address, const port::BusAnswer& answer
   switch (unit.reason) {
     case Reason::turn:
       // A unit that was never there is asked again in the time of those that fail.
-      if (!is_ok && !unit.has_answered) retry_share_.charge(cost, now);
+      if (!is_ok && !unit.has_answered) charge_retry(cost, now);
       return;
     case Reason::repeat:
       --retries_under_way_;
       // One that loses every other answer has the time of the lost ones from this share too.
       if (unit.has_answered) return repeat_share_.charge(cost + missed_cost, now);
       first_repeat_share_.charge(cost, now);
-      if (!is_ok) retry_share_.charge(cost, now);
+      if (!is_ok) charge_retry(cost, now);
       return;
     case Reason::retry:
       --retries_under_way_;
       // One that answers takes no more than those that are there.
-      if (!is_ok) retry_share_.charge(cost, now);
+      if (!is_ok) charge_retry(cost, now);
       return;
     case Reason::discovery:
       discovery_under_way_ = false;
@@ -287,10 +299,16 @@ void BusSchedule::note_link_lost(ModbusAddress address, port::Instant now) {
   unit.is_listed || unit.has_answered ? ask_again(address, now) : rest(address);
 }
 
-// Being late does not add up, but what was missed by a whole interval is not made up for either.
+// Being late does not add up, and what is missed by a whole interval is made up for once.
 port::Instant BusSchedule::due_after(const UnitSchedule& unit, port::Duration pause) const {
+  if (unit.is_made_up_for) return unit.asked_at + pause - poll_.interval;
   const bool is_on_time = unit.asked_at - unit.due < poll_.interval;
   return (is_on_time ? unit.due : unit.asked_at) + pause;
+}
+
+void BusSchedule::charge_retry(port::Duration cost, port::Instant now) {
+  retry_share_.charge(bus_.is_one_line() ? cost * (converter_parts - 1) / (retry_parts - 1) : cost,
+                      now);
 }
 
 port::Duration BusSchedule::pause_of(ModbusAddress address) const {

@@ -13,16 +13,17 @@
 namespace etcm::firmware {
 
 // Questions to a unit are due one interval after the other, however late each was asked: on a busy
-// machine no poll is missed. Where one was late by an interval and more (a line that is too slow
-// for so many units, a program that was stopped), the next is due an interval after it: missed
-// polls are not made up for.
+// machine no poll is missed. One that is late by an interval and more (a unit that is not there
+// held the line) is followed by another at once, unless the one before was as late: where a line is
+// too slow for so many units, or the program was stopped, missed polls are not made up for.
 //
 // A unit that does not answer, or not soundly, is asked ever less often, down to absent_interval
 // (a little earlier each time, differently for each unit, so that such units do not meet). What it
 // costs the others is bounded too: where a bus takes several requests at a time, such units never
 // have more than half of them; where it takes one, they have the time that no other unit needs, and
-// 1/32 of the rest. A torn read is repeated at once. While a bus has lost its link, its units are
-// not asked and do not count as failing.
+// 1/32 of the rest, of a line behind a converter 1/100: there a question in vain costs whatever
+// time the converter takes. A torn read is repeated at once. While a bus has lost its link, its
+// units are not asked and do not count as failing.
 //
 // A frame may be lost. So a unit whose answer is missing where the one before was there is asked
 // once more at once, and on a serial line one that has missed its first question is after an
@@ -113,6 +114,8 @@ class BusSchedule {
     bool is_undiscovered = false;  // not listed, and its time to be looked for has not come
     Reason reason = Reason::turn;  // why it was asked last
     std::uint32_t failures = 0;    // in a row
+    bool is_late = false;          // by an interval and more, when it was asked last
+    bool is_made_up_for = false;   // and is asked once more for that
     port::Instant due{};           // for the question asked at
     port::Instant asked_at{};
     port::Duration silence{};  // that its last answer, or the wait for it, cost the others
@@ -136,6 +139,7 @@ class BusSchedule {
   port::Duration pause_of(ModbusAddress address) const;
   port::Duration discovery_pause(port::Duration cost) const;
   port::Instant due_after(const UnitSchedule& unit, port::Duration pause) const;
+  void charge_retry(port::Duration cost, port::Instant now);
 
   const TimeShare& share_of_repeats() const;
   port::Instant start_beside(port::Instant due, port::Instant free_at, port::Duration cost,
@@ -166,11 +170,12 @@ class BusSchedule {
   Turns retries_;            // of other failing ones
   std::uint32_t sound_ = 0;  // units that answered when last asked
   std::uint32_t retries_under_way_ = 0;
+  std::optional<port::Instant> begun_at_;  // the first question
 
   // At others' cost, where the bus takes one request at a time.
   TimeShare repeat_share_{32, std::chrono::minutes(2)};
   TimeShare first_repeat_share_{12};  // of units that have never answered
-  TimeShare retry_share_{32};
+  TimeShare retry_share_;
   TimeShare call_share_{32};  // of units that are called for
   TimeShare request_share_{16};
 
