@@ -264,22 +264,28 @@ void Gateway::publish(port::Instant now) {
       snapshots_.take(generation_, kept_, nodes_, poller_, presence_, quarantine_, now);
   distributor_.take_snapshot();
   state_ = snapshot.state;
+  ReadingSnapshot& readings = reading_taker_.take(reading_table_, nodes_, snapshot, now);
   sensors_.take(snapshot);
-  sensors_.mark(reading_taker_.take(reading_table_, nodes_, snapshot, now));
-  ports_.server.publish(images_.encode(snapshot));
+  sensors_.mark(readings);
+  ports_.server.publish(images_.encode(snapshot, readings));
   // A large mesh takes its time; polling must not wait for it often.
   publish_due_ = now + std::max(publish_pause, publish_share * (ports_.clock.now() - started));
 }
 
 void Gateway::publish_readings(port::Instant now) {
   const port::Instant started = ports_.clock.now();
-  sensors_.mark(reading_taker_.take(reading_table_, nodes_, snapshot(), now));
+  ReadingSnapshot& readings = reading_taker_.take(reading_table_, nodes_, snapshot(), now);
+  sensors_.mark(readings);
+  ports_.server.publish(images_.encode(readings));
   readings_due_ = now + std::max(publish_pause, publish_share * (ports_.clock.now() - started));
 }
 
 std::shared_ptr<const port::RegisterImage> empty_image(const Settings& settings) {
   auto image = std::make_shared<port::RegisterImage>();
+  ReadingSnapshot readings;
+  readings.quantities = quantities_of(settings);
   encode_mesh(Snapshot{}, register_capacity(settings), *image);
+  encode_readings(readings, register_capacity(settings), *image);
   return image;
 }
 

@@ -11,6 +11,8 @@ static_assert(generation_registers + block_holes * hole_registers <= block_size)
 static_assert(generation_registers + block_gaps * gap_registers <= block_size);
 static_assert(generation_registers + block_long_links * long_link_registers <= block_size);
 static_assert(generation_registers + block_quarantined * quarantined_registers <= block_size);
+static_assert(generation_registers + block_quantities * quantity_registers <= block_size);
+static_assert(reading_generation_registers + block_readings * reading_registers <= block_size);
 static_assert(registers_per_unit <= 65536);
 
 }  // namespace
@@ -30,7 +32,10 @@ MeshRegisterLayout mesh_register_layout(const MeshRegisterCapacity& capacity) {
           .holes = blocks(capacity.holes, block_holes),
           .gaps = blocks(capacity.gaps, block_gaps),
           .long_links = blocks(capacity.long_links, block_long_links),
-          .quarantine = blocks(capacity.quarantined, block_quarantined)};
+          .quarantine = blocks(capacity.quarantined, block_quarantined),
+          .reading_head = blocks(capacity.readings == 0 ? 0 : 1, 1),
+          .quantities = blocks(capacity.quantities, block_quantities),
+          .readings = blocks(capacity.readings, block_readings)};
 }
 
 }  // namespace etcm::firmware

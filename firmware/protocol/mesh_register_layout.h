@@ -27,12 +27,21 @@ inline constexpr std::uint32_t long_link_registers = 4;
 inline constexpr std::uint32_t block_long_links = 29;
 inline constexpr std::uint32_t quarantined_registers = 14;
 inline constexpr std::uint32_t block_quarantined = 8;
+inline constexpr std::uint32_t quantity_registers = 36;
+inline constexpr std::uint32_t block_quantities = 3;
+// Blocks of readings begin with the generation and the sequence of the readings.
+inline constexpr std::uint32_t reading_generation_registers = 4;
+inline constexpr std::uint32_t reading_registers = 14;
+inline constexpr std::uint32_t block_readings = 8;
 inline constexpr std::uint32_t units_max = 247;
 
 // Lists of the analysis, and that of the quarantine, are cut off at these lengths; the counts
 // beside them are not.
 inline constexpr std::uint32_t analysis_list_max = 1000;
 inline constexpr std::uint32_t quarantine_listed_max = 1000;
+// So are quantities and readings.
+inline constexpr std::uint32_t quantities_listed_max = 300;
+inline constexpr std::uint32_t readings_listed_max = 10000;
 
 // A planar graph of n vertices has less than 3n edges, and each stands in two lists.
 inline constexpr std::uint32_t neighbours_per_vertex_max = 6;
@@ -45,6 +54,8 @@ struct MeshRegisterCapacity {
   std::uint32_t gaps = 0;
   std::uint32_t long_links = 0;
   std::uint32_t quarantined = 0;
+  std::uint32_t quantities = 0;
+  std::uint32_t readings = 0;  // 0: no device measures
 };
 
 // The blocks of one list.
@@ -64,7 +75,10 @@ struct MeshRegisterLayout {
   RegisterBlocks gaps;
   RegisterBlocks long_links;
   RegisterBlocks quarantine;
-  std::uint32_t block_count() const { return quarantine.end(); }
+  RegisterBlocks reading_head;  // one block, or none
+  RegisterBlocks quantities;
+  RegisterBlocks readings;
+  std::uint32_t block_count() const { return readings.end(); }
 };
 MeshRegisterLayout mesh_register_layout(const MeshRegisterCapacity& capacity);
 
@@ -78,7 +92,9 @@ constexpr std::uint32_t mesh_registers_vertices_max() {
   constexpr std::uint64_t lists =
       blocks_for(list_max, block_relays) + blocks_for(list_max, block_holes) +
       blocks_for(list_max, block_gaps) + blocks_for(list_max, block_long_links) +
-      blocks_for(quarantine_listed_max, block_quarantined);
+      blocks_for(quarantine_listed_max, block_quarantined) + 1 +
+      blocks_for(quantities_listed_max, block_quantities) +
+      blocks_for(readings_listed_max, block_readings);
   // One block is the header, and either table may waste a part of its last one.
   constexpr std::uint64_t blocks = std::uint64_t{units_max} * unit_blocks - 3 - lists;
   constexpr std::uint64_t per_vertex =

@@ -14,15 +14,30 @@ ImagePool::ImagePool(const MeshRegisterCapacity& capacity, std::size_t ready,
   }
 }
 
-std::shared_ptr<const port::RegisterImage> ImagePool::encode(const Snapshot& snapshot) {
+std::size_t ImagePool::free_image() {
   auto free = std::find_if(images_.begin(), images_.end(),
                            [](const auto& image) { return image.use_count() == 1; });
   if (free == images_.end()) {
     images_.push_back(std::make_shared<port::RegisterImage>());
     free = images_.end() - 1;
   }
-  encode_mesh(snapshot, capacity_, **free);
-  return *free;
+  return static_cast<std::size_t>(free - images_.begin());
+}
+
+std::shared_ptr<const port::RegisterImage> ImagePool::encode(const Snapshot& snapshot,
+                                                             const ReadingSnapshot& readings) {
+  newest_ = free_image();
+  encode_mesh(snapshot, capacity_, *images_[newest_]);
+  encode_readings(readings, capacity_, *images_[newest_]);
+  return images_[newest_];
+}
+
+std::shared_ptr<const port::RegisterImage> ImagePool::encode(const ReadingSnapshot& readings) {
+  const std::size_t free = free_image();
+  if (free != newest_) *images_[free] = *images_[newest_];
+  newest_ = free;
+  encode_readings(readings, capacity_, *images_[newest_]);
+  return images_[newest_];
 }
 
 }  // namespace etcm::firmware

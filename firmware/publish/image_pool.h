@@ -4,6 +4,7 @@
 // client is pinned to. In one thread.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -19,12 +20,19 @@ class ImagePool {
   // Takes the memory of `ready` images at once, and room to know `images_max`.
   ImagePool(const MeshRegisterCapacity& capacity, std::size_t ready, std::size_t images_max);
 
-  // The snapshot as registers.
-  std::shared_ptr<const port::RegisterImage> encode(const Snapshot& snapshot);
+  // Mesh and readings as registers. The readings are of this generation.
+  std::shared_ptr<const port::RegisterImage> encode(const Snapshot& snapshot,
+                                                    const ReadingSnapshot& readings);
+  // Other readings beside the mesh that was encoded last: less work than all of it.
+  std::shared_ptr<const port::RegisterImage> encode(const ReadingSnapshot& readings);
 
  private:
+  // The number of one that nobody looks at.
+  std::size_t free_image();
+
   const MeshRegisterCapacity capacity_;
   std::vector<std::shared_ptr<port::RegisterImage>> images_;
+  std::size_t newest_ = 0;
 };
 
 }  // namespace etcm::firmware

@@ -1,7 +1,6 @@
 #include "firmware/publish/mesh_register_tables.h"
 
 #include <array>
-#include <string_view>
 
 namespace etcm::firmware {
 
@@ -13,22 +12,6 @@ constexpr std::uint32_t whole(std::int64_t coordinate) {
 }
 constexpr std::uint32_t fraction(std::int64_t coordinate) {
   return static_cast<std::uint32_t>(coordinate & (subunits_per_unit - 1));
-}
-
-constexpr std::uint32_t register_of(Serial serial) { return serial.is_none() ? 0 : serial.value; }
-
-constexpr std::uint32_t flag(bool is_set, std::uint32_t bits) { return is_set ? bits : 0u; }
-
-// Rows follow each other without a gap.
-template <typename Source, std::size_t count>
-constexpr std::array<RegisterRow<Source>, count> in_sequence(
-    std::array<RegisterRow<Source>, count> rows) {
-  std::uint16_t next = 0;
-  for (RegisterRow<Source>& row : rows) {
-    row.offset = next;
-    next = static_cast<std::uint16_t>(next + row.registers);
-  }
-  return rows;
 }
 
 constexpr auto header_table = in_sequence(std::to_array<RegisterRow<HeaderSource>>({
@@ -178,6 +161,11 @@ constexpr auto header_table = in_sequence(std::to_array<RegisterRow<HeaderSource
      [](const HeaderSource& source) { return source.snapshot.silent_bus_count; }},
     {"waiting_count", 2, "nodes that answer and have not told yet where they are",
      [](const HeaderSource& source) { return source.snapshot.waiting_count; }},
+    {"reading_head_block", 2,
+     "number of the block that says where readings are; 0: no device measures",
+     [](const HeaderSource& source) {
+       return source.layout.reading_head.count == 0 ? 0u : source.layout.reading_head.first;
+     }},
 }));
 
 constexpr auto vertex_table = in_sequence(std::to_array<RegisterRow<SnapshotVertex>>({
@@ -304,30 +292,6 @@ static_assert(static_cast<int>(QuarantineKind::node) == 1 &&
               static_cast<int>(QuarantineKind::feature) == 2 &&
               static_cast<int>(QuarantineKind::anchor) == 3 &&
               static_cast<int>(QuarantineKind::answer) == 4);
-
-template <typename Source>
-constexpr std::uint32_t size_of(std::span<const RegisterRow<Source>> rows) {
-  return rows.back().offset + rows.back().registers;
-}
-template <typename Source>
-constexpr bool has_plain_widths(std::span<const RegisterRow<Source>> rows) {
-  for (const RegisterRow<Source>& row : rows) {
-    if (row.registers != 1 && row.registers != 2) return false;
-  }
-  return true;
-}
-// FNV-1a over names and places: what a master's program relies on.
-template <typename Source>
-constexpr std::uint32_t fingerprint(std::span<const RegisterRow<Source>> rows) {
-  std::uint32_t hash = 2166136261u;
-  const auto add = [&](std::uint32_t value) { hash = (hash ^ value) * 16777619u; };
-  for (const RegisterRow<Source>& row : rows) {
-    for (const char letter : std::string_view(row.name)) add(static_cast<unsigned char>(letter));
-    add(row.offset);
-    add(row.registers);
-  }
-  return hash;
-}
 
 using HeaderRows = std::span<const RegisterRow<HeaderSource>>;
 using VertexRows = std::span<const RegisterRow<SnapshotVertex>>;

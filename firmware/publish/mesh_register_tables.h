@@ -6,19 +6,10 @@
 #include <span>
 
 #include "firmware/publish/mesh_registers.h"
+#include "firmware/publish/register_row.h"
 #include "firmware/publish/snapshot.h"
 
 namespace etcm::firmware {
-
-// One value of a header or of an entry of a list; its offset follows from the rows before it.
-template <typename Source>
-struct RegisterRow {
-  const char* name;
-  std::uint16_t registers;  // 1, or 2 with the high word first
-  const char* content;      // for the guide; {} stands for a value that is always the same
-  std::uint32_t (*value)(const Source&);
-  std::uint16_t offset = 0;  // from the start of the block or of the entry
-};
 
 struct HeaderSource {
   const Snapshot& snapshot;

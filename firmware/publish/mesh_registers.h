@@ -1,6 +1,6 @@
 // The registers of the gateway: a snapshot laid out for Modbus masters.
 //
-// Which value stands where is in mesh_map_tables.h.
+// Which value stands where is in mesh_register_tables.h and reading_register_tables.h.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 
 #include "etcm/port/mesh_server.h"
 #include "firmware/protocol/mesh_register_layout.h"
+#include "firmware/publish/reading_snapshot.h"
 #include "firmware/publish/snapshot.h"
 
 namespace etcm::firmware {
@@ -16,6 +17,11 @@ namespace etcm::firmware {
 // Into an image that is empty or of the same configuration; then it takes no memory.
 void encode_mesh(const Snapshot& snapshot, const MeshRegisterCapacity& capacity,
                  port::RegisterImage& image);
+
+// The readings, into an image that has the mesh of their generation and the same capacity. What is
+// longer than its capacity is cut off. Takes no memory.
+void encode_readings(const ReadingSnapshot& readings, const MeshRegisterCapacity& capacity,
+                     port::RegisterImage& image);
 
 // The tables, as Markdown; `etcm-gateway --register-map` prints them.
 std::string describe_mesh_registers();

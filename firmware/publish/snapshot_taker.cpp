@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "firmware/polling/quantity.h"
 #include "firmware/publish/quarantine_reason.h"
 
 namespace etcm::firmware {
@@ -38,7 +39,10 @@ MeshRegisterCapacity register_capacity(const Settings& settings) {
           .gaps = sensing,
           .long_links = radio,
           .quarantined =
-              static_cast<std::uint32_t>(std::min<std::uint64_t>(known, quarantine_listed_max))};
+              static_cast<std::uint32_t>(std::min<std::uint64_t>(known, quarantine_listed_max)),
+          .quantities = static_cast<std::uint32_t>(
+              std::min<std::size_t>(quantities_of(settings).size(), quantities_listed_max)),
+          .readings = std::min(count_readings(settings), readings_listed_max)};
 }
 
 void reserve(Snapshot& snapshot, const Settings& settings, std::uint32_t nodes) {

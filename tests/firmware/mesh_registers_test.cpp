@@ -1,13 +1,17 @@
 // The two register maps.
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include "firmware/protocol/node_registers.h"
 #include "firmware/protocol/register_pairs.h"
 #include "firmware/publish/mesh_register_tables.h"
 #include "firmware/publish/quarantine_reason.h"
+#include "firmware/publish/reading_register_tables.h"
 
 namespace etcm::firmware {
 namespace {
@@ -263,6 +267,110 @@ TEST(MeshMap, ListsComeBackByTheDocumentedRule) {
   }
 }
 
+TEST(MeshMap, ReadingsComeBackByTheDocumentedRule) {
+  using namespace std::chrono_literals;
+  ReadingSnapshot readings;
+  readings.sequence = 0x00020003;
+  readings.generation = 7;
+  readings.taken_at = port::Instant{100s};
+  readings.quantities = {{"level", "m"},
+                         {std::string(reading_name_max, 'n'), "°C"},
+                         {"a", ""},
+                         {"depth of the water", "m"}};
+  for (std::uint32_t i = 0; i < 30; ++i) {
+    readings.readings.push_back({.serial = Serial{100'000 + i},
+                                 .unit_index = {},
+                                 .quantity = QuantityIndex{i % 4},
+                                 .row = i % 5 == 0 ? no_row : i,
+                                 .nano = -1'500'000'000 * std::int64_t{i},
+                                 .taken_at = port::Instant{99s},
+                                 .is_stale = i == 3});
+  }
+  readings.readings[4].nano.reset();
+  const MeshRegisterCapacity capacity{.vertices = 10, .quantities = 4, .readings = 25};
+  port::RegisterImage image;
+  encode_mesh({.generation = 7, .vertices = {}, .neighbours = {}}, capacity, image);
+  encode_readings(readings, capacity, image);
+  const auto at = [&](std::uint32_t block, std::uint32_t offset) {
+    return std::size_t{block} * 120 + offset;
+  };
+  const std::uint32_t head = Reader(image).header("reading_head_block");
+  const auto in_head = [&](const std::string& name) {
+    for (const auto& row : reading_head_rows()) {
+      if (name != row.name) continue;
+      return row.registers == 1 ? std::uint32_t{image.registers.at(at(head, row.offset))}
+                                : load_u32(image.registers, at(head, row.offset));
+    }
+    ADD_FAILURE() << name;
+    return 0u;
+  };
+  EXPECT_EQ(in_head("generation"), 7u);
+  EXPECT_EQ(in_head("sequence"), 0x00020003u);
+  EXPECT_EQ(in_head("reading_count"), 30u);
+  EXPECT_EQ(in_head("stale_reading_count"), 1u);
+  EXPECT_EQ(in_head("reading_entries"), 25u) << "the list is cut off";
+  EXPECT_EQ(in_head("quantity_entries"), 4u);
+  EXPECT_EQ(in_head("quantities_per_block"), 3u);
+  EXPECT_EQ(in_head("readings_per_block"), 8u);
+  EXPECT_EQ(image.registers.size(),
+            at(in_head("reading_block_first") + in_head("reading_blocks"), 0));
+  const auto text_at = [&](std::uint32_t number, std::uint32_t first, std::uint32_t count) {
+    std::string text;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint16_t word = image.registers.at(
+          at(in_head("quantity_block_first") + number / 3, 2 + number % 3 * 36 + first + i));
+      for (const int letter : {word >> 8, word & 0xff}) {
+        if (letter != 0) text += static_cast<char>(letter);
+      }
+    }
+    return text;
+  };
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(text_at(i, 0, 24), readings.quantities[i].name);
+    EXPECT_EQ(text_at(i, 24, 12), readings.quantities[i].unit);
+  }
+  for (std::uint32_t i = 0; i < 25; ++i) {
+    const std::uint32_t block = in_head("reading_block_first") + i / 8;
+    EXPECT_EQ(load_u32(image.registers, at(block, 0)), 7u);
+    EXPECT_EQ(load_u32(image.registers, at(block, 2)), 0x00020003u);
+    const auto field = [&](std::uint32_t offset) {
+      return load_u32(image.registers, at(block, 4 + i % 8 * 14 + offset));
+    };
+    EXPECT_EQ(field(0), 100'000 + i);
+    EXPECT_EQ(field(2), i % 5 == 0 ? 0xffffffffu : i);
+    EXPECT_EQ(field(4) >> 16, i % 4 + 1);
+    EXPECT_EQ(field(4) & 0xffff, i == 3 ? 1u : i == 4 ? 2u : 0u);
+    const float value = std::bit_cast<float>(field(6));
+    if (i == 3 || i == 4) {
+      EXPECT_TRUE(std::isnan(value));
+    } else {
+      EXPECT_EQ(value, -1.5f * static_cast<float>(i));
+    }
+    const auto nano =
+        static_cast<std::int64_t>(std::uint64_t{field(8)} << 32 | std::uint64_t{field(10)});
+    EXPECT_EQ(nano,
+              i == 4 ? std::numeric_limits<std::int64_t>::min() : -1'500'000'000 * std::int64_t{i});
+    EXPECT_EQ(field(12), 1000u);
+  }
+  // Fewer readings leave nothing behind.
+  readings.readings.resize(1);
+  readings.sequence = 5;
+  encode_readings(readings, capacity, image);
+  EXPECT_EQ(in_head("reading_entries"), 1u);
+  EXPECT_EQ(load_u32(image.registers, at(in_head("reading_block_first"), 4 + 14)), 0u);
+  EXPECT_EQ(load_u32(image.registers, at(in_head("reading_block_first") + 3, 2)), 5u);
+}
+
+TEST(MeshMap, WithoutDevicesThereAreNoBlocksOfReadings) {
+  const MeshRegisterCapacity capacity{.vertices = 10};
+  const MeshRegisterLayout layout = mesh_register_layout(capacity);
+  EXPECT_EQ(layout.block_count(), layout.quarantine.end());
+  port::RegisterImage image;
+  encode_mesh({.generation = 7, .vertices = {}, .neighbours = {}}, capacity, image);
+  encode_readings({}, capacity, image);
+  EXPECT_EQ(Reader(image).header("reading_head_block"), 0u);
+}
+
 TEST(MeshMap, TheGreatestMeshFitsTheUnits) {
   const auto blocks = [](std::uint32_t vertices) {
     constexpr std::uint32_t list = analysis_list_max;
@@ -271,7 +379,9 @@ TEST(MeshMap, TheGreatestMeshFitsTheUnits) {
                                  .holes = list,
                                  .gaps = list,
                                  .long_links = list,
-                                 .quarantined = quarantine_listed_max})
+                                 .quarantined = quarantine_listed_max,
+                                 .quantities = quantities_listed_max,
+                                 .readings = readings_listed_max})
         .block_count();
   };
   EXPECT_LE(blocks(mesh_registers_vertices_max()), units_max * unit_blocks);

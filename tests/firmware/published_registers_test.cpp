@@ -73,7 +73,7 @@ TEST(PublishedMap, AMasterReadsOneGenerationWhileNewerOnesArePublished) {
   ImagePool images(capacity, 2, clients_max + 2);
   port::EventLoop loop;
   port::RegisterServer server(loop, {.host = 0x7f000001, .port = 0}, clients_max,
-                              {{"Maker", "mesh server", "1.2"}}, images.encode(snapshot_of(1)));
+                              {{"Maker", "mesh server", "1.2"}}, images.encode(snapshot_of(1), {}));
   Master slow(loop, server.address());
   Master quick(loop, server.address());
 
@@ -83,7 +83,7 @@ TEST(PublishedMap, AMasterReadsOneGenerationWhileNewerOnesArePublished) {
     const std::uint32_t pinned = load_u32(seen, 0);
     EXPECT_EQ(pinned, newest) << "the header is always the newest";
     for (std::uint32_t number = 1; number < blocks; ++number) {
-      server.publish(images.encode(snapshot_of(++newest)));
+      server.publish(images.encode(snapshot_of(++newest), {}));
       EXPECT_EQ(load_u32(quick.read_block(0), 0), newest);
       // The header but for its first register: no new look.
       EXPECT_EQ(slow.read(1, 1)[0], pinned);
@@ -91,6 +91,55 @@ TEST(PublishedMap, AMasterReadsOneGenerationWhileNewerOnesArePublished) {
       seen.insert(seen.end(), block.begin(), block.end());
     }
     EXPECT_EQ(seen, registers_of(pinned)) << "pass " << pass;
+  }
+}
+
+// So that the readings of two sequences differ in each entry, and in number.
+ReadingSnapshot readings_of_sequence(std::uint32_t sequence) {
+  ReadingSnapshot readings;
+  readings.sequence = sequence;
+  readings.generation = 1;
+  readings.quantities = {{"level", "m"}, {"temperature", "°C"}};
+  for (std::uint32_t i = 0; i < 20 + sequence % 10; ++i) {
+    PublishedReading reading;
+    reading.serial = Serial{1000 * sequence + i};
+    reading.quantity = QuantityIndex{i % 2};
+    reading.nano = std::int64_t{sequence} * nano_per_one;
+    readings.readings.push_back(reading);
+  }
+  return readings;
+}
+
+TEST(PublishedReadings, AMasterReadsOneTableWhileNewerOnesArePublished) {
+  constexpr MeshRegisterCapacity measuring{.vertices = vertices, .quantities = 2, .readings = 30};
+  const MeshRegisterLayout layout = mesh_register_layout(measuring);
+  ImagePool images(measuring, 2, clients_max + 2);
+  port::EventLoop loop;
+  port::RegisterServer server(loop, {.host = 0x7f000001, .port = 0}, clients_max,
+                              {{"Maker", "mesh server", "1.2"}},
+                              images.encode(snapshot_of(1), readings_of_sequence(1)));
+  Master slow(loop, server.address());
+  Master quick(loop, server.address());
+  std::uint32_t newest = 1;
+  for (int pass = 0; pass < 3; ++pass) {
+    EXPECT_EQ(load_u32(slow.read_block(0), 0), 1u) << "readings make no generation";
+    const std::uint32_t pinned = load_u32(slow.read_block(layout.reading_head.first), 2);
+    EXPECT_EQ(pinned, newest);
+    std::vector<std::uint16_t> seen;
+    for (std::uint32_t number = layout.reading_head.first; number < layout.block_count();
+         ++number) {
+      server.publish(images.encode(readings_of_sequence(++newest)));
+      quick.read_block(0);
+      EXPECT_EQ(load_u32(quick.read_block(layout.reading_head.first), 2), newest);
+      const std::vector<std::uint16_t> block = slow.read_block(number);
+      seen.insert(seen.end(), block.begin(), block.end());
+    }
+    port::RegisterImage expected;
+    encode_mesh(snapshot_of(1), measuring, expected);
+    encode_readings(readings_of_sequence(pinned), measuring, expected);
+    const auto behind = expected.registers.begin() +
+                        static_cast<std::ptrdiff_t>(layout.reading_head.first) * block_size;
+    EXPECT_EQ(seen, std::vector(behind, expected.registers.end())) << "pass " << pass;
   }
 }
 

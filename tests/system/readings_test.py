@@ -6,8 +6,10 @@ ETCM_BIN is the programs' folder; ETCM_SCREENSHOTS, where it is set, a folder fo
 import json
 import math
 import re
+import struct
 import unittest
 
+from pymodbus.client import ModbusTcpClient
 from selenium.webdriver.support.ui import Select
 
 from browser import BrowserCase, PageCase
@@ -66,6 +68,51 @@ class ForPrograms(MeasuringCase):
         self.assertEqual(properties()[103]["reading temperature (°C)"], 21.5)
         self.tanks.set({1: 2000})
         self.wait_for_levels({101: (2, False), 102: (None, False), 103: (0.007, False)})
+
+
+    def test_a_master_reads_them(self):
+        self.start_tanks(SQUARE[:3], {1: 1500, 2: -250, 3: INVALID}, **SOON)
+        self.wait_for_header(nodes=3)
+        self.wait_for_levels({101: (1.5, False), 102: (-0.25, False), 103: (None, False)})
+        long = lambda registers, at: registers[at] << 16 | registers[at + 1]
+        text = lambda registers: struct.pack(f">{len(registers)}H", *registers).rstrip(b"\0").decode()
+
+        def table(master):
+            """{(serial, quantity): (value, exact value, flags)}, over one connection."""
+            read = lambda first, count: master.read_input_registers(first, count, slave=1).registers
+            generation = long(read(0, 120), 0)
+            block = long(read(109, 2), 0)
+            head = read(block * 120, 21)
+            self.assertEqual(long(head, 0), generation)
+            quantities = [read(long(head, 11) * 120 + 2 + 36 * n, 36) for n in range(long(head, 9))]
+            quantities = [(text(q[:24]), text(q[24:])) for q in quantities]
+            found = {}
+            for n in range(long(head, 16)):
+                blocks = read((long(head, 18) + n // 8) * 120, 120)
+                self.assertEqual(blocks[:4], head[:4], "of one generation and sequence")
+                entry = blocks[4 + n % 8 * 14:][:14]
+                value, = struct.unpack(">f", struct.pack(">HH", *entry[6:8]))
+                nano, = struct.unpack(">q", struct.pack(">4H", *entry[8:12]))
+                found[long(entry, 0), quantities[entry[4] - 1]] = (
+                    None if math.isnan(value) else value, nano, entry[5])
+            return found
+
+        level, none = ("level", "m"), -2 ** 63
+        master = ModbusTcpClient("127.0.0.1", port=self.port)
+        self.assertTrue(master.connect())
+        found = table(master)
+        self.assertEqual(len(found), 6)
+        self.assertEqual(found[101, level], (1.5, 1_500_000_000, 0))
+        self.assertEqual(found[102, level], (-0.25, -250_000_000, 0))
+        self.assertEqual(found[103, level], (None, none, 2))
+        self.assertEqual(found[103, ("temperature", "°C")], (21.5, 21_500_000_000, 0))
+        self.tanks.set({1: None, 3: 9})
+        self.wait_for_levels({101: (1.5, True), 102: (-0.25, False), 103: (0.009, False)})
+        wait_for("a stale reading", lambda: table(master)[101, level] == (None, 1_500_000_000, 1))
+        self.assertEqual(table(master)[103, level][1], 9_000_000)
+        # The same by libmodbus.
+        self.assertEqual(self.read(1, self.read(1, 109, 2)[1] * 120 + 8, 1), [3])
+        master.close()
 
 
 class OnTheMap(BrowserCase, MeasuringCase):
