@@ -7,6 +7,7 @@
 
 #include "firmware/config/reload.h"
 #include "firmware/persist/saved_state.h"
+#include "firmware/polling/quantity.h"
 #include "posix/process_memory.h"
 
 namespace etcm::firmware {
@@ -99,9 +100,12 @@ Program::Bus Program::make_bus(const BusSettings& bus, port::Duration retry_inte
 
 void Program::open_disks() {
   if (settings_->files) {
+    const bool has_readings = count_readings(*settings_) > 0;
     folder_ = std::make_unique<port::MeshFolder>(settings_->files->folder, settings_->files->name,
-                                                 settings_->mesh.vertices_max);
-    log_.write(port::Level::info, "writes " + folder_->base() + ".node, .ele and .svg");
+                                                 settings_->mesh.vertices_max, has_readings);
+    log_.write(port::Level::info,
+               "writes " + folder_->base() +
+                   (has_readings ? ".node, .ele, .svg and .geojson" : ".node, .ele and .svg"));
   }
   if (settings_->state) {
     store_ = std::make_unique<port::BackgroundStore>(settings_->state->folder,

@@ -350,8 +350,9 @@ constexpr KeyTable tables[] = {
      "the status page: `http://` and the address of `listen`, in a browser", http_keys, nullptr,
      is_set<&Settings::http>, emplace<&Settings::http>},
     {"files", TableKind::optional, "none written",
-     "`NAME.node`, `NAME.ele`, `NAME.svg`, replaced together", file_keys, nullptr,
-     is_set<&Settings::files>, emplace<&Settings::files>},
+     "`NAME.node`, `NAME.ele`, `NAME.svg`, and `NAME.geojson` where devices measure; replaced "
+     "together",
+     file_keys, nullptr, is_set<&Settings::files>, emplace<&Settings::files>},
     {"state", TableKind::optional, "none kept", "what [outlives a restart](#a-restart)", state_keys,
      nullptr, is_set<&Settings::state>, emplace<&Settings::state>},
     {"feature", TableKind::list, "as many as needed",

@@ -50,8 +50,7 @@ Gateway::Gateway(std::shared_ptr<const Settings> settings, Mesh& mesh, const Gat
     state_saver_.emplace(*settings_, publish_pause, *ports.store, ports.log);
   }
   if (ports.files != nullptr) {
-    file_publisher_.emplace(*settings_->files, settings_->mesh, publish_share, *ports.files,
-                            ports.clock, ports.log);
+    file_publisher_.emplace(*settings_, publish_share, *ports.files, ports.clock, ports.log);
   }
 }
 
@@ -105,7 +104,7 @@ void Gateway::step(port::Instant now) {
   }
   if (file_publisher_) {
     file_publisher_->step(now);
-    if (file_publisher_->is_due(now)) file_publisher_->write(snapshot(), now);
+    if (file_publisher_->is_due(now)) file_publisher_->write(snapshot(), readings(), now);
   }
   if (state_saver_) {
     keep_silences(now);
@@ -148,7 +147,7 @@ void Gateway::finish(port::Instant now) {
   if (reading_table_.has_news()) publish_readings(now);
   if (file_publisher_) {
     file_publisher_->step(now);
-    file_publisher_->write(snapshot(), now);
+    file_publisher_->write(snapshot(), readings(), now);
   }
   if (state_saver_ && !ports_.store->is_saving()) {
     state_saver_->step(now);
@@ -277,6 +276,9 @@ void Gateway::publish_readings(port::Instant now) {
   ReadingSnapshot& readings = reading_taker_.take(reading_table_, nodes_, snapshot(), now);
   sensors_.mark(readings);
   ports_.server.publish(images_.encode(readings));
+  if (file_publisher_ && readings.value_sequence == readings.sequence) {
+    file_publisher_->mark_readings_dirty();
+  }
   readings_due_ = now + std::max(publish_pause, publish_share * (ports_.clock.now() - started));
 }
 

@@ -14,13 +14,13 @@ constexpr DiskMessages files_messages{
 
 }  // namespace
 
-FilePublisher::FilePublisher(const FileSettings& settings, const MeshConfig& mesh, int share,
-                             port::MeshFiles& files, const port::Clock& clock, port::Log& log)
+FilePublisher::FilePublisher(const Settings& settings, int share, port::MeshFiles& files,
+                             const port::Clock& clock, port::Log& log)
     : share_(share),
       files_(files),
       clock_(clock),
-      disk_(files_messages, settings.interval, log),
-      imager_(mesh) {
+      disk_(files_messages, settings.files->interval, log),
+      imager_(settings) {
   // The folder, as long as there is no generation.
   disk_.mark_dirty();
 }
@@ -34,12 +34,13 @@ port::Instant FilePublisher::next_deadline() const {
   return std::max(disk_.next_deadline(), not_before_);
 }
 
-void FilePublisher::write(const Snapshot& published, port::Instant now) {
+void FilePublisher::write(const Snapshot& published, const ReadingSnapshot& readings,
+                          port::Instant now) {
   if (disk_.next_deadline() == port::never) return;
   disk_.start(now);
   if (!has_generation_) return files_.start_check();
   const port::Instant begin = clock_.now();
-  files_.start_write(imager_.make(published));
+  files_.start_write(imager_.make(published, readings));
   not_before_ = now + share_ * (clock_.now() - begin);
 }
 

@@ -4,7 +4,6 @@
 // whether they could be written.
 #pragma once
 
-#include "etcm/config.h"
 #include "etcm/port/clock.h"
 #include "etcm/port/log.h"
 #include "etcm/port/mesh_files.h"
@@ -18,11 +17,16 @@ class FilePublisher {
  public:
   // The ports must outlive this. At most one part in `share` of all time goes into handing a
   // mesh over: the loop stands still meanwhile. All the memory for that is taken here.
-  FilePublisher(const FileSettings& settings, const MeshConfig& mesh, int share,
-                port::MeshFiles& files, const port::Clock& clock, port::Log& log);
+  // REQUIRES: the settings have [files].
+  FilePublisher(const Settings& settings, int share, port::MeshFiles& files,
+                const port::Clock& clock, port::Log& log);
 
   // There is a generation that the files do not show.
   void mark_dirty();
+  // There are readings of a generation that they do not show.
+  void mark_readings_dirty() {
+    if (has_generation_) disk_.mark_dirty();
+  }
 
   // Hears how the last write went. The caller then calls write() where is_due().
   void step(port::Instant now) { static_cast<void>(disk_.hear(files_, now)); }
@@ -32,7 +36,7 @@ class FilePublisher {
 
   // Starts to write the generation that was published last, unless something is under way or they
   // show it already. Only checks the folder where there is none yet.
-  void write(const Snapshot& published, port::Instant now);
+  void write(const Snapshot& published, const ReadingSnapshot& readings, port::Instant now);
 
   const DiskWriter& disk() const { return disk_; }
 

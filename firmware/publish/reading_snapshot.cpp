@@ -22,6 +22,12 @@ std::uint32_t count_disagreeing(const ReadingSnapshot& snapshot) {
 
 void reserve(ReadingSnapshot& snapshot, const Settings& settings) {
   snapshot.quantities = quantities_of(settings);
+  for (const Quantity& quantity : snapshot.quantities) {
+    const std::string name =
+        "reading " + quantity.name + (quantity.unit.empty() ? "" : " (" + quantity.unit + ")");
+    snapshot.properties.push_back(name);
+    snapshot.properties.push_back("stale " + name);
+  }
   snapshot.readings.reserve(count_readings(settings));
 }
 

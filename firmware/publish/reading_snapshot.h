@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "etcm/port/clock.h"
@@ -33,9 +34,17 @@ struct ReadingSnapshot {
   std::uint32_t value_sequence = 0;  // the last one that differs in more than times
   std::uint32_t generation = 0;      // of the mesh that the rows are of
   port::Instant taken_at{};
-  std::vector<Quantity> quantities;        // always the same
+  std::vector<Quantity> quantities;        // always the same, as their names as properties:
+  std::vector<std::string> properties;     // see property_of()
   std::vector<PublishedReading> readings;  // by serial, and of each node by quantity
 };
+
+// The name of a reading among the properties of a node: "reading level (m)", and of one that is
+// stale "stale reading level (m)", so that nobody takes it for a fresh one. An index into
+// `properties`.
+constexpr std::uint32_t property_of(const PublishedReading& reading) {
+  return 2 * reading.quantity.value + (reading.is_stale ? 1 : 0);
+}
 
 // Of one node.
 std::span<const PublishedReading> readings_of(const ReadingSnapshot& snapshot, Serial serial);

@@ -22,21 +22,28 @@ std::uint32_t end_of_segment(const Snapshot& snapshot, std::uint32_t node, std::
 
 }  // namespace
 
-SnapshotImager::SnapshotImager(const MeshConfig& config)
-    : image_(std::make_shared<files::MeshImage>()), domain_(config) {
-  const std::size_t vertices = config.vertices_max;
+SnapshotImager::SnapshotImager(const Settings& settings)
+    : image_(std::make_shared<files::MeshImage>()), domain_(settings.mesh) {
+  const std::size_t vertices = settings.mesh.vertices_max;
   image_->vertices.reserve(vertices);
   image_->triangles.reserve(2 * vertices);
   image_->edges.reserve(3 * vertices);
-  image_->subsegments.reserve(vertices + config.features_max);
+  image_->subsegments.reserve(vertices + settings.mesh.features_max);
   image_->attributes.reserve(vertices);
   image_->attribute_count = 1;
+  ReadingSnapshot readings;
+  reserve(readings, settings);
+  image_->value_names = readings.properties;
+  serial_name_ = static_cast<std::uint32_t>(image_->value_names.size());
+  image_->value_names.emplace_back("serial");
+  image_->values.reserve(readings.readings.capacity() + vertices);
   index_of_.reserve(vertices);
   row_of_.reserve(vertices);
   segments_.reserve(vertices);
 }
 
-std::shared_ptr<const files::MeshImage> SnapshotImager::make(const Snapshot& snapshot) {
+std::shared_ptr<const files::MeshImage> SnapshotImager::make(const Snapshot& snapshot,
+                                                             const ReadingSnapshot& readings) {
   image_->vertices.clear();
   image_->triangles.clear();
   image_->edges.clear();
@@ -48,6 +55,7 @@ std::shared_ptr<const files::MeshImage> SnapshotImager::make(const Snapshot& sna
     if (snapshot.vertices[row].kind == VertexKind::node) add_vertex(snapshot, row);
   }
   image_->node_count = static_cast<std::uint32_t>(image_->vertices.size());
+  add_values(snapshot, readings);
   image_->feature_count = snapshot.features_active;
   for (std::uint32_t node = 0; node < image_->node_count; ++node) add_segments(snapshot, node);
   domain_.label(snapshot);
@@ -64,6 +72,20 @@ void SnapshotImager::add_vertex(const Snapshot& snapshot, std::uint32_t row) {
   // Neither text is too long for a string without memory of its own.
   const bool has_serial = is_node && !vertex.is_anchor;
   image_->attributes.push_back(has_serial ? std::to_string(vertex.serial.value) : "-1");
+}
+
+void SnapshotImager::add_values(const Snapshot& snapshot, const ReadingSnapshot& readings) {
+  image_->values.clear();
+  for (std::uint32_t node = 0; node < image_->node_count; ++node) {
+    const Serial serial = snapshot.vertices[row_of_[node]].serial;
+    if (serial.is_none()) continue;  // an anchor
+    image_->values.push_back(
+        {.vertex = node, .name = serial_name_, .nano = serial.value * nano_per_one});
+    for (const PublishedReading& reading : readings_of(readings, serial)) {
+      image_->values.push_back(
+          {.vertex = node, .name = property_of(reading), .nano = reading.nano});
+    }
+  }
 }
 
 // Those to nodes with a higher index, and their Steiner vertices.

@@ -6,8 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "etcm/config.h"
 #include "etcm/files/mesh_image.h"
+#include "firmware/config/settings.h"
+#include "firmware/publish/reading_snapshot.h"
 #include "firmware/publish/snapshot.h"
 #include "firmware/publish/snapshot_domain.h"
 
@@ -17,19 +18,23 @@ namespace etcm::firmware {
 class SnapshotImager {
  public:
   // All the memory it ever needs is taken here.
-  explicit SnapshotImager(const MeshConfig& config);
+  explicit SnapshotImager(const Settings& settings);
 
   // The nodes by row, each with its serial (an anchor with -1), and then the Steiner vertices along
   // the features, those at the first node first. Equal meshes whose nodes stand in the same rows
-  // give equal images. Good until the next call. O(n), and O(degree^2) of each vertex.
-  std::shared_ptr<const files::MeshImage> make(const Snapshot& snapshot);
+  // give equal images. Serials and what nodes measure are values. Good until the next call. O(n log
+  // n), and O(degree^2) of each vertex.
+  std::shared_ptr<const files::MeshImage> make(const Snapshot& snapshot,
+                                               const ReadingSnapshot& readings);
 
  private:
   void add_vertex(const Snapshot& snapshot, std::uint32_t row);
+  void add_values(const Snapshot& snapshot, const ReadingSnapshot& readings);
   void add_segments(const Snapshot& snapshot, std::uint32_t node);
   void add_edges_and_triangles(const Snapshot& snapshot, std::uint32_t index);
 
   std::shared_ptr<files::MeshImage> image_;
+  std::uint32_t serial_name_ = 0;
   SnapshotDomain domain_;
   std::vector<std::uint32_t> index_of_;  // by row
   std::vector<std::uint32_t> row_of_;    // by index

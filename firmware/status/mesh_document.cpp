@@ -1,6 +1,5 @@
 #include "firmware/status/mesh_document.h"
 
-#include <array>
 #include <utility>
 
 #include "firmware/records/node_table.h"
@@ -253,13 +252,8 @@ std::span<const PublishedReading> MeshDocument::readings_at(Serial serial) const
 }
 
 void MeshDocument::write_reading(const PublishedReading& reading, TextWriter& piece) const {
-  const Quantity& quantity = readings_.quantities[reading.quantity.value];
-  std::array<char, sizeof "stale reading  ()" + reading_name_max + reading_unit_max> room;
-  TextWriter name(room);
-  name << (reading.is_stale ? "stale reading " : "reading ") << quantity.name;
-  if (!quantity.unit.empty()) name << " (" << quantity.unit << ")";
   piece << ",";
-  piece.json(name.text()) << ":";
+  piece.json(readings_.properties[property_of(reading)]) << ":";
   reading.nano ? piece.nano(*reading.nano) : piece << "null";
   if (!reading.disagrees) return;
   TextWriter expected(room);

@@ -1,5 +1,7 @@
 #include "firmware/status/text_writer.h"
 
+#include "etcm/files/decimal.h"
+
 namespace etcm::firmware {
 
 TextWriter& TextWriter::decimal(double value, int digits) {
@@ -14,17 +16,7 @@ TextWriter& TextWriter::decimal(double value, int digits) {
 }
 
 TextWriter& TextWriter::nano(std::int64_t value) {
-  constexpr std::int64_t one = 1'000'000'000;
-  if (value < 0) *this << "-";
-  const std::int64_t size = value < 0 ? -value : value;
-  *this << size / one;
-  std::int64_t rest = size % one;
-  if (rest == 0) return *this;
-  *this << ".";
-  for (std::int64_t digit = one / 10; rest > 0; digit /= 10) {
-    *this << rest / digit;
-    rest %= digit;
-  }
+  files::write_nano(*this, value);
   return *this;
 }
 

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "etcm/files/exchange.h"
 #include "etcm/files/file_set.h"
 #include "etcm/files/mesh_image.h"
 #include "etcm/files/mesh_text.h"
@@ -18,13 +19,16 @@ namespace etcm::port {
 // What the thread uses, and keeps should it hang.
 struct MeshFolder::Writing {
   Writing(const std::string& where, const std::string& base, std::string title,
-          std::uint32_t vertices_max)
+          std::uint32_t vertices_max, bool has_values)
       : folder(where), words{.title = std::move(title)} {
     room.reserve(vertices_max);
     files.add(base + ".node", [this](files::TextSink& out) { files::write_node(out, *image); });
     files.add(base + ".ele", [this](files::TextSink& out) { files::write_ele(out, *image); });
     files.add(base + ".svg",
               [this](files::TextSink& out) { files::write_svg(out, *image, words, {}, room); });
+    if (!has_values) return;
+    files.add(base + ".geojson",
+              [this](files::TextSink& out) { files::write_geojson(out, *image); });
   }
 
   void run() {
@@ -64,9 +68,9 @@ struct MeshFolder::Writing {
 };
 
 MeshFolder::MeshFolder(const std::string& folder, const std::string& name,
-                       std::uint32_t vertices_max)
+                       std::uint32_t vertices_max, bool has_values)
     : base_(std::filesystem::path(folder) / name),
-      writing_(std::make_shared<Writing>(folder, base_, name, vertices_max)),
+      writing_(std::make_shared<Writing>(folder, base_, name, vertices_max, has_values)),
       worker_("etcm-files", [writing = writing_] { writing->run(); }) {}
 
 void MeshFolder::start_check() {

@@ -1,4 +1,5 @@
-// MeshFiles in a folder: NAME.node, NAME.ele and NAME.svg, written by a thread of its own.
+// MeshFiles in a folder: NAME.node, NAME.ele, NAME.svg, and where nodes measure NAME.geojson,
+// written by a thread of its own.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,8 @@ class MeshFolder final : public MeshFiles {
   // Touches nothing yet; takes all the memory now that so many vertices need. Where there is no
   // folder, it is made when it is needed. What is done first removes the temporary files of an
   // earlier gateway that was killed while it wrote; so nobody else may write files of this name.
-  MeshFolder(const std::string& folder, const std::string& name, std::uint32_t vertices_max);
+  MeshFolder(const std::string& folder, const std::string& name, std::uint32_t vertices_max,
+             bool has_values = false);
 
   void start_check() override;
   void start_write(std::shared_ptr<const files::MeshImage> image) override;

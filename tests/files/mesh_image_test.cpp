@@ -197,5 +197,22 @@ TEST(Exchange, CountsWhatItHolds) {
   EXPECT_THAT(vtk, ::testing::HasSubstr("CELL_TYPES " + std::to_string(cells) + "\n"));
 }
 
+TEST(Exchange, TellsWhatIsKnownOfAVertex) {
+  const ScratchFolder folder;
+  MeshImage image = image_of_graph(read_graph(folder.write("plate.poly", plate)));
+  image.value_names = {"serial", "a \"b\" \\ (°C)"};
+  image.values = {{.vertex = 0, .name = 0, .nano = 7'000'000'000},
+                  {.vertex = 0, .name = 1, .nano = -1'250'000'000},
+                  {.vertex = 2, .name = 1, .nano = std::nullopt}};
+  const std::string geojson = geojson_text(image);
+  const std::string id = std::to_string(image.index_base);
+  const std::string third = std::to_string(image.index_base + 2);
+  EXPECT_THAT(geojson,
+              ::testing::ContainsRegex("\"id\":" + id + ",\"marker\":[0-9]+,\"serial\":7,\"a "));
+  EXPECT_THAT(geojson, ::testing::HasSubstr("\"serial\":7,\"a \\\"b\\\" \\\\ (°C)\":-1.25}}"));
+  EXPECT_THAT(geojson, ::testing::ContainsRegex("\"id\":" + third + ",\"marker\":[0-9]+,\"a "));
+  EXPECT_THAT(geojson, ::testing::HasSubstr("(°C)\":null}}"));
+}
+
 }  // namespace
 }  // namespace etcm::files

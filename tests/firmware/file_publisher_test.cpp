@@ -163,13 +163,15 @@ TEST(Files, OfALargeMeshAreWrittenLessOften) {
   SimulatedClock clock;
   RecordingLog log;
   SlowFiles files(clock);
-  const FileSettings settings{.folder = "", .name = "", .interval = 1s};
-  FilePublisher publisher(settings, {.vertices_max = 10}, 20, files, clock, log);
+  Settings settings;
+  settings.mesh.vertices_max = 10;
+  settings.files = FileSettings{.folder = "", .name = "", .interval = 1s};
+  FilePublisher publisher(settings, 20, files, clock, log);
   const port::Instant end = clock.now() + 40s;
   while (clock.now() < end) {
     publisher.mark_dirty();
     publisher.step(clock.now());
-    if (publisher.is_due(clock.now())) publisher.write(Snapshot{}, clock.now());
+    if (publisher.is_due(clock.now())) publisher.write(Snapshot{}, {}, clock.now());
     clock.pass(10ms);
   }
   EXPECT_GE(files.attempts, 10);

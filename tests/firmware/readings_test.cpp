@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "measuring.h"
@@ -191,6 +194,43 @@ TEST_F(Measuring, RowsAreThoseOfTheMeshThatWasPublishedLast) {
       EXPECT_EQ(rig_.gateway->snapshot().vertices.at(found.row).serial, found.serial);
     }
   }
+}
+
+// What the writers of files get of a node, by its serial.
+std::map<std::string, std::optional<std::int64_t>> values_of(const files::MeshImage& image,
+                                                             std::uint32_t serial) {
+  std::map<std::string, std::optional<std::int64_t>> found;
+  for (std::uint32_t vertex = 0; vertex < image.vertices.size(); ++vertex) {
+    std::map<std::string, std::optional<std::int64_t>> values;
+    for (const files::ImageValue& value : image.values) {
+      if (value.vertex == vertex) values[image.value_names[value.name]] = value.nano;
+    }
+    const auto told = values.find("serial");
+    if (told != values.end() && told->second == serial * nano_per_one) found = values;
+  }
+  return found;
+}
+
+TEST_F(Measuring, FilesHaveWhatNodesMeasureAndFollowIt) {
+  using Values = std::map<std::string, std::optional<std::int64_t>>;
+  put_tank(2, 1500);
+  put_tank(3, 32767);
+  start();
+  rig_.run(2s);
+  EXPECT_EQ(values_of(*rig_.files.last, 1002),
+            (Values{{"serial", 1002 * nano_per_one}, {"reading level (m)", 1'500'000'000}}));
+  EXPECT_EQ(values_of(*rig_.files.last, 1003),
+            (Values{{"serial", 1003 * nano_per_one}, {"reading level (m)", std::nullopt}}));
+  const std::uint32_t attempts = rig_.files.attempts;
+  rig_.run(2s);
+  EXPECT_EQ(rig_.files.attempts, attempts) << "the same values are in the files";
+  put_tank(2, 1501);
+  rig_.run(1s);
+  EXPECT_EQ(values_of(*rig_.files.last, 1002).at("reading level (m)"), 1'501'000'000);
+  bus_.silence(2);
+  rig_.run(2s);
+  EXPECT_EQ(values_of(*rig_.files.last, 1002),
+            (Values{{"serial", 1002 * nano_per_one}, {"stale reading level (m)", 1'501'000'000}}));
 }
 
 TEST_F(Measuring, AReloadThatAsksOftenerMakesNothingFreshAgain) {

@@ -70,6 +70,24 @@ class ForPrograms(MeasuringCase):
         self.wait_for_levels({101: (2, False), 102: (None, False), 103: (0.007, False)})
 
 
+    def test_the_files_have_them(self):
+        gateway = self.start_tanks(SQUARE, {1: 1500, 2: -250, 3: INVALID, 4: 7}, **SOON)
+        gateway.wait_for_line(r"writes out/mesh\.node, \.ele, \.svg and \.geojson")
+        path = self.folder / "out" / "mesh.geojson"
+        wait_for("the file", path.exists)
+
+        def nodes():
+            features = json.loads(path.read_text())["features"]
+            return {f["properties"]["serial"]: f["properties"] for f in features
+                    if f["properties"]["kind"] == "node"}
+        wait_for("a value", lambda: nodes().get(101, {}).get("reading level (m)") == 1.5)
+        wait_for("no value", lambda: nodes().get(103, {}).get("reading level (m)", 0) is None)
+        self.tanks.set({1: 1501})
+        wait_for("another value", lambda: nodes()[101].get("reading level (m)") == 1.501)
+        self.tanks.set({4: None})
+        wait_for("a stale value, or none of a node that left",
+                 lambda: "reading level (m)" not in nodes().get(104, {}))
+
     def test_a_master_reads_them(self):
         self.start_tanks(SQUARE[:3], {1: 1500, 2: -250, 3: INVALID}, **SOON)
         self.wait_for_header(nodes=3)

@@ -10,80 +10,86 @@ constexpr double unit = static_cast<double>(subunits_per_unit);
 
 class GeoJson {
  public:
-  explicit GeoJson(const MeshImage& image) : image_(image) {}
+  GeoJson(TextSink& out, const MeshImage& image) : out_(out), image_(image) {}
 
-  std::string make() {
-    text_ =
-        "{\"type\":\"FeatureCollection\",\n\"coordinates\":\"planar grid units, not longitude and "
-        "latitude";
-    if (!image_.unit_note.empty()) text_ += "; " + image_.unit_note;
-    text_ += "\",\n\"features\":[";
-    for (std::size_t i = 0; i < image_.triangles.size(); ++i) add_triangle(i);
-    for (std::size_t i = 0; i < image_.subsegments.size(); ++i) add_subsegment(i);
-    for (std::size_t i = 0; i < image_.vertices.size(); ++i) add_vertex(i);
-    text_ += "\n]}\n";
-    return std::move(text_);
+  void write() {
+    out_ << "{\"type\":\"FeatureCollection\",\n\"coordinates\":\"planar grid units, not longitude "
+            "and "
+            "latitude";
+    if (!image_.unit_note.empty()) out_ << "; " << image_.unit_note;
+    out_ << "\",\n\"features\":[";
+    for (std::size_t i = 0; i < image_.triangles.size(); ++i) write_triangle(i);
+    for (std::size_t i = 0; i < image_.subsegments.size(); ++i) write_subsegment(i);
+    for (std::size_t i = 0; i < image_.vertices.size(); ++i) write_vertex(i);
+    out_ << "\n]}\n";
   }
 
  private:
   void open(const char* geometry) {
-    text_ += separator_;
+    out_ << separator_ << "\n{\"type\":\"Feature\",\"geometry\":{\"type\":\"" << geometry
+         << "\",\"coordinates\":";
     separator_ = ",";
-    text_ += "\n{\"type\":\"Feature\",\"geometry\":{\"type\":\"";
-    text_ += geometry;
-    text_ += "\",\"coordinates\":";
   }
 
   void close(const char* kind, std::size_t index) {
-    text_ += "},\"properties\":{\"kind\":\"";
-    text_ += kind;
-    text_ += "\",\"id\":" + std::to_string(static_cast<std::int64_t>(index) + image_.index_base);
+    out_ << "},\"properties\":{\"kind\":\"" << kind
+         << "\",\"id\":" << static_cast<std::int64_t>(index) + image_.index_base;
   }
 
   void place(std::uint32_t vertex) {
     const Point& point = image_.vertices[vertex].point;
-    text_ += '[';
-    TextSink(text_) << static_cast<double>(point.x) / unit;
-    text_ += ',';
-    TextSink(text_) << static_cast<double>(point.y) / unit;
-    text_ += ']';
+    out_ << '[' << static_cast<double>(point.x) / unit << ',' << static_cast<double>(point.y) / unit
+         << ']';
   }
 
-  void add_triangle(std::size_t index) {
+  void write_triangle(std::size_t index) {
     open("Polygon");
-    text_ += "[[";
+    out_ << "[[";
     for (const std::uint32_t corner : image_.triangles[index]) {
       place(corner);
-      text_ += ',';
+      out_ << ',';
     }
     place(image_.triangles[index][0]);
-    text_ += "]]";
+    out_ << "]]";
     close("triangle", index);
-    text_ += "}}";
+    out_ << "}}";
   }
 
-  void add_subsegment(std::size_t index) {
+  void write_subsegment(std::size_t index) {
     const ImageSubsegment& subsegment = image_.subsegments[index];
     open("LineString");
-    text_ += '[';
+    out_ << '[';
     place(subsegment.from);
-    text_ += ',';
+    out_ << ',';
     place(subsegment.to);
-    text_ += ']';
+    out_ << ']';
     close(subsegment.is_edge ? "subsegment" : "unresolved", index);
-    text_ += ",\"marker\":" + std::to_string(subsegment.marker) + "}}";
+    out_ << ",\"marker\":" << subsegment.marker << "}}";
   }
 
-  void add_vertex(std::size_t index) {
+  // Values follow the vertices.
+  void write_vertex(std::size_t index) {
     open("Point");
     place(static_cast<std::uint32_t>(index));
     close(image_.vertices[index].is_steiner ? "steiner" : "node", index);
-    text_ += ",\"marker\":" + std::to_string(image_.vertices[index].marker) + "}}";
+    out_ << ",\"marker\":" << image_.vertices[index].marker;
+    for (; value_ < image_.values.size() && image_.values[value_].vertex == index; ++value_) {
+      const ImageValue& value = image_.values[value_];
+      out_ << ",\"";
+      for (const char letter : image_.value_names[value.name]) {
+        if (letter == '"' || letter == '\\') out_ << '\\';
+        out_ << letter;
+      }
+      out_ << "\":";
+      value.nano ? write_nano(out_, *value.nano) : void(out_ << "null");
+    }
+    out_ << "}}";
   }
 
+  TextSink& out_;
   const MeshImage& image_;
-  std::string text_;
   const char* separator_ = "";
+  std::size_t value_ = 0;  // the next
 };
 
 void append_scalars(std::string& text, const char* name, const std::string& values) {
@@ -92,7 +98,9 @@ void append_scalars(std::string& text, const char* name, const std::string& valu
 
 }  // namespace
 
-std::string geojson_text(const MeshImage& image) { return GeoJson(image).make(); }
+void write_geojson(TextSink& out, const MeshImage& image) { GeoJson(out, image).write(); }
+
+std::string geojson_text(const MeshImage& image) { return text_of(write_geojson, image); }
 
 std::string vtk_text(const MeshImage& image) {
   const std::size_t triangles = image.triangles.size();

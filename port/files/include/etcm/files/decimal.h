@@ -44,6 +44,23 @@ class Decimal {
   bool negative_ = false;
 };
 
+// Writes what is in 10^-9, every digit that is no zero at the end: 1234000000 is 1.234. `out` takes
+// texts and integers. REQUIRES: not the least of its type.
+template <class Out>
+void write_nano(Out& out, std::int64_t nano) {
+  constexpr std::int64_t one = 1'000'000'000;
+  if (nano < 0) out << std::string_view("-");
+  const std::int64_t size = nano < 0 ? -nano : nano;
+  out << size / one;
+  std::int64_t rest = size % one;
+  if (rest == 0) return;
+  out << std::string_view(".");
+  for (std::int64_t digit = one / 10; rest > 0; digit /= 10) {
+    out << rest / digit;
+    rest %= digit;
+  }
+}
+
 // Writes the decimal of a coordinate in sub-units (etcm/types.h), every digit: at most 28 behind
 // the point, none for a whole unit.
 void write_coordinate(TextSink& out, std::int64_t subunits);

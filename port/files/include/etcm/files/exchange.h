@@ -5,12 +5,15 @@
 #include <string>
 
 #include "etcm/files/mesh_image.h"
+#include "etcm/files/text_sink.h"
 
 namespace etcm::files {
 
 // A FeatureCollection: a Polygon for each triangle, a LineString for each subsegment, a Point for
 // each vertex; the property "kind" tells them apart. Planar coordinates, not longitude and
-// latitude: the member "coordinates" says so.
+// latitude: the member "coordinates" says so. What the image has of a vertex beside its place is a
+// property by its name.
+void write_geojson(TextSink& out, const MeshImage& image);
 std::string geojson_text(const MeshImage& image);
 
 // A legacy ASCII unstructured grid for ParaView: triangles, subsegments and vertices as cells with

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,6 +40,14 @@ struct ImageSubsegment {
   friend bool operator==(const ImageSubsegment&, const ImageSubsegment&) = default;
 };
 
+// Something else that is known of a vertex.
+struct ImageValue {
+  std::uint32_t vertex = 0;
+  std::uint32_t name = 0;              // into MeshImage::value_names
+  std::optional<std::int64_t> nano{};  // in 10^-9; none: there is no value
+  friend bool operator==(const ImageValue&, const ImageValue&) = default;
+};
+
 // Indices run from 0. Equal meshes give equal images, whatever the history of the mesh: nodes stand
 // in the order of their ids, Steiner vertices along the features, triangles and edges sorted.
 struct MeshImage {
@@ -53,7 +62,10 @@ struct MeshImage {
   std::vector<ImageSubsegment> subsegments;
   std::size_t attribute_count = 0;
   std::vector<std::string> attributes;  // attribute_count a vertex
-  std::vector<GraphHole> holes;         // in grid units, like everything here
+  // UTF-8 without control characters.
+  std::vector<std::string> value_names{};
+  std::vector<ImageValue> values{};  // by vertex
+  std::vector<GraphHole> holes;      // in grid units, like everything here
   std::vector<GraphRegion> regions;
   std::string unit_note;  // how grid units relate to those of the input, empty where they agree
 
