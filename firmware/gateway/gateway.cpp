@@ -104,7 +104,8 @@ void Gateway::step(port::Instant now) {
   }
   if (file_publisher_) {
     file_publisher_->step(now);
-    if (file_publisher_->is_due(now)) file_publisher_->write(snapshot(), readings(), now);
+    if (file_publisher_->is_due(now))
+      file_publisher_->write(snapshot(), readings(), settings_->site.plane(), now);
   }
   if (state_saver_) {
     keep_silences(now);
@@ -147,7 +148,7 @@ void Gateway::finish(port::Instant now) {
   if (reading_table_.has_news()) publish_readings(now);
   if (file_publisher_) {
     file_publisher_->step(now);
-    file_publisher_->write(snapshot(), readings(), now);
+    file_publisher_->write(snapshot(), readings(), settings_->site.plane(), now);
   }
   if (state_saver_ && !ports_.store->is_saving()) {
     state_saver_->step(now);

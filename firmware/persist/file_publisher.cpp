@@ -35,12 +35,12 @@ port::Instant FilePublisher::next_deadline() const {
 }
 
 void FilePublisher::write(const Snapshot& published, const ReadingSnapshot& readings,
-                          port::Instant now) {
+                          const SitePlane& plane, port::Instant now) {
   if (disk_.next_deadline() == port::never) return;
   disk_.start(now);
   if (!has_generation_) return files_.start_check();
   const port::Instant begin = clock_.now();
-  files_.start_write(imager_.make(published, readings));
+  files_.start_write(imager_.make(published, readings, plane));
   not_before_ = now + share_ * (clock_.now() - begin);
 }
 

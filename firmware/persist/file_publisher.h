@@ -36,7 +36,8 @@ class FilePublisher {
 
   // Starts to write the generation that was published last, unless something is under way or they
   // show it already. Only checks the folder where there is none yet.
-  void write(const Snapshot& published, const ReadingSnapshot& readings, port::Instant now);
+  void write(const Snapshot& published, const ReadingSnapshot& readings, const SitePlane& plane,
+             port::Instant now);
 
   const DiskWriter& disk() const { return disk_; }
 

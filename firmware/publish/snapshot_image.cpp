@@ -30,6 +30,7 @@ SnapshotImager::SnapshotImager(const Settings& settings)
   image_->edges.reserve(3 * vertices);
   image_->subsegments.reserve(vertices + settings.mesh.features_max);
   image_->attributes.reserve(vertices);
+  image_->degrees.reserve(vertices);
   image_->attribute_count = 1;
   ReadingSnapshot readings;
   reserve(readings, settings);
@@ -43,7 +44,8 @@ SnapshotImager::SnapshotImager(const Settings& settings)
 }
 
 std::shared_ptr<const files::MeshImage> SnapshotImager::make(const Snapshot& snapshot,
-                                                             const ReadingSnapshot& readings) {
+                                                             const ReadingSnapshot& readings,
+                                                             const SitePlane& plane) {
   image_->vertices.clear();
   image_->triangles.clear();
   image_->edges.clear();
@@ -58,6 +60,7 @@ std::shared_ptr<const files::MeshImage> SnapshotImager::make(const Snapshot& sna
   add_values(snapshot, readings);
   image_->feature_count = snapshot.features_active;
   for (std::uint32_t node = 0; node < image_->node_count; ++node) add_segments(snapshot, node);
+  add_degrees(plane);
   domain_.label(snapshot);
   for (std::uint32_t i = 0; i < image_->vertices.size(); ++i) add_edges_and_triangles(snapshot, i);
   return image_;
@@ -85,6 +88,17 @@ void SnapshotImager::add_values(const Snapshot& snapshot, const ReadingSnapshot&
       image_->values.push_back(
           {.vertex = node, .name = property_of(reading), .nano = reading.nano});
     }
+  }
+}
+
+// None where one of them is nowhere on the earth: files are in degrees, or in the plane.
+void SnapshotImager::add_degrees(const SitePlane& plane) {
+  image_->degrees.clear();
+  if (plane.projection == nullptr) return;
+  for (const files::ImageVertex& vertex : image_->vertices) {
+    const std::optional<port::EarthPoint> place = earth_point(plane, vertex.point);
+    if (!place) return image_->degrees.clear();
+    image_->degrees.push_back({.longitude = place->longitude, .latitude = place->latitude});
   }
 }
 

@@ -11,6 +11,7 @@
 #include "firmware/publish/reading_snapshot.h"
 #include "firmware/publish/snapshot.h"
 #include "firmware/publish/snapshot_domain.h"
+#include "firmware/site/site_plane.h"
 
 namespace etcm::firmware {
 
@@ -23,13 +24,15 @@ class SnapshotImager {
   // The nodes by row, each with its serial (an anchor with -1), and then the Steiner vertices along
   // the features, those at the first node first. Equal meshes whose nodes stand in the same rows
   // give equal images. Serials and what nodes measure are values. Good until the next call. O(n log
-  // n), and O(degree^2) of each vertex.
+  // n), and O(degree^2) of each vertex. With the degrees of all vertices where the plane has them.
   std::shared_ptr<const files::MeshImage> make(const Snapshot& snapshot,
-                                               const ReadingSnapshot& readings);
+                                               const ReadingSnapshot& readings,
+                                               const SitePlane& plane);
 
  private:
   void add_vertex(const Snapshot& snapshot, std::uint32_t row);
   void add_values(const Snapshot& snapshot, const ReadingSnapshot& readings);
+  void add_degrees(const SitePlane& plane);
   void add_segments(const Snapshot& snapshot, std::uint32_t node);
   void add_edges_and_triangles(const Snapshot& snapshot, std::uint32_t index);
 

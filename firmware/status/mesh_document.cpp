@@ -256,11 +256,13 @@ void MeshDocument::write_reading(const PublishedReading& reading, TextWriter& pi
   piece.json(readings_.properties[property_of(reading)]) << ":";
   reading.nano ? piece.nano(*reading.nano) : piece << "null";
   if (!reading.disagrees) return;
-  TextWriter expected(room);
-  expected << "expected " << quantity.name;
-  if (!quantity.unit.empty()) expected << " (" << quantity.unit << ")";
+  const Quantity& quantity = readings_.quantities[reading.quantity.value];
+  std::array<char, sizeof "expected  ()" + reading_name_max + reading_unit_max> room;
+  TextWriter name(room);
+  name << "expected " << quantity.name;
+  if (!quantity.unit.empty()) name << " (" << quantity.unit << ")";
   piece << ",";
-  piece.json(expected.text()) << ":";
+  piece.json(name.text()) << ":";
   reading.expected_nano ? piece.nano(*reading.expected_nano) : piece << "null";
 }
 

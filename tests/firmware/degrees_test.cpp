@@ -5,10 +5,12 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "etcm/files/exchange.h"
 #include "etcm/types.h"
 #include "fakes.h"
 #include "firmware/config/configuration.h"
 #include "firmware/config/reload.h"
+#include "firmware/publish/snapshot_image.h"
 #include "firmware/status/status_page.h"
 #include "proj/proj_source.h"
 #include "support/scratch_folder.h"
@@ -328,6 +330,20 @@ TEST_F(DegreesOnThePage, AreThereBesideTheUnits) {
   EXPECT_NE(plane.find(R"("coordinates":[0,0]},"properties":{"longitude":10,"latitude":60,)"),
             std::string::npos)
       << plane;
+}
+
+TEST_F(DegreesOnThePage, AreWrittenToFiles) {
+  std::string why;
+  rig_.settings.site.projection =
+      port::ProjSource().about({.longitude = 10 * site_nano, .latitude = 60 * site_nano}, why);
+  start();
+  SnapshotImager imager(rig_.settings);
+  const std::string text = files::geojson_text(
+      *imager.make(rig_.gateway->snapshot(), rig_.gateway->readings(), rig_.settings.site.plane()));
+  EXPECT_NE(text.find(R"("coordinates":[10,60]},"properties":{"kind":"node")"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find(R"("x":100,"y":100)"), std::string::npos);
+  EXPECT_EQ(text.find("planar"), std::string::npos);
 }
 
 TEST_F(DegreesOnThePage, OfASiteWithoutAreNowhere) {

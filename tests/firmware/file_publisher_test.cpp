@@ -171,7 +171,7 @@ TEST(Files, OfALargeMeshAreWrittenLessOften) {
   while (clock.now() < end) {
     publisher.mark_dirty();
     publisher.step(clock.now());
-    if (publisher.is_due(clock.now())) publisher.write(Snapshot{}, {}, clock.now());
+    if (publisher.is_due(clock.now())) publisher.write(Snapshot{}, {}, {}, clock.now());
     clock.pass(10ms);
   }
   EXPECT_GE(files.attempts, 10);

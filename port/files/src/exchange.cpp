@@ -13,11 +13,13 @@ class GeoJson {
   GeoJson(TextSink& out, const MeshImage& image) : out_(out), image_(image) {}
 
   void write() {
-    out_ << "{\"type\":\"FeatureCollection\",\n\"coordinates\":\"planar grid units, not longitude "
-            "and "
-            "latitude";
-    if (!image_.unit_note.empty()) out_ << "; " << image_.unit_note;
-    out_ << "\",\n\"features\":[";
+    out_ << "{\"type\":\"FeatureCollection\",\n";
+    if (image_.degrees.empty()) {
+      out_ << "\"coordinates\":\"planar grid units, not longitude and latitude";
+      if (!image_.unit_note.empty()) out_ << "; " << image_.unit_note;
+      out_ << "\",\n";
+    }
+    out_ << "\"features\":[";
     for (std::size_t i = 0; i < image_.triangles.size(); ++i) write_triangle(i);
     for (std::size_t i = 0; i < image_.subsegments.size(); ++i) write_subsegment(i);
     for (std::size_t i = 0; i < image_.vertices.size(); ++i) write_vertex(i);
@@ -37,6 +39,14 @@ class GeoJson {
   }
 
   void place(std::uint32_t vertex) {
+    if (!image_.degrees.empty()) {
+      out_ << '[';
+      write_nano(out_, image_.degrees[vertex].longitude);
+      out_ << ',';
+      write_nano(out_, image_.degrees[vertex].latitude);
+      out_ << ']';
+      return;
+    }
     const Point& point = image_.vertices[vertex].point;
     out_ << '[' << static_cast<double>(point.x) / unit << ',' << static_cast<double>(point.y) / unit
          << ']';
@@ -73,6 +83,11 @@ class GeoJson {
     place(static_cast<std::uint32_t>(index));
     close(image_.vertices[index].is_steiner ? "steiner" : "node", index);
     out_ << ",\"marker\":" << image_.vertices[index].marker;
+    if (!image_.degrees.empty()) {
+      const Point& point = image_.vertices[index].point;
+      out_ << ",\"x\":" << static_cast<double>(point.x) / unit
+           << ",\"y\":" << static_cast<double>(point.y) / unit;
+    }
     for (; value_ < image_.values.size() && image_.values[value_].vertex == index; ++value_) {
       const ImageValue& value = image_.values[value_];
       out_ << ",\"";

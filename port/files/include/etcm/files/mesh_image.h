@@ -40,6 +40,13 @@ struct ImageSubsegment {
   friend bool operator==(const ImageSubsegment&, const ImageSubsegment&) = default;
 };
 
+// Where a vertex is on the earth, in 10^-9 of a degree (WGS 84).
+struct ImageDegrees {
+  std::int64_t longitude = 0;
+  std::int64_t latitude = 0;
+  friend bool operator==(const ImageDegrees&, const ImageDegrees&) = default;
+};
+
 // Something else that is known of a vertex.
 struct ImageValue {
   std::uint32_t vertex = 0;
@@ -64,8 +71,9 @@ struct MeshImage {
   std::vector<std::string> attributes;  // attribute_count a vertex
   // UTF-8 without control characters.
   std::vector<std::string> value_names{};
-  std::vector<ImageValue> values{};  // by vertex
-  std::vector<GraphHole> holes;      // in grid units, like everything here
+  std::vector<ImageValue> values{};     // by vertex
+  std::vector<ImageDegrees> degrees{};  // of each vertex; empty where nobody knows
+  std::vector<GraphHole> holes;         // in grid units, like everything here
   std::vector<GraphRegion> regions;
   std::string unit_note;  // how grid units relate to those of the input, empty where they agree
 
