@@ -21,7 +21,7 @@ class ReadingTaker {
   // the table. O(n log n) of the readings. Good until the next call; what is expected of them is to
   // be added.
   ReadingSnapshot& take(ReadingTable& table, const NodeTable& nodes, const Snapshot& mesh,
-                              port::Instant now);
+                        port::Instant now);
   // The one taken last; before, it has quantities only.
   const ReadingSnapshot& latest() const { return snapshot_; }
 

@@ -5,6 +5,7 @@ import pathlib
 import struct
 import sys
 import unittest
+import urllib.request
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "support"))
@@ -24,6 +25,19 @@ valid = { register = 30301, mask = 0x00FF, equals = "A" }
 x = { register = 30101, type = "i32", order = "CDAB", scale = "0.001" }
 y = { register = 30103, type = "i32", order = "CDAB", scale = "0.001" }
 """
+
+
+def words(at, form, value):
+    """Registers with the number, the most significant first."""
+    return dict(enumerate(struct.unpack(">HH", struct.pack(form, value)), start=at))
+
+
+def f32(at, value):
+    return words(at, ">f", value)
+
+
+def i32(at, value):
+    return words(at, ">i", value)
 
 
 def swapped(value):
@@ -94,7 +108,73 @@ profile = "rover"
         self.wait_for_header(nodes=2)
         self.assertEqual(self.vertices(), {70001: (100, -8), 70002: (0, 251)})
 
-    def test_that_tell_degrees_need_a_place_in_the_plane(self):
+    def test_from_shops_are_on_a_map_in_degrees(self):
+        tcp = [free_port(), free_port()]
+        self.serve("router", tcp[0], {"1": {"3": f32(143, 63.4305) | f32(145, 10.3951)}})
+        self.serve("boat", tcp[1], {"100": {"3": i32(2800, 634_310_000) | i32(2802, 103_970_000) |
+                                            {2806: 1, 2807: 9}}})
+        near, far = self.folder / "near", self.folder / "far"
+        self.start("line", ["socat", f"pty,raw,echo=0,link={near}", f"pty,raw,echo=0,link={far}"])
+        wait_for("the line", lambda: near.exists() and far.exists())
+        terminal = {200: 1, 207: ord("E"), 210: ord("N")} | f32(208, 10.3960) | f32(211, 63.4295) | \
+            f32(213, 0.5) | f32(215, 90)
+        self.serve("terminals", far, {"3": {"3": terminal}, "5": {"3": {"0": 120}},
+                                      "6": {"3": {"0": 150}}, "7": {"3": {"0": 190}}})
+        gateway = self.start_gateway([], head=f'profiles = "{PROFILES}"\n[site]\nunit = "0.01"\n',
+                                     more=f"""
+[http]
+listen = "127.0.0.1:0"
+[[bus]]
+tcp = "127.0.0.1:{tcp[0]}"
+[[bus.device]]
+units = "1"
+profile = "teltonika-rut955"
+[[bus]]
+tcp = "127.0.0.1:{tcp[1]}"
+[[bus.device]]
+units = "100"
+profile = "victron-gx"
+[[bus]]
+rtu = "{near}"
+name = "quay"
+baud = 9600
+parity = "none"
+[[bus.device]]
+units = "3"
+profile = "ebyte-e108"
+[[bus.device]]
+units = "5-7"
+profile = "transmitter"
+[[node]]
+bus = "quay"
+unit = 5
+longitude = "10.394"
+latitude = "63.4300"
+[[node]]
+bus = "quay"
+unit = 6
+longitude = "10.398"
+latitude = "63.4300"
+[[node]]
+bus = "quay"
+unit = 7
+longitude = "10.396"
+latitude = "63.4315"
+""")
+        url = gateway.wait_for_line(r"status page on (http://\S+)").group(1)
+        self.wait_for_header(nodes=6)
+        with urllib.request.urlopen(url + "/mesh.geojson", timeout=30) as answer:
+            features = json.loads(answer.read())["features"]
+        nodes = {feature["properties"]["serial"]: feature for feature in features
+                 if feature["properties"]["kind"] == "node"}
+        for serial, place in {1001: (10.3951, 63.4305), 2100: (10.397, 63.431),
+                              3003: (10.396, 63.4295), 3005: (10.394, 63.43)}.items():
+            longitude, latitude = nodes[serial]["geometry"]["coordinates"]
+            self.assertAlmostEqual(longitude, place[0], delta=1e-6, msg=serial)
+            self.assertAlmostEqual(latitude, place[1], delta=1e-6, msg=serial)
+        self.assertEqual(nodes[3005]["properties"]["x"], 0, "the first [[node]] is the middle")
+
+    def test_that_tell_degrees_need_a_place_to_be_about(self):
         gateway = self.start_gateway([], head=f'profiles = "{PROFILES}"\n', wait=False, more="""
 [[bus]]
 tcp = "127.0.0.1:9"
@@ -103,7 +183,7 @@ units = "1"
 profile = "teltonika-rut955"
 """)
         gateway.wait_for_line(r"site\.toml:\d+: the devices of 'teltonika-rut955' tell where they "
-                              r"stand in degrees, .*; give each a \[\[node\]\] with x and y")
+                              r"stand in degrees, .*; set origin = ")
 
 
 if __name__ == "__main__":

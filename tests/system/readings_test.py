@@ -32,7 +32,7 @@ class MeasuringCase(PageCase):
 
     def levels(self):
         """{serial: (value, is stale)}"""
-        return {serial: (value, stale) for serial, quantity, value, _, stale
+        return {serial: (value, stale) for serial, quantity, value, _, stale, _, _
                 in self.json("/readings.json")["readings"] if quantity == 0}
 
     def wait_for_levels(self, wanted):
@@ -206,7 +206,7 @@ class OnTheMap(BrowserCase, MeasuringCase):
               const { readReadings, valuesOn } = await import("./readings.js");
               const { Shading } = await import("./shading.js");
               const get = async (path) => (await fetch(path)).json();
-              const mesh = readMesh(await get("mesh.geojson"));
+              const mesh = readMesh(await get("mesh.json"));
               const readings = readReadings(await get("readings.json"));
               const values = valuesOn(mesh, readings.ofQuantity[0]);
               const shading = new Shading(mesh, readings.quantities[0], readings.ofQuantity[0]);
