@@ -76,12 +76,12 @@ const JsonValue* first_position(const JsonValue& root) {
 // In 10^-9; none for what will be a mistake where it is read.
 std::optional<port::PlanePoint> plane_point(const JsonValue& position) {
   if (position.items.size() < 2) return std::nullopt;
-  const auto nano = [](const JsonValue& item) -> std::optional<std::int64_t> {
+  const auto number = [](const JsonValue& item) -> std::optional<std::int64_t> {
     const auto value = item.kind == Kind::number ? files::Decimal::parse(item.text) : std::nullopt;
     if (!value) return std::nullopt;
     return (*value * files::Decimal::of(site_nano)).rounded().to_integer();
   };
-  const auto x = nano(position.items[0]), y = nano(position.items[1]);
+  const auto x = number(position.items[0]), y = number(position.items[1]);
   if (!x || !y) return std::nullopt;
   return port::PlanePoint{.x = *x, .y = *y};
 }

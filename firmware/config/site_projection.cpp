@@ -8,8 +8,6 @@ namespace etcm::firmware {
 
 namespace {
 
-using Kind = SiteFrame::Kind;
-
 constexpr const char* drawing_crs = "plane";
 constexpr const char* no_proj =
     "this gateway was built without PROJ, and has no degrees and no crs; draw the site in the "
@@ -91,7 +89,7 @@ class SiteProjector {
     if (!site_.crs.empty()) take_named();
     if (file_ != nullptr && mistakes_.size() == before) frame = read_file();
     if (mistakes_.size() == before && site_.projection == nullptr &&
-        (in_degrees_ || frame.kind != Kind::plane)) {
+        (in_degrees_ || frame.kind != SiteFrame::Kind::plane)) {
       take_local(frame);
     }
     return frame;
@@ -127,9 +125,9 @@ class SiteProjector {
   }
 
   SiteFrame read_file() {
-    if (is_wgs84(file_->crs)) return {.kind = Kind::degrees};
+    if (is_wgs84(file_->crs)) return {.kind = SiteFrame::Kind::degrees};
     if (!file_->crs.empty()) return read_named_file();
-    if (!file_->first || is_degrees(*file_->first)) return {.kind = Kind::degrees};
+    if (!file_->first || is_degrees(*file_->first)) return {.kind = SiteFrame::Kind::degrees};
     // What is no degree cannot be WGS 84.
     if (site_.crs.empty()) {
       fail(file_place(),
@@ -148,7 +146,7 @@ class SiteProjector {
       site_.projection = std::move(projection);
       return {};
     }
-    return {.kind = Kind::other, .projection = std::move(projection)};
+    return {.kind = SiteFrame::Kind::other, .projection = std::move(projection)};
   }
 
   void take_local(const SiteFrame& frame) {
@@ -176,10 +174,11 @@ class SiteProjector {
     if (site_.has_origin_in_degrees) {
       return port::EarthPoint{.longitude = site_.origin.x, .latitude = site_.origin.y};
     }
-    if (frame.kind == Kind::degrees && file_->first) {
+    if (frame.kind == SiteFrame::Kind::degrees && file_->first) {
       return port::EarthPoint{.longitude = file_->first->x, .latitude = file_->first->y};
     }
-    if (frame.kind == Kind::other && file_->first) return frame.projection->to_earth(*file_->first);
+    if (frame.kind == SiteFrame::Kind::other && file_->first)
+      return frame.projection->to_earth(*file_->first);
     for (const NodeSettings& node : settings_.nodes) {
       if (node.longitude && node.latitude) {
         return port::EarthPoint{.longitude = *node.longitude, .latitude = *node.latitude};

@@ -13,11 +13,11 @@ namespace etcm::firmware {
 
 namespace {
 
-constexpr double nano = 1e9;
+constexpr double nano_per_unit = 1e9;
 
 // None where it does not fit.
 std::optional<std::int64_t> to_nano(double value) {
-  const double scaled = value * nano;
+  const double scaled = value * nano_per_unit;
   if (!(std::abs(scaled) < 9.2e18)) return std::nullopt;
   return std::llround(scaled);
 }
@@ -61,7 +61,7 @@ void SensorWatch::observe(const ReadingSnapshot& readings, port::Instant now, po
       if (reading.quantity.value != number || reading.row == no_row) continue;
       disagreed_[reading.row] = watch.of(reading.row).disagrees;
       if (reading.is_stale || !reading.nano || reading.taken_at <= sampled_at_) continue;
-      values_[reading.row] = static_cast<double>(*reading.nano) / nano;
+      values_[reading.row] = static_cast<double>(*reading.nano) / nano_per_unit;
     }
     watch.observe(values_);
     for (const PublishedReading& reading : readings.readings) {
@@ -85,8 +85,9 @@ void SensorWatch::log_change(const PublishedReading& reading, const Quantity& qu
     return;
   }
   const std::string read =
-      reading.nano ? "of " + text_of(static_cast<double>(*reading.nano) / nano, quantity) + " "
-                   : "";
+      reading.nano
+          ? "of " + text_of(static_cast<double>(*reading.nano) / nano_per_unit, quantity) + " "
+          : "";
   const std::string expected =
       agreement.expected ? ", by which it would be " + text_of(*agreement.expected, quantity) : "";
   log.write(port::Level::warning, who + read +
