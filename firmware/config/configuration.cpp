@@ -109,6 +109,37 @@ class AnchoredPart {
   std::vector<const FeatureSettings*> features_;  // of ends_
 };
 
+// A device that neither tells a place nor was surveyed would wait for one for ever.
+void check_unsurveyed(Settings& settings) {
+  for (const BusSettings& bus : settings.buses) {
+    for (const DeviceSettings& device : bus.devices) {
+      const Profile* const profile = find_profile(settings, device.profile);
+      if (profile == nullptr || profile->positioning != Profile::Positioning::surveyed) continue;
+      for (const UnitRange range : device.units) {
+        for (const ModbusAddress unit : range) {
+          const NodeSettings* const node = node_at(settings, bus, unit);
+          if (node != nullptr && node->position) continue;
+          settings.warnings.push_back(
+              device.source + ": unit " + std::to_string(unit.value) + " of " + bus.name +
+              " does not tell where it stands, and nobody says it; add a [[node]] with its place, "
+              "or a Point with \"unit\" to the site file");
+        }
+      }
+    }
+  }
+}
+
+// Whoever is surveyed outside of the domain was probably not: its coordinates are swapped.
+void check_surveyed(Settings& settings) {
+  for (const NodeSettings& node : settings.nodes) {
+    if (!node.position || settings.domain.place_of(*node.position) == DomainPlace::inside) continue;
+    settings.warnings.push_back(node.source + ": unit " + std::to_string(node.address) + " of " +
+                                node.bus + " stands outside the domain of the site" +
+                                (node.longitude ? "; are longitude and latitude swapped?"
+                                                : "; correct its place, or the outline"));
+  }
+}
+
 }  // namespace
 
 Settings read_configuration(const std::string& path, port::ProjectionSource* projections,
@@ -117,6 +148,10 @@ Settings read_configuration(const std::string& path, port::ProjectionSource* pro
   // Without good settings the site cannot be placed in a mesh.
   if (validate(settings.mesh) == Status::ok) read_site(settings, projections, mistakes);
   if (mistakes.empty()) check_site(path, settings, mistakes);
+  if (mistakes.empty()) {
+    check_unsurveyed(settings);
+    check_surveyed(settings);
+  }
   return settings;
 }
 

@@ -178,6 +178,20 @@ void check_against(TomlTable& toml_table, const BusSettings& bus, const BusSetti
 
 // ---- Lists of tables.
 
+// A unit is one device.
+void check_device(TomlTable& toml_table, const BusSettings& bus, const DeviceSettings& device) {
+  for (const UnitRange range : device.units) {
+    for (const ModbusAddress unit : range) {
+      const DeviceSettings* const other = device_at(bus, unit);
+      if (other == nullptr) continue;
+      toml_table.mistake(*toml_table.find("units"), "unit " + std::to_string(unit.value) +
+                                                        " is in the [[bus.device]] of " +
+                                                        other->source + " too; take it out of one");
+      return;
+    }
+  }
+}
+
 // Units of the bus that are other devices, or need a timeout of their own.
 void read_device(TomlTable& toml_table, const Settings& settings, BusSettings& bus) {
   const KeyTable& table = key_table("bus.device");
@@ -192,10 +206,13 @@ void read_device(TomlTable& toml_table, const Settings& settings, BusSettings& b
     if (toml_table.find("pause") == nullptr) device.pause = profile->pause;
   } else if (name != nullptr && device.profile != node_profile) {
     std::string known = node_profile;
-    for (const Profile& other : settings.device_profiles) known += ", " + other.name;
+    for (const Profile& other : settings.device_profiles) {
+      if (!other.name.empty()) known += ", " + other.name;
+    }
     toml_table.mistake(*name, "there is no profile '" + device.profile + "'; take one of " + known +
                                   ", or write a [[profile]]");
   }
+  check_device(toml_table, bus, device);
   for (const UnitRange range : device.units) {
     for (const ModbusAddress unit : range) {
       if (!has_unit(bus, unit)) bus.units.push_back({.first = unit.value, .last = unit.value});

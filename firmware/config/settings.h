@@ -90,7 +90,7 @@ struct BusSettings {
   port::Duration scan_budget{};     // of each interval, where others want the bus
   WordOrder word_order = WordOrder::abcd;
   port::Duration timeout{};
-  std::vector<DeviceSettings> devices{};  // of a unit that is in several the last one counts
+  std::vector<DeviceSettings> devices{};  // a unit is in one at the most
   port::Duration quiet{};                 // of a serial line, after a wait in vain
   std::uint32_t outstanding_max = 0;
   std::optional<LineSettings> send_enable;  // switches the transceiver of a serial line

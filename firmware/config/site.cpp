@@ -78,7 +78,8 @@ Position SiteGrid::place_from_earth(std::size_t line, const std::string& where, 
   } else if (!is_degree(x, 180) || !is_degree(y, 90)) {
     fail(
         "is no longitude and latitude in degrees, as the first position of the file is; correct "
-        "it");
+        "it, "
+        "or name what the file counts in by crs in [site], \"plane\" for a drawing");
   }
   const auto position = nearest_position(plane_, *place);
   if (!position) {

@@ -165,9 +165,15 @@ class Drawing {
   }
 
   // A feature of any other kind is a line like all others: maps have many kinds.
-  static Role role_of(const JsonValue& value, const std::string&) {
+  Role role_of(const JsonValue& value, const std::string& where) const {
     if (value.text == "domain") return Role::domain;
     if (value.text == "hole") return Role::hole;
+    std::string small = value.text;
+    std::transform(small.begin(), small.end(), small.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    if (small == "domain" || small == "hole") {
+      fail(value, where, "is '" + printable(value.text) + "'; write it as \"" + small + "\"");
+    }
     return Role::feature;
   }
 

@@ -1,5 +1,7 @@
 #include "firmware/status/bus_meter.h"
 
+#include <algorithm>
+
 namespace etcm::firmware {
 
 namespace {
@@ -22,7 +24,8 @@ void BusMeter::advance(port::Instant now) {
     if (!is_first) {
       const port::Duration busy = counters.busy - bus.before.busy;
       bus.use.utilisation = ratio(busy, passed);
-      bus.use.efficiency = ratio(counters.floor - bus.before.floor, busy);
+      // Behind an adapter with a buffer, or on a pty, a line is faster than its speed says.
+      bus.use.efficiency = std::min(1.0, ratio(counters.floor - bus.before.floor, busy));
     }
     bus.before = counters;
   }

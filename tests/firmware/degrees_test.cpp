@@ -194,7 +194,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"some_metres", "[10, 60], [569010, 7034000]", "", "",
               "site.geojson:3: features/0/geometry/coordinates/1: [569010, 7034000] is no "
               "longitude and latitude in degrees, as the first position of the file is; correct "
-              "it"},
+              "it, or name what the file counts in by crs in [site], \"plane\" for a drawing"},
         Wrong{"a_drawing", "[0, 0], [90, 60]", "unit = \"0.1\"\n", "",
               "site.geojson:3: features/0/geometry/coordinates/1: [90, 60] is beyond the plane of "
               "the mesh, which goes 16777216 units from its origin; set origin in [site] to a "
@@ -364,6 +364,32 @@ TEST_F(DegreesOnThePage, WhatIsNowhereOnTheEarthHasNoGeometry) {
             std::string::npos)
       << geojson;
   EXPECT_EQ(geojson.find("[[]"), std::string::npos) << geojson;
+}
+
+TEST_F(Degrees, ASurveyedPlaceOutsideTheDomainIsWarnedOf) {
+  folder_.write("site.geojson",
+                R"({"type": "FeatureCollection", "features": [{"type": "Feature",
+"properties": {"kind": "domain"}, "geometry": {"type": "Polygon",
+"coordinates": [[[10, 60], [10.01, 60], [10.01, 60.01], [10, 60.01], [10, 60]]]}}]})");
+  const Settings settings =
+      read("[site]\nfile = \"site.geojson\"\n",
+           "[[node]]\nunit = 5\nlongitude = \"10.02\"\nlatitude = \"60.005\"\n"
+           "[[node]]\nunit = 6\nlongitude = \"10.005\"\nlatitude = \"60.005\"\n");
+  ASSERT_EQ(mistakes(), "");
+  ASSERT_EQ(settings.warnings.size(), 1u);
+  EXPECT_NE(settings.warnings[0].find("unit 5 of yard stands outside the domain of the site; are "
+                                      "longitude and latitude swapped?"),
+            std::string::npos)
+      << settings.warnings[0];
+}
+
+TEST_F(Degrees, ADeviceOfWhichNobodySaysWhereItStandsIsWarnedOf) {
+  const Settings settings = read("", "[[node]]\nunit = 5\nlongitude = \"10\"\nlatitude = \"60\"\n");
+  ASSERT_EQ(mistakes(), "");
+  ASSERT_EQ(settings.warnings.size(), 1u);
+  EXPECT_NE(settings.warnings[0].find("unit 6 of yard does not tell where it stands"),
+            std::string::npos)
+      << settings.warnings[0];
 }
 
 TEST_F(Degrees, AReloadMovesWhatWasSurveyed) {

@@ -201,6 +201,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"flat_ring", geometry("Polygon", "[[[0,0],[1,0],[0,0]]]"),
               "features/0/geometry/coordinates/0: the ring has no area; give it three different "
               "corners at least"},
+        Wrong{"kind", geometry("Polygon", "[[[0,0],[1,0],[1,1],[0,0]]]", "{\"kind\": \"Domain\"}"),
+              "features/0/properties/kind: is 'Domain'; write it as \"domain\""},
         Wrong{"line_as_domain", geometry("LineString", "[[0,0],[1,0]]", "{\"kind\": \"domain\"}"),
               "features/0/geometry: a LineString cannot be a domain or a hole; draw it as a "
               "Polygon, or take its 'kind' out"},

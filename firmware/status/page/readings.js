@@ -36,12 +36,70 @@ export function valuesOn(mesh, ofSerial) {
     const reading = ofSerial.get(node.serial);
     if (node.id !== undefined && isFresh(reading)) values.set(node.id, reading.value);
   }
+  fill(mesh, ofSerial, values);
   const atNodes = new Map(values);
   for (const point of mesh.steiner) {
     const value = betweenNodes(mesh, point, atNodes);
     if (value !== undefined) values.set(point.id, value);
   }
   return values;
+}
+
+// Where no sensor is (anchors, nodes that measure something else) the value is the mean of those
+// around, the near ones first, so that a map of few sensors has no holes. A sensor that is stale or
+// says nothing is one that is there: it stays bare.
+const fillRounds = 200;
+
+function fill(mesh, ofSerial, values) {
+  const bare = [...mesh.points.values()]
+    .filter((point) => point.kind !== "steiner" && !values.has(point.id) && !ofSerial.has(point.serial))
+    .map((point) => [point.id, weightsAround(mesh, point)]);
+  for (let round = 0; round < fillRounds; ++round) {
+    let greatest = 0;
+    for (const [id, around] of bare) {
+      const value = meanOf(around, values);
+      if (value === undefined) continue;
+      const before = values.get(id);
+      values.set(id, value);
+      greatest = before === undefined ? Infinity : Math.max(greatest, Math.abs(value - before));
+    }
+    if (!(greatest > 1e-6 * spreadOf(values))) return;
+  }
+}
+
+function meanOf(around, values) {
+  let sum = 0;
+  let weight = 0;
+  for (const [id, near] of around) {
+    const value = values.get(id);
+    if (value === undefined) continue;
+    sum += near * value;
+    weight += near;
+  }
+  return weight > 0 ? sum / weight : undefined;
+}
+
+function spreadOf(values) {
+  let [least, most] = [Infinity, -Infinity];
+  for (const value of values.values()) [least, most] = [Math.min(least, value), Math.max(most, value)];
+  return most - least;
+}
+
+// The points around it and, through Steiner vertices, behind these: [id, 1 / distance].
+function weightsAround(mesh, point) {
+  const found = new Map();
+  const add = (id) => {
+    const at = mesh.points.get(id);
+    if (at && at !== point && at.kind !== "steiner") {
+      found.set(id, 1 / Math.max(1e-9, Math.hypot(at.x - point.x, at.y - point.y)));
+    }
+    return at;
+  };
+  for (const id of point.neighbours) {
+    const at = add(id);
+    if (at?.kind === "steiner") at.neighbours.forEach(add);
+  }
+  return [...found];
 }
 
 export function isFresh(reading) { return Boolean(reading) && !reading.isStale && reading.value !== null; }
