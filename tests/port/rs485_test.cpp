@@ -94,7 +94,7 @@ TEST(Rs485Settings, WhatIsNoSerialPortRefuses) {
   EXPECT_TRUE(set_rs485(null.get(), {.mode = Rs485Mode::off}, why));
   EXPECT_EQ(why, "");
   EXPECT_FALSE(set_rs485(null.get(), {.mode = Rs485Mode::on}, why));
-  EXPECT_NE(why.find("TIOCGRS485: Inappropriate ioctl"), std::string::npos) << why;
+  EXPECT_NE(why.find("TIOCGRS485: "), std::string::npos) << why;
 }
 
 }  // namespace
