@@ -77,6 +77,9 @@ TEST(SerialPort, HasASpeedThatIsNotUsual) {
     for (int time = 0; time < 2; ++time) {
       std::string why;
       const FileDescriptor port = open_serial({.path = cable.path(), .baud = baud}, why);
+      if (why.find("TCGETS2: Function not implemented") != std::string::npos) {
+        GTEST_SKIP() << "this emulator knows usual speeds only";
+      }
       ASSERT_TRUE(port.is_open()) << baud << ": " << why;
       EXPECT_EQ(speed_of(port.get()), baud);
     }
