@@ -9,6 +9,7 @@
 
 #include "etcm/mesh.h"
 #include "firmware/config/site.h"
+#include "firmware/config/site_scale.h"
 #include "firmware/site/coverage_domain.h"
 
 namespace etcm::firmware {
@@ -151,6 +152,7 @@ Settings read_configuration(const std::string& path, port::ProjectionSource* pro
   if (mistakes.empty()) {
     check_unsurveyed(settings);
     check_surveyed(settings);
+    check_scale(settings);
   }
   return settings;
 }

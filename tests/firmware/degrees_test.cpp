@@ -366,6 +366,46 @@ TEST_F(DegreesOnThePage, WhatIsNowhereOnTheEarthHasNoGeometry) {
   EXPECT_EQ(geojson.find("[[]"), std::string::npos) << geojson;
 }
 
+TEST_F(Degrees, ACrsOfAnotherPartOfTheEarthIsWarnedOf) {
+  const auto warned = [&](const std::string& crs) {
+    const Settings settings =
+        draw("[10.4, 63.4], [10.41, 63.4]", "unit = 10\ncrs = \"" + crs + "\"\n");
+    EXPECT_EQ(mistakes(), "");
+    for (const std::string& warning : settings.warnings) {
+      if (warning.find("is made for another part of the earth") != std::string::npos)
+        return warning;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(warned("EPSG:25832"), "");
+  EXPECT_EQ(warned("EPSG:25833"), "");
+  EXPECT_NE(warned("EPSG:25828").find("at longitude 10.4000, latitude 63.4000 are 1."),
+            std::string::npos)
+      << warned("EPSG:25828");
+  EXPECT_NE(warned("EPSG:3857").find(" are 123."), std::string::npos)
+      << "web Mercator: " << warned("EPSG:3857");
+}
+
+// New York, Long Island, in US survey feet.
+TEST_F(Degrees, APlaneMayCountInFeet) {
+  const Settings settings = draw("[-73.8, 40.7], [-73.79, 40.7]", "crs = \"EPSG:2263\"\n");
+  ASSERT_EQ(mistakes(), "");
+  for (const std::string& warning : settings.warnings) {
+    EXPECT_EQ(warning.find("lengths at"), std::string::npos) << warning;
+  }
+}
+
+TEST_F(Degrees, ASwappedOriginIsWarnedOf) {
+  const Settings settings =
+      draw("[10.4, 63.4], [10.41, 63.4]", "unit = 1000\norigin = [\"63.4\", \"10.4\"]\n");
+  ASSERT_EQ(mistakes(), "");
+  ASSERT_FALSE(settings.warnings.empty());
+  EXPECT_NE(settings.warnings.back().find("are longitude and latitude swapped, here or in the "
+                                          "origin of [site]?"),
+            std::string::npos)
+      << settings.warnings.back();
+}
+
 TEST_F(Degrees, ASurveyedPlaceOutsideTheDomainIsWarnedOf) {
   folder_.write("site.geojson",
                 R"({"type": "FeatureCollection", "features": [{"type": "Feature",
