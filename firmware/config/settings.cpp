@@ -427,13 +427,12 @@ port::Duration exchange_floor(const port::SerialLine& line) {
 }
 
 const DeviceSettings* device_at(const BusSettings& bus, ModbusAddress address) {
-  const DeviceSettings* found = nullptr;
   for (const DeviceSettings& device : bus.devices) {
     for (const UnitRange range : device.units) {
-      if (range.contains(address)) found = &device;
+      if (range.contains(address)) return &device;
     }
   }
-  return found;
+  return nullptr;
 }
 
 port::Duration timeout_of(const BusSettings& bus, ModbusAddress address) {

@@ -121,9 +121,9 @@ void MeshDocument::write_lines_head(const char* kind, const Cursor& cursor,
 
 void MeshDocument::write_line(Cursor& cursor, std::uint32_t from_row, std::uint32_t to_row,
                               TextWriter& piece) const {
-  const Point& from = snapshot_.vertices[from_row].point;
-  const Point& to = snapshot_.vertices[to_row].point;
-  if (is_in_degrees() && (!earth_point(plane_, from) || !earth_point(plane_, to))) return;
+  const ShownPoint from = in_frame(snapshot_.vertices[from_row].point);
+  const ShownPoint to = in_frame(snapshot_.vertices[to_row].point);
+  if (!is_shown(from) || !is_shown(to)) return;
   piece << cursor.separator() << "[";
   write_coordinates(from, piece);
   piece << ",";
@@ -174,33 +174,37 @@ void MeshDocument::write_hole(Cursor& cursor, TextWriter& piece) const {
   piece << "\"kind\":\"hole\",\"distance\":" << hole.distance << "}}";
 }
 
-void MeshDocument::write_coordinates(Point place, TextWriter& piece) const {
+MeshDocument::ShownPoint MeshDocument::in_frame(const Point& point) const {
+  return {.point = point, .degrees = is_in_degrees() ? earth_point(plane_, point) : std::nullopt};
+}
+
+void MeshDocument::write_coordinates(const ShownPoint& place, TextWriter& piece) const {
   piece << "[";
-  if (!is_in_degrees()) {
-    write_plane_place(place, ",", piece);
-  } else if (const auto degrees = earth_point(plane_, place)) {
-    write_degrees(*degrees, ",", piece);
+  if (is_in_degrees()) {
+    write_degrees(*place.degrees, ",", piece);
+  } else {
+    write_plane_place(place.point, ",", piece);
   }
   piece << "]";
 }
 
-void MeshDocument::write_place(Point place, TextWriter& piece) const {
-  const std::optional<port::EarthPoint> degrees = earth_point(plane_, place);
-  if (is_in_degrees() && !degrees) {
-    piece << "null";
-  } else {
+void MeshDocument::write_place(const Point& point, TextWriter& piece) const {
+  const ShownPoint place{.point = point, .degrees = earth_point(plane_, point)};
+  if (is_shown(place)) {
     piece << "{\"type\":\"Point\",\"coordinates\":";
     write_coordinates(place, piece);
     piece << "}";
+  } else {
+    piece << "null";
   }
   piece << ",\"properties\":{";
   if (is_in_degrees()) {
     piece << "\"x\":";
-    write_plane_place(place, ",\"y\":", piece);
+    write_plane_place(point, ",\"y\":", piece);
     piece << ",";
-  } else if (degrees) {
+  } else if (place.degrees) {
     piece << "\"longitude\":";
-    write_degrees(*degrees, ",\"latitude\":", piece);
+    write_degrees(*place.degrees, ",\"latitude\":", piece);
     piece << ",";
   }
 }

@@ -21,6 +21,8 @@
 // or, where the device has no valid one, null; when it is stale, "stale reading NAME (UNIT)".
 #pragma once
 
+#include <optional>
+
 #include "firmware/polling/poller.h"
 #include "firmware/publish/reading_snapshot.h"
 #include "firmware/publish/snapshot.h"
@@ -68,11 +70,18 @@ class MeshDocument final : public Document {
   void write_relay(Cursor& cursor, TextWriter& piece) const;
   void write_hole(Cursor& cursor, TextWriter& piece) const;
   bool is_in_degrees() const { return frame_ == Frame::degrees && plane_.projection != nullptr; }
-  // "[10.4,63.4]". REQUIRES: in degrees, the place is on the earth.
-  void write_coordinates(Point place, TextWriter& piece) const;
-  // A geometry (null for what is nowhere on the earth) and "properties":{ with the place in the
-  // other frame, to be completed.
-  void write_place(Point place, TextWriter& piece) const;
+  struct ShownPoint {
+    Point point;
+    std::optional<port::EarthPoint> degrees;  // none: not asked for, or nowhere on the earth
+  };
+  ShownPoint in_frame(const Point& point) const;
+  // Whether it has coordinates in this frame.
+  bool is_shown(const ShownPoint& place) const { return !is_in_degrees() || place.degrees; }
+  // "[10.4,63.4]". REQUIRES: is_shown().
+  void write_coordinates(const ShownPoint& place, TextWriter& piece) const;
+  // A geometry (null for what is not shown) and "properties":{ with the place in the other frame,
+  // to be completed.
+  void write_place(const Point& point, TextWriter& piece) const;
   void write_vertex(Cursor& cursor, TextWriter& piece) const;
   void write_along(std::uint32_t row, TextWriter& piece) const;
   void write_vertex_head(const SnapshotVertex& vertex, std::uint32_t row, TextWriter& piece) const;
