@@ -5,43 +5,93 @@
 #include "conforming/prune.h"
 #include "triangulation/change.h"
 #include "triangulation/mesh_state.h"
+#include "triangulation/segment_store.h"
 
 namespace etcm::internal {
+namespace {
 
-Status conform_features(Change& change, FeatureList& features) noexcept {
+// All features are linked before the first is laid: where a policy asks which features meet at a
+// node, the answer must not depend on which of them have been laid.
+Status link_features(Change& change, FeatureList& features, PendingSegments& pending) noexcept {
   MeshState& m = change.mesh;
   features.sort(m);
-  // What is an edge already, or can be by flipping ties, comes first: then no split ignores it.
-  for (FeatureList::Cursor at(m, features); !at.root().is_none();) {
-    const SegmentId root = at.root();
+  for (FeatureList::Cursor at(m, features); !at.segment().is_none();) {
+    const SegmentId root = at.segment();
     const SurveyResult surveyed = survey(m, root);
     if (surveyed.status != Status::ok) return surveyed.status;
-    if (!surveyed.is_present) {
-      at.advance();
-      continue;
-    }
     at.take();
     link_feature(change, root, surveyed.nodes_between);
-    const Status status = conform(change);
-    if (status != Status::ok) return status;
+    for (SegmentId s = root; !s.is_none(); s = m.segment(s).next) pending.push(m, s);
   }
-  const bool is_whole = change.extent == Change::Extent::whole;
-  if (is_whole) clear_touched(change);
-  for (FeatureList::Cursor at(m, features); !at.root().is_none();) {
-    const SegmentId root = at.root();
-    const SurveyResult surveyed = survey(m, root);
-    if (surveyed.status != Status::ok) return surveyed.status;
-    at.take();
-    link_feature(change, root, surveyed.nodes_between);
-    const Status status = conform(change);
+  return Status::ok;
+}
+
+// Two that run along each other lie side by side in canonical order. No later step would see it:
+// an edge is known to be that of the first segment found between its ends.
+Status find_repeated(Change& change, PendingSegments& pending) noexcept {
+  MeshState& m = change.mesh;
+  SegmentId before{};
+  for (PendingSegments::Cursor at(m, pending); !at.segment().is_none(); at.advance()) {
+    const SegmentId s = at.segment();
+    if (!before.is_none() && !precedes(m, before, s)) return reject_meeting(m, s, before);
+    before = s;
+  }
+  return Status::ok;
+}
+
+// What can be an edge as it is. Then no split ignores it.
+Status lay_edges(Change& change, PendingSegments& pending) noexcept {
+  MeshState& m = change.mesh;
+  for (PendingSegments::Cursor at(m, pending); !at.segment().is_none();) {
+    Subsegment whole;
+    const Status status = survey_segment(m, at.segment(), whole);
     if (status != Status::ok) return status;
-    // Before the next feature: what is needless is in its way too, and takes room.
-    if (is_whole) {
-      prune(change);
-      clear_touched(change);
+    if (can_be_edge(m, whole)) {
+      constrain_subsegment(m, whole);
+      at.take();
+    } else {
+      at.advance();
     }
   }
   return Status::ok;
+}
+
+Status lay_segment(Change& change, SegmentId s) noexcept {
+  MeshState& m = change.mesh;
+  Subsegment first;
+  Status status = survey_segment(m, s, first);
+  touch(change, s);
+  make_dirty(change, s);
+  if (status == Status::ok) status = conform(change);
+  if (status == Status::ok && change.extent == Change::Extent::whole) {
+    // Before the next segment: what is needless is in its way too, and takes room.
+    prune(change);
+    clear_touched(change);
+  }
+  return status;
+}
+
+}  // namespace
+
+Status lay_segments(Change& change, PendingSegments& pending) noexcept {
+  MeshState& m = change.mesh;
+  pending.sort(m);
+  Status status = find_repeated(change, pending);
+  if (status == Status::ok) status = lay_edges(change, pending);
+  if (change.extent == Change::Extent::whole) clear_touched(change);
+  while (status == Status::ok && !pending.is_empty()) {
+    status = lay_segment(change, pending.pop(m));
+  }
+  while (!pending.is_empty()) make_dirty(change, pending.pop(m));
+  return status;
+}
+
+Status conform_features(Change& change, FeatureList& features) noexcept {
+  PendingSegments pending;
+  Status status = link_features(change, features, pending);
+  if (status == Status::ok) return lay_segments(change, pending);
+  pending.clear(change.mesh);
+  return status;
 }
 
 }  // namespace etcm::internal

@@ -1,12 +1,18 @@
-// Several features at once, each linked and conformed in canonical order.
+// Several features or segments at once, each laid in canonical order.
 #pragma once
 
 #include "triangulation/change.h"
 
 namespace etcm::internal {
 
-// Links and conforms features, first those that need no Steiner vertex, then the others one by one,
-// each in canonical order. Those it has not come to stay in the list.
+// Links the features, then lays their segments. Those that could not be linked stay in the list.
+// Errors: those of survey() and of lay_segments().
 Status conform_features(Change& change, FeatureList& features) noexcept;
+
+// Makes segments that are linked, but have no marks and no Steiner vertices yet, unions of edges:
+// first those that need no Steiner vertex, then the others one by one, each in canonical order.
+// Errors: the room-and-bounds codes, and crossing_features, overlapping_features and
+// repeated_feature, with error_detail set; what has not been laid is dirty then.
+Status lay_segments(Change& change, PendingSegments& pending) noexcept;
 
 }  // namespace etcm::internal

@@ -36,6 +36,15 @@ void detach(Change& change, VertexId steiner) noexcept {
   change.detached = steiner;
 }
 
+namespace {
+
+// What of a segment is not yet laid may meet another segment's vertices: there its own have ended.
+bool stands_on(const MeshState& m, VertexId v, SegmentId s) noexcept {
+  return m.owner(v).role() != Role::node && m.owner(v).segment() == s;
+}
+
+}  // namespace
+
 void strip_segment(Change& change, SegmentId s) noexcept {
   MeshState& m = change.mesh;
   touch(change, s);
@@ -43,6 +52,7 @@ void strip_segment(Change& change, SegmentId s) noexcept {
   for (;;) {
     const Subsegment subsegment = march(m, from, to);
     if (subsegment.tail != to) {
+      if (!stands_on(m, subsegment.tail, s)) return;
       detach(change, subsegment.tail);
       continue;
     }
@@ -60,6 +70,7 @@ void drop_fresh(Change& change) noexcept {
     VertexId v = m.segment(s).from;
     while (v != end) {
       const VertexId w = march(m, v, end).tail;
+      if (w != end && !stands_on(m, w, s)) break;
       if (m.owner(w).role() == Role::fresh) {
         detach(change, w);
       } else {

@@ -19,17 +19,37 @@ Status refuse(MeshState& m, Status status, SegmentId root, SegmentId other) noex
   return status;
 }
 
-SegmentId segment_at(const MeshState& m, Edge e) noexcept {
-  return segment_of_edge(m, m.topology.origin(e), m.topology.target(e));
+// The segment of a marked edge; where two stand on it, not the one that is asked for.
+SegmentId segment_at(const MeshState& m, Edge e, SegmentId asking) noexcept {
+  const VertexId u = m.topology.origin(e), v = m.topology.target(e);
+  SegmentId s = segment_of_edge(m, u, v);
+  if (s != asking) return s;
+  for (s = next_at(m, s, u); !s.is_none(); s = next_at(m, s, u)) {
+    const SegmentRecord& r = m.segment(s);
+    if (r.from == v || r.to == v) return s;
+  }
+  return s;
+}
+
+// The other segment that a subsegment of s meets: runs along, crosses, or touches in one of its
+// Steiner vertices.
+SegmentId met_by(const MeshState& m, SegmentId s, const Subsegment& subsegment) noexcept {
+  if (subsegment.is_edge && m.topology.is_constrained(subsegment.edge)) {
+    return segment_at(m, subsegment.edge, s);
+  }
+  if (!subsegment.constrained.is_none()) return segment_at(m, subsegment.constrained, s);
+  const Owner owner = m.owner(subsegment.tail);
+  return owner.role() == Role::node ? SegmentId::none() : owner.segment();
 }
 
 // What is wrong with a feature that meets a part of another.
 Status fault_of(const MeshState& m, SegmentId root, SegmentId other) noexcept {
-  const SegmentRecord& r = m.segment(root);
+  const FeatureEnds ours = ends_of(m, root);
   const FeatureEnds theirs = ends_of(m, SegmentId{feature_of(m, other).value});
-  if (theirs.from == r.from && theirs.to == r.to) return Status::repeated_feature;
-  const bool is_along = orient2d_fast(m.at(r.from), m.at(r.to), m.at(theirs.from)) == 0 &&
-                        orient2d_fast(m.at(r.from), m.at(r.to), m.at(theirs.to)) == 0;
+  if (theirs.from == ours.from && theirs.to == ours.to) return Status::repeated_feature;
+  const Point &from = m.at(ours.from), &to = m.at(ours.to);
+  const bool is_along = orient2d_fast(from, to, m.at(theirs.from)) == 0 &&
+                        orient2d_fast(from, to, m.at(theirs.to)) == 0;
   return is_along ? Status::overlapping_features : Status::crossing_features;
 }
 
@@ -89,19 +109,11 @@ SurveyResult survey(MeshState& m, SegmentId root) noexcept {
   std::uint32_t& nodes_between = surveyed.nodes_between;
   for (VertexId v = r.from; v != r.to;) {
     const Subsegment subsegment = march(m, v, r.to);
-    SegmentId other{};
-    if (subsegment.is_edge && m.topology.is_constrained(subsegment.edge)) {
-      other = segment_at(m, subsegment.edge);
-    } else if (!subsegment.constrained.is_none()) {
-      other = segment_at(m, subsegment.constrained);
-    } else if (m.owner(subsegment.tail).role() != Role::node) {
-      other = m.owner(subsegment.tail).segment();
-    }
+    const SegmentId other = met_by(m, root, subsegment);
     if (!other.is_none()) {
-      surveyed.status = refuse(m, fault_of(m, root, other), root, other);
+      surveyed.status = reject_meeting(m, root, other);
       return surveyed;
     }
-    if (surveyed.is_present) surveyed.is_present = can_be_edge(m, subsegment);
     v = subsegment.tail;
     if (v != r.to) ++nodes_between;
   }
@@ -111,6 +123,18 @@ SurveyResult survey(MeshState& m, SegmentId root) noexcept {
     surveyed.status = refuse(m, Status::out_of_features, root, SegmentId::none());
   }
   return surveyed;
+}
+
+Status survey_segment(MeshState& m, SegmentId s, Subsegment& first) noexcept {
+  first = march(m, m.segment(s).from, m.segment(s).to);
+  const SegmentId other = met_by(m, s, first);
+  if (other.is_none()) return Status::ok;
+  return reject_meeting(m, s, other);
+}
+
+Status reject_meeting(MeshState& m, SegmentId s, SegmentId other) noexcept {
+  const SegmentId root{feature_of(m, s).value};
+  return refuse(m, fault_of(m, root, other), root, other);
 }
 
 void link_feature(Change& change, SegmentId root, std::uint32_t nodes_between) noexcept {
@@ -128,11 +152,9 @@ void link_feature(Change& change, SegmentId root, std::uint32_t nodes_between) n
     touch(change, rest);
     cut_segment(m, s, v, rest);
     touch(change, s);
-    make_dirty(change, s);
     s = rest;
   }
   touch(change, s);
-  make_dirty(change, s);
   // In the order in which they were used: the next lay on the old line gives each its old place.
   SegmentId* end_of_spare = &left_over;
   while (!end_of_spare->is_none()) end_of_spare = &m.segment(*end_of_spare).next;

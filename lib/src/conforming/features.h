@@ -2,19 +2,25 @@
 #pragma once
 
 #include "triangulation/change.h"
+#include "triangulation/march.h"
 
 namespace etcm::internal {
 
 // Follows the line of a feature that is not linked (its root segment holds its two ends), and says
-// whether it may lie there. Errors: crossing_features, overlapping_features, repeated_feature,
-// out_of_features; error_detail is set.
+// whether it may lie there among those that have been laid. Errors: crossing_features,
+// overlapping_features, repeated_feature, out_of_features; error_detail is set.
 struct SurveyResult {
   Status status = Status::ok;
-  bool is_present = true;  // every subsegment is an edge or can be one
   std::uint32_t nodes_between = 0;
 };
 SurveyResult survey(MeshState& m, SegmentId root) noexcept;
-// Links it: one segment from node to node, all of them dirty. After a survey that answered ok.
+// The same for a segment that is linked and not laid. `first` is where it leaves its smaller end:
+// all of it where the answer is ok.
+Status survey_segment(MeshState& m, SegmentId s, Subsegment& first) noexcept;
+// Answers with what is wrong with the feature of a segment that meets another, and sets
+// error_detail.
+Status reject_meeting(MeshState& m, SegmentId s, SegmentId other) noexcept;
+// Links it: one segment from node to node. After a survey that answered ok.
 void link_feature(Change& change, SegmentId root, std::uint32_t nodes_between) noexcept;
 // Unlinks it, Steiner vertices and marks included; the recycled segments stay with the root, so
 // that linking it again on the same line gives each its old place.

@@ -1,5 +1,5 @@
-// Everything at once: nodes along a Hilbert curve, then features; the same with the Steiner
-// vertices of an earlier mesh; and the same features afresh.
+// Everything at once: nodes along a Hilbert curve, then features; or with the Steiner vertices of
+// an earlier mesh.
 #include "conforming/conform.h"
 #include "conforming/conform_features.h"
 #include "conforming/detach.h"
@@ -38,32 +38,37 @@ bool is_bad_input(Status status) noexcept {
 // While they are inserted nodes go by their place along the curve, so that what lies together is
 // stored together: a large mesh is built out of caches. Each one's owner holds its own id.
 void number_along_curve(MeshState& m, std::span<const Position> nodes) noexcept {
-  const OrderEntry* order =
-      hilbert_order(nodes, m.triangle_memory, m.config.vertices_max * bytes_per_vertex_triangles);
+  const OrderEntry* order = hilbert_order(m);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (i + 8 < nodes.size()) __builtin_prefetch(&nodes[order[i + 8].vertex - 1]);
     m.points[i + 1] = to_point(nodes[order[i].vertex - 1]);
     m.owners[i + 1] = Owner(Role::node, SegmentId{static_cast<IdValue>(order[i].vertex)});
   }
-  m.vertex_end = static_cast<IdValue>(nodes.size() + 1);
 }
 
 VertexId own_id(const MeshState& m, VertexId v) noexcept {
   return v == infinite_vertex ? v : VertexId{m.owner(v).segment().value};
 }
 
-void number_as_given(MeshState& m, std::span<const Position> nodes) noexcept {
-  m.topology.rename_vertices([&m](VertexId v) { return own_id(m, v); });
-  if (!m.only_vertex.is_none()) m.only_vertex = own_id(m, m.only_vertex);
+void set_nodes(MeshState& m, std::span<const Position> nodes) noexcept {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     m.points[i + 1] = to_point(nodes[i]);
     m.owners[i + 1] = Owner(Role::node, SegmentId::none());
   }
+  m.vertex_end = static_cast<IdValue>(nodes.size() + 1);
+  m.node_count = static_cast<std::uint32_t>(nodes.size());
+}
+
+void number_as_given(MeshState& m, std::span<const Position> nodes) noexcept {
+  m.topology.rename_vertices([&m](VertexId v) { return own_id(m, v); });
+  if (!m.only_vertex.is_none()) m.only_vertex = own_id(m, m.only_vertex);
+  set_nodes(m, nodes);
 }
 
 Status insert_nodes(Change& change, std::span<const Position> nodes) noexcept {
   MeshState& m = change.mesh;
   if (nodes.empty()) return Status::ok;
+  set_nodes(m, nodes);
   number_along_curve(m, nodes);
   for (IdValue i = 1; i < m.vertex_end; ++i) {
     const VertexId v{i};
@@ -75,7 +80,6 @@ Status insert_nodes(Change& change, std::span<const Position> nodes) noexcept {
       return Status::duplicate_vertex;
     }
     insert_vertex(change, v, found);
-    ++m.node_count;
   }
   number_as_given(m, nodes);
   spread_hints(m, nullptr);
@@ -131,7 +135,6 @@ Status link_all(Change& change, FeatureList& list) noexcept {
     const SurveyResult surveyed = survey(m, root);
     if (surveyed.status != Status::ok) return surveyed.status;
     link_feature(change, root, surveyed.nodes_between);
-    change.dirty.clear(m);
   }
   clear_touched(change);
   return Status::ok;
@@ -188,17 +191,11 @@ Status constrain_segment(MeshState& m, SegmentId s) noexcept {
   return Status::ok;
 }
 
-// A build ends early. Features not begun are linked, so that their missing subsegments count too.
+// A build ends early: what it has not come to is dirty.
 // Not inline, or the deepest call, a build that goes on, would have the room of this too.
-[[gnu::noinline]] Status keep_what_stands(Mesh& mesh, Change& change, FeatureList& pending,
-                                          Status status) noexcept {
+[[gnu::noinline]] Status keep_what_stands(Change& change, Status status) noexcept {
   MeshState& m = change.mesh;
   const ErrorDetail error_detail = m.error_detail;
-  for (SegmentId root = pending.pop(m); !root.is_none(); root = pending.pop(m)) {
-    const SurveyResult surveyed = survey(m, root);
-    if (surveyed.status != Status::ok) return reject(mesh, change, surveyed.status);
-    link_feature(change, root, surveyed.nodes_between);
-  }
   m.unresolved = constrain_rest(change);
   ETCM_VERIFY_THAT(m.unresolved != 0);
   end_change(change);
@@ -218,7 +215,7 @@ Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds>
   if (nodes_stand != nullptr) nodes_stand(context);
   status = conform_features(change, pending);
   if (is_bad_input(status)) return reject(*this, change, status);
-  if (status != Status::ok) return keep_what_stands(*this, change, pending, status);
+  if (status != Status::ok) return keep_what_stands(change, status);
   commit(change);
   return Status::ok;
 }
@@ -245,42 +242,6 @@ Status Mesh::restore(std::span<const Position> nodes, std::span<const FeatureEnd
   }
   if (status != Status::ok) return reject(*this, change, status);
   m.error_detail = ErrorDetail{};
-  return status;
-}
-
-Status Mesh::rebuild() noexcept {
-  MeshState& m = opened(*this, Call::rebuild);
-  Change change(m, Change::Extent::whole);
-  if (m.unresolved != 0) return m.error_detail.status = Status::mesh_unresolved;
-  FeatureList pending;
-  for (IdValue i = 0; i < m.segment_end; ++i) {
-    const SegmentId s{i};
-    if (!is_linked(m, s) || internal::feature_of(m, s).value != i) continue;
-    unlink_feature(change, s);
-    pending.push(m, s);
-  }
-  const Status status = conform_features(change, pending);
-  if (status == Status::ok) {
-    commit(change);
-    return status;
-  }
-  for (IdValue i = 0; i < m.segment_end; ++i) {
-    if (is_linked(m, SegmentId{i})) touch(change, SegmentId{i});
-  }
-  drop_fresh(change);
-  for (IdValue i = 0; i < m.segment_end; ++i) {
-    const SegmentId s{i};
-    if (m.segment(s).from.is_none() || internal::feature_of(m, s).value != i) continue;
-    if (is_linked(m, s)) unlink_feature(change, s);
-  }
-  change.dirty.clear(m);
-  pending.clear(m);
-  for (IdValue i = 0; i < m.segment_end; ++i) {
-    const SegmentId s{i};
-    if (m.segment(s).from.is_none() || internal::feature_of(m, s).value != i) continue;
-    link_feature(change, s, any_nodes_between);
-  }
-  restore_detached(change);
   return status;
 }
 

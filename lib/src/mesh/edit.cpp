@@ -161,10 +161,10 @@ FeatureList unlink_features_of(Change& change, VertexId v) noexcept {
 
 // A feature's ends after one of them has moved: the canonical direction may have turned.
 void turn_features(MeshState& m, FeatureList& list) noexcept {
-  for (FeatureList::Cursor at(m, list); !at.root().is_none(); at.advance()) {
-    const SegmentRecord& r = m.segment(at.root());
+  for (FeatureList::Cursor at(m, list); !at.segment().is_none(); at.advance()) {
+    const SegmentRecord& r = m.segment(at.segment());
     const bool reversed = (r.root & reversed_bit) != 0;
-    set_ends(m, at.root(), reversed ? r.to : r.from, reversed ? r.from : r.to);
+    set_ends(m, at.segment(), reversed ? r.to : r.from, reversed ? r.from : r.to);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <new>
 
 #include "geometry/wide_int.h"
+#include "triangulation/mesh_state.h"
 
 namespace etcm::internal {
 namespace {
@@ -64,17 +65,25 @@ void radix_sort(OrderEntry* entries, OrderEntry* buffer, std::size_t count, int 
 
 }  // namespace
 
-OrderEntry* hilbert_order(std::span<const Position> nodes, std::byte* memory,
-                          std::size_t bytes) noexcept {
-  const std::size_t count = nodes.size();
-  auto* const entries = ::new (memory + bytes - count * sizeof(OrderEntry)) OrderEntry[count];
-  auto* const buffer = ::new (memory + bytes - 2 * count * sizeof(OrderEntry)) OrderEntry[count];
-  Position low = nodes[0], high = nodes[0];
-  for (const Position& p : nodes) {
+OrderEntry* hilbert_order(const MeshState& m) noexcept {
+  const std::size_t count = m.node_count;
+  std::byte* const end = m.triangle_memory + m.config.vertices_max * bytes_per_vertex_triangles;
+  auto* const entries = ::new (end - count * sizeof(OrderEntry)) OrderEntry[count];
+  auto* const buffer = ::new (end - 2 * count * sizeof(OrderEntry)) OrderEntry[count];
+  const auto unit = [&m](IdValue i) {
+    return Position{static_cast<std::int32_t>(m.points[i].x >> subunit_bits),
+                    static_cast<std::int32_t>(m.points[i].y >> subunit_bits)};
+  };
+  Position low{position_max, position_max}, high{-position_max, -position_max};
+  std::size_t found = 0;
+  for (IdValue i = 1; i < m.vertex_end; ++i) {
+    if (m.owners[i].role() != Role::node) continue;
+    const Position p = unit(i);
     if (p.x < low.x) low.x = p.x;
     if (p.y < low.y) low.y = p.y;
     if (p.x > high.x) high.x = p.x;
     if (p.y > high.y) high.y = p.y;
+    entries[found++].vertex = i;
   }
   const auto width = static_cast<std::uint32_t>(high.x - low.x);
   const auto height = static_cast<std::uint32_t>(high.y - low.y);
@@ -84,9 +93,9 @@ OrderEntry* hilbert_order(std::span<const Position> nodes, std::byte* memory,
   int cell_bits = 0;
   while (((width | height) >> (cell_bits + levels)) != 0) ++cell_bits;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto x = static_cast<std::uint32_t>(nodes[i].x - low.x);
-    const auto y = static_cast<std::uint32_t>(nodes[i].y - low.y);
-    entries[i].vertex = static_cast<std::uint32_t>(i + 1);
+    const Position p = unit(static_cast<IdValue>(entries[i].vertex));
+    const auto x = static_cast<std::uint32_t>(p.x - low.x);
+    const auto y = static_cast<std::uint32_t>(p.y - low.y);
     entries[i].key = (round_of(entries[i].vertex) << (2 * levels)) |
                      hilbert_key(x >> cell_bits, y >> cell_bits, levels);
   }

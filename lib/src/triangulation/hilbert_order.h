@@ -1,22 +1,19 @@
-// The order in which build() inserts nodes.
+// The order in which many nodes are inserted at once.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <span>
 
-#include "etcm/types.h"
+#include "triangulation/mesh_state.h"
 
 namespace etcm::internal {
 
-// The order in which build() inserts nodes: along a Hilbert curve. Lives in the part of the
-// triangle memory that the growing mesh reaches last, each entry just read before it is
-// overwritten.
+// The nodes of the mesh, m.node_count of them and at least one, along a Hilbert curve. Lives in the
+// part of the triangle memory that a mesh which grows from nothing reaches last: each entry is just
+// read before it is overwritten.
 struct OrderEntry {
   std::uint32_t key;
   std::uint32_t vertex;
 };
-OrderEntry* hilbert_order(std::span<const Position> nodes, std::byte* memory,
-                          std::size_t bytes) noexcept;
+OrderEntry* hilbert_order(const MeshState& m) noexcept;
 
 }  // namespace etcm::internal

@@ -18,6 +18,12 @@ void SegmentList::clear(MeshState& m) noexcept {
   }
 }
 
+void SegmentList::Cursor::take() noexcept {
+  SegmentId& next = mesh_.segment(*slot_).next_listed;
+  *slot_ = next;
+  next = not_listed;
+}
+
 void SegmentList::push(MeshState& m, SegmentId s) noexcept {
   ETCM_VERIFY_THAT(m.segment(s).next_listed == not_listed);
   m.segment(s).next_listed = first_;
@@ -64,9 +70,15 @@ void SegmentList::sort(MeshState& m) noexcept {
     if (merges <= 1) return;
   }
 }
+
 void DirtySegments::add(MeshState& m, SegmentId s) noexcept {
   ETCM_VERIFY_THAT(is_linked(m, s));
   SegmentList::add(m, s);
+}
+
+void PendingSegments::push(MeshState& m, SegmentId s) noexcept {
+  ETCM_VERIFY_THAT(is_linked(m, s));
+  SegmentList::push(m, s);
 }
 
 void PruneQueue::push(MeshState& m, SegmentId s) noexcept {
@@ -89,12 +101,6 @@ void FeatureList::append(MeshState& m, FeatureList& other) noexcept {
   while (!end->is_none()) end = &m.segment(*end).next_listed;
   *end = other.first_;
   other.first_ = SegmentId::none();
-}
-
-void FeatureList::Cursor::take() noexcept {
-  SegmentId& next = mesh_.segment(*slot_).next_listed;
-  *slot_ = next;
-  next = not_listed;
 }
 
 }  // namespace etcm::internal

@@ -4,9 +4,9 @@
 // there are, and what it means to be in one, the types below say:
 //
 //   DirtySegments    linked into the mesh, with missing subsegments
+//   PendingSegments  linked into the mesh, but not laid: they have no marks and no Steiner vertices
 //   PruneQueue       linked into the mesh, with Steiner vertices that may be needless; none is
-//   dirty
-//                    meanwhile
+//                    dirty meanwhile
 //   FeatureList      roots of features that are not linked into the mesh
 //
 // So what a listed segment waits for can be told from the segment and from what is going on. Builds
@@ -22,6 +22,20 @@ class SegmentList {
   bool is_empty() const noexcept { return first_.is_none(); }
   SegmentId pop(MeshState& m) noexcept;  // none: it is empty
   void clear(MeshState& m) noexcept;
+
+  // Goes along a list and may take entries out.
+  class Cursor {
+   public:
+    Cursor(MeshState& m, SegmentList& list) noexcept : mesh_(m), slot_(&list.first_) {}
+    SegmentId segment() const noexcept { return *slot_; }  // none: at the end
+    void advance() noexcept { slot_ = &mesh_.segment(*slot_).next_listed; }
+    // Takes the segment out, and goes on to the next.
+    void take() noexcept;
+
+   private:
+    MeshState& mesh_;
+    SegmentId* slot_;
+  };
 
  protected:
   void push(MeshState& m, SegmentId s) noexcept;
@@ -48,26 +62,18 @@ class PruneQueue : public SegmentList {
   using SegmentList::sort;
 };
 
+class PendingSegments : public SegmentList {
+ public:
+  void push(MeshState& m, SegmentId s) noexcept;
+  using SegmentList::sort;
+};
+
 class FeatureList : public SegmentList {
  public:
   void push(MeshState& m, SegmentId root) noexcept;
   // Puts the entries of another list, which is empty then, behind these.
   void append(MeshState& m, FeatureList& other) noexcept;
   using SegmentList::sort;
-
-  // Goes along a list and may take entries out.
-  class Cursor {
-   public:
-    Cursor(MeshState& m, FeatureList& list) noexcept : mesh_(m), slot_(&list.first_) {}
-    SegmentId root() const noexcept { return *slot_; }  // none: at the end
-    void advance() noexcept { slot_ = &mesh_.segment(*slot_).next_listed; }
-    // Takes the root out, and goes on to the next.
-    void take() noexcept;
-
-   private:
-    MeshState& mesh_;
-    SegmentId* slot_;
-  };
 };
 
 }  // namespace etcm::internal
