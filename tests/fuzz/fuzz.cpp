@@ -11,6 +11,7 @@
 #include "etcm/audit.h"
 #include "inputs/random.h"
 #include "support/analysis_check.h"
+#include "support/canonical_life.h"
 #include "support/history.h"
 #include "support/meshes.h"
 
@@ -64,7 +65,18 @@ bool live(std::uint64_t seed) {
   return true;
 }
 
-int run(std::uint64_t first, std::uint64_t lives, std::uint64_t seconds) {
+bool live_canonical(std::uint64_t seed) {
+  CanonicalLife life(seed);
+  const testing::AssertionResult answer = life.live(300);
+  if (!answer) {
+    std::fprintf(stderr, "seed %llu, %s, %s\n", static_cast<unsigned long long>(seed),
+                 life.name().c_str(), answer.message());
+  }
+  return answer;
+}
+
+int run(bool (*live)(std::uint64_t), std::uint64_t first, std::uint64_t lives,
+        std::uint64_t seconds) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
   std::uint64_t failed = 0, lived = 0;
   while (lives != 0 ? lived < lives : std::chrono::steady_clock::now() < end) {
@@ -84,10 +96,14 @@ int main(int argc, char** argv) {
   CLI::App app{
       "Random lives of meshes, each change judged by brute force and audited, and then analysed"};
   std::uint64_t first = 1, lives = 0, seconds = 600;
+  bool is_canonical = false;
   app.add_option("--first", first, "the first seed; the next lives count up")
       ->capture_default_str();
   app.add_option("--lives", lives, "how many lives, instead of a time");
   app.add_option("--seconds", seconds, "for how long")->capture_default_str();
+  app.add_flag("--canonical", is_canonical,
+               "make the mesh canonical after its changes, and compare it with build()");
   CLI11_PARSE(app, argc, argv);
-  return etcm::test::run(first, lives, seconds);
+  using namespace etcm::test;
+  return run(is_canonical ? live_canonical : live, first, lives, seconds);
 }

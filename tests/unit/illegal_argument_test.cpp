@@ -60,6 +60,8 @@ const std::vector<Case> unopened{
     {Call::build, {}, "build", [](Mesh& m) { drop(m.build({}, {})); }},
     {Call::restore, {}, "restore", [](Mesh& m) { drop(m.restore({}, {}, {})); }},
     {Call::rebuild, {}, "rebuild", [](Mesh& m) { drop(m.rebuild()); }},
+    {Call::canonicalize, {}, "canonicalize", [](Mesh& m) { drop(m.canonicalize()); }},
+    {Call::is_canonical, {}, "is_canonical", [](Mesh& m) { drop(m.is_canonical()); }},
     {Call::join, {}, "join", [](Mesh& m) { drop(m.join({}, some_vertex)); }},
     {Call::leave, {}, "leave", [](Mesh& m) { drop(m.leave(v)); }},
     {Call::move, {}, "move", [](Mesh& m) { drop(m.move(v, {})); }},

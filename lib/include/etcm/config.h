@@ -38,7 +38,7 @@ Status validate(const MeshConfig& config) noexcept;
 // Bytes of one vertex (with its two triangles), of one feature segment, and of the fixed head.
 // Checked against the real layout when the library is compiled.
 inline constexpr std::size_t bytes_per_vertex_capacity = 16 + 14 * sizeof(IdValue);
-inline constexpr std::size_t bytes_per_feature_capacity = 10 * sizeof(IdValue);
+inline constexpr std::size_t bytes_per_feature_capacity = 12 * sizeof(IdValue);
 inline constexpr std::size_t bytes_fixed = 512;
 
 // The grid of hints for locate: 4^n cells, at most one for four vertices.

@@ -67,6 +67,8 @@ enum class Call : std::uint8_t {
   barrier_gaps,
   coverage_holes,
   interpolate,
+  canonicalize,
+  is_canonical,
 };
 
 enum class Fault : std::uint8_t {

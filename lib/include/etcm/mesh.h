@@ -112,8 +112,21 @@ class Mesh {
   Status restore(std::span<const Position> nodes, std::span<const FeatureEnds> features,
                  std::span<const SteinerPlace> steiner) noexcept;
 
-  // Drops every Steiner vertex and conforms afresh: the mesh is the one build() makes of the same
-  // nodes and features, whatever the history. All or nothing.
+  // Makes the mesh, whatever its history, the one that build() makes of the same nodes and
+  // features, bit for bit. Changes keep the mesh conforming at once, with Steiner vertices that
+  // depend on what was there before; this takes them back. Lays again what the changes can have had
+  // an influence on, group by group of features that depend on each other; the cost goes with
+  // those, and is at most that of rebuild(). It takes at most `steps_max` steps (config.h; 0: no
+  // bound). Between groups the mesh is whole: step_limit leaves what has been done, and the next
+  // call goes on, where it has steps enough for one group. Errors: mesh_unresolved, and the
+  // room-and-bounds codes: build() would answer the same, or the mesh has no room for the old and
+  // the new vertices of a group at once.
+  Status canonicalize(std::uint32_t steps_max = 0) noexcept;
+  // Whether it is known to be that mesh: canonicalize() would change nothing.
+  [[nodiscard]] bool is_canonical() const noexcept;
+
+  // Drops every Steiner vertex and conforms afresh: what canonicalize() comes to, however much is
+  // to be done. O(n log n), as build(). All or nothing.
   Status rebuild() noexcept;
 
   // A node joins. It may stand on a Steiner vertex (and takes its place), on a feature (which then

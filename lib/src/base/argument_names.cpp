@@ -15,6 +15,10 @@ const char* to_string(Call call) noexcept {
       return "restore";
     case Call::rebuild:
       return "rebuild";
+    case Call::canonicalize:
+      return "canonicalize";
+    case Call::is_canonical:
+      return "is_canonical";
     case Call::join:
       return "join";
     case Call::leave:

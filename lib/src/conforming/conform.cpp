@@ -7,6 +7,7 @@
 #include "conforming/conform.h"
 
 #include "conforming/feasible_parameter.h"
+#include "conforming/group.h"
 #include "geometry/predicates_inline.h"
 #include "triangulation/change.h"
 #include "triangulation/insert.h"
@@ -72,6 +73,9 @@ Status split(Change& change, SegmentId s, const Subsegment& subsegment, const Sp
   const bool from_head = t - site.head <= site.tail - t;
   insert_vertex(change, v,
                 find(m, m.at(v), from_head ? subsegment.head_edge : subsegment.tail_edge));
+  if (change.extent == Change::Extent::group && !stays_in_group(change, v)) {
+    return Status::step_limit;
+  }
   return Status::ok;
 }
 
@@ -95,7 +99,7 @@ Status conform_subsegment(Change& change, SegmentId s, Subsegment& subsegment,
   MeshState& m = change.mesh;
   is_whole = true;
   for (;;) {
-    const bool is_last = m.config.steps_max != 0 && change.steps >= m.config.steps_max;
+    const bool is_last = change.steps_max != 0 && change.steps >= change.steps_max;
     ++change.steps;
     if (can_be_edge(m, subsegment)) {
       constrain_subsegment(m, subsegment);

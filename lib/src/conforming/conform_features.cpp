@@ -63,7 +63,7 @@ Status lay_segment(Change& change, SegmentId s) noexcept {
   touch(change, s);
   make_dirty(change, s);
   if (status == Status::ok) status = conform(change);
-  if (status == Status::ok && change.extent == Change::Extent::whole) {
+  if (status == Status::ok && change.extent != Change::Extent::local) {
     // Before the next segment: what is needless is in its way too, and takes room.
     prune(change);
     clear_touched(change);
@@ -78,7 +78,7 @@ Status lay_segments(Change& change, PendingSegments& pending) noexcept {
   pending.sort(m);
   Status status = find_repeated(change, pending);
   if (status == Status::ok) status = lay_edges(change, pending);
-  if (change.extent == Change::Extent::whole) clear_touched(change);
+  if (change.extent != Change::Extent::local) clear_touched(change);
   while (status == Status::ok && !pending.is_empty()) {
     status = lay_segment(change, pending.pop(m));
   }

@@ -1,5 +1,6 @@
 #include "conforming/detach.h"
 
+#include "conforming/canonical.h"
 #include "triangulation/change.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
@@ -25,6 +26,7 @@ void detach(Change& change, VertexId steiner) noexcept {
   MeshState& m = change.mesh;
   touch_around(change, steiner);
   const Owner owner = m.owner(steiner);
+  if (owner.role() == Role::steiner) note_going(change, steiner);
   remove_steiner(m, steiner);
   --m.steiner_count;
   if (owner.role() == Role::fresh) {
@@ -56,8 +58,10 @@ void strip_segment(Change& change, SegmentId s) noexcept {
       detach(change, subsegment.tail);
       continue;
     }
-    if (subsegment.is_edge && m.topology.is_constrained(subsegment.edge))
+    if (subsegment.is_edge && m.topology.is_constrained(subsegment.edge)) {
+      note_mark(change, subsegment.edge);
       release_constraint(m, subsegment.edge);
+    }
     return;
   }
 }

@@ -1,6 +1,7 @@
 // A feature on its way through the mesh: surveyed, linked as a chain of segments, unlinked again.
 #include "conforming/features.h"
 
+#include "conforming/canonical.h"
 #include "conforming/conform.h"
 #include "conforming/detach.h"
 #include "geometry/predicates_inline.h"
@@ -152,9 +153,11 @@ void link_feature(Change& change, SegmentId root, std::uint32_t nodes_between) n
     touch(change, rest);
     cut_segment(m, s, v, rest);
     touch(change, s);
+    note_incidence(change, s);
     s = rest;
   }
   touch(change, s);
+  note_incidence(change, s);
   // In the order in which they were used: the next lay on the old line gives each its old place.
   SegmentId* end_of_spare = &left_over;
   while (!end_of_spare->is_none()) end_of_spare = &m.segment(*end_of_spare).next;
@@ -167,6 +170,7 @@ void unlink_feature(Change& change, SegmentId root) noexcept {
   const VertexId to = ends_of(m, root).to;
   for (SegmentId s = root; !s.is_none(); s = m.segment(s).next) {
     strip_segment(change, s);
+    note_incidence(change, s);
     unlink_segment(m, s);
     if (s != root) m.segment(s).from = VertexId::none();
   }

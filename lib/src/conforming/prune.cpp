@@ -2,7 +2,9 @@
 // this is always safe; and what must be asked is local.
 #include "conforming/prune.h"
 
+#include "conforming/canonical.h"
 #include "conforming/conform.h"
+#include "conforming/influence.h"
 #include "geometry/predicates_inline.h"
 #include "triangulation/change.h"
 #include "triangulation/march.h"
@@ -67,6 +69,16 @@ void queue_around(Change& change, PruneQueue& queue, VertexId v) noexcept {
   } while (spokes.turn());
 }
 
+// What stands here because of v does not tell of it once v has gone.
+void note_taken_out(Change& change, SegmentId s, VertexId v) noexcept {
+  MeshState& m = change.mesh;
+  if (change.extent == Change::Extent::local) {
+    if (m.owner(v).role() == Role::steiner) note_going(change, v);
+  } else if (!find_influenced(change, v, s, on_dependent)) {
+    m.knows_dependence = false;
+  }
+}
+
 void prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
   MeshState& m = change.mesh;
   SegmentRecord& r = m.segment(s);
@@ -86,6 +98,7 @@ void prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
       v = after;
       continue;
     }
+    note_taken_out(change, s, v);
     queue_around(change, queue, v);
     remove_steiner(m, v);
     free_vertex(m, v);

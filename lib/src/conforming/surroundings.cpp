@@ -170,8 +170,10 @@ void Surroundings::watch_subsegment(EdgeWord word) noexcept {
   if (topo.is_ghost(Topology::triangle_of(edge)) || topo.is_ghost(Topology::triangle_of(other)) ||
       !chord(edge.value, one) || !chord(other.value, two))
     return;
-  watched_[watched_count_++] = {
-      edge.value, {one.from > two.from ? one.from : two.from, one.to < two.to ? one.to : two.to}};
+  const Span both{one.from > two.from ? one.from : two.from, one.to < two.to ? one.to : two.to};
+  // What the subsegment itself does not come to takes no place from what it does.
+  if (both.from < both.to && both.to > 0 && both.from < site_.tail - site_.head)
+    watched_[watched_count_++] = {edge.value, both};
 }
 
 unsigned Surroundings::encroachments_at_least(Parameter t) const noexcept {

@@ -3,6 +3,7 @@
 // goes keeps its place (detached) until the change ends; one that comes is marked fresh.
 #include "conforming/transaction.h"
 
+#include "conforming/canonical.h"
 #include "conforming/conform.h"
 #include "conforming/detach.h"
 #include "conforming/prune.h"
@@ -32,7 +33,10 @@ void end_change(Change& change) noexcept {
     const SegmentId s = change.touched;
     change.touched = m.segment(s).next_touched;
     m.segment(s).next_touched = not_listed;
-    if (m.segment(s).from.is_none() && !is_free(m, s)) free_segment(m, s);
+    if (m.segment(s).from.is_none() && !is_free(m, s)) {
+      forget_segment(m, s);
+      free_segment(m, s);
+    }
   }
   change.recycled_segments = SegmentId::none();
 }
@@ -69,6 +73,10 @@ void commit(Change& change) noexcept {
     free_vertex(m, v);
   }
   prune(change);
+  if (change.extent == Change::Extent::local) {
+    for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched)
+      make_stale(m, s);
+  }
   end_change(change);
 }
 

@@ -1,5 +1,6 @@
 // Everything at once: nodes along a Hilbert curve, then features; or with the Steiner vertices of
 // an earlier mesh.
+#include "conforming/canonical.h"
 #include "conforming/conform.h"
 #include "conforming/conform_features.h"
 #include "conforming/detach.h"
@@ -241,6 +242,7 @@ Status Mesh::restore(std::span<const Position> nodes, std::span<const FeatureEnd
     status = constrain_segment(m, SegmentId{i});
   }
   if (status != Status::ok) return reject(*this, change, status);
+  make_all_stale(m);
   m.error_detail = ErrorDetail{};
   return status;
 }

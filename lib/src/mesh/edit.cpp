@@ -1,5 +1,6 @@
 // Changes to a standing mesh: join, leave, move, add and remove a feature. Each begins, does what
 // it must in steps that can be undone, conforms, and then commits or goes back.
+#include "conforming/canonical.h"
 #include "conforming/conform.h"
 #include "conforming/conform_features.h"
 #include "conforming/detach.h"
@@ -61,6 +62,8 @@ Status insert_node(Change& change, VertexId v, SegmentId& cut, SegmentId& rest) 
   if (!cut.is_none()) {
     cut_segment(m, cut, v, rest);
     touch(change, cut);
+    note_incidence(change, cut);
+    note_incidence(change, rest);
     make_dirty(change, cut);
     make_dirty(change, rest);
   }
@@ -106,6 +109,8 @@ SegmentId merge_segments_at(Change& change, VertexId v) noexcept {
     }
     strip_segment(change, s);
     strip_segment(change, rest);
+    note_incidence(change, s);
+    note_incidence(change, rest);
     rejoin_segments(m, s, rest);
     touch(change, s);
     make_dirty(change, s);
@@ -188,6 +193,7 @@ Status Mesh::join(Position position, VertexId& id) noexcept {
   status = conform(change);
   if (status == Status::ok) {
     commit(change);
+    note_new_node(change, v);
     add_hint(m, v);
     id = v;
     return status;
@@ -211,10 +217,12 @@ Status Mesh::leave(VertexId node) noexcept {
   if (is_endpoint(m, node)) return report(m, Status::endpoint_in_use, node);
   const SegmentId parts = merge_segments_at(change, node);
   touch_around(change, node);
+  note_going(change, node);
   remove_hint(m, node);
   remove_vertex(m, node);
   const Status status = conform(change);
   if (status == Status::ok) {
+    forget_new_node(m, node);
     free_vertex(m, node);
     --m.node_count;
     commit(change);
@@ -243,6 +251,7 @@ Status Mesh::move(VertexId node, Position position) noexcept {
   const SegmentId parts = merge_segments_at(change, node);
   FeatureList features = unlink_features_of(change, node);
   touch_around(change, node);
+  note_going(change, node);
   remove_hint(m, node);
   remove_vertex(m, node);
   m.points[node.value] = after;
@@ -260,6 +269,7 @@ Status Mesh::move(VertexId node, Position position) noexcept {
   }
   if (status == Status::ok) {
     commit(change);
+    note_new_node(change, node);
     add_hint(m, node);
     return status;
   }

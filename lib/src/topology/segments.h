@@ -24,6 +24,10 @@ struct SegmentRecord {
   SegmentId next_touched;
   VertexId first;
   VertexId last;
+  // Whether the segment is as build() makes it: not_listed. Else it is stale, and while a group of
+  // segments is laid again the next one of the group, or none (canonical.h, lay_again.h).
+  SegmentId next_in_group;
+  SegmentId next_dependent;  // the ring of the segments that depend on each other
 };
 
 // In `root`: the user gave the feature from its lexicographically greater end.

@@ -10,11 +10,12 @@ namespace etcm::internal {
 struct Change {
   enum class Extent : std::uint8_t {
     local,  // looks at the segments it has touched
-    whole,  // links all features, and prunes after each
+    group,  // lays some segments as `whole` would, and prunes after each
+    whole,  // lays all segments, and prunes after each
   };
 
   explicit Change(MeshState& state, Extent how_much = Extent::local) noexcept
-      : mesh(state), extent(how_much) {
+      : mesh(state), steps_max(state.config.steps_max), extent(how_much) {
     state.error_detail = ErrorDetail{};
   }
   Change(const Change&) = delete;
@@ -26,7 +27,15 @@ struct Change {
   VertexId detached{};            // vertices it has taken out, linked in place of their edges
   SegmentId recycled_segments{};  // segments that features have left over, linked by next
   std::uint32_t steps = 0;        // it has spent
-  const Extent extent;
+  std::uint32_t steps_max;        // it may spend; 0: no bound
+  Extent extent;
+
+  // Extent::group: the segments that are laid, linked by next_in_group.
+  SegmentId group{};
+  std::uint32_t work_left = 0;  // on the group, before laying all segments is less
+  // What is laid has an influence on a segment that has come to the group since: it must be laid
+  // again with that one.
+  bool has_grown = false;
 };
 
 // The change may have to put the segment back: all of it, or from u to v.

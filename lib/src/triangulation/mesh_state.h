@@ -20,6 +20,8 @@ struct Hints {
   int side_bits = 0;  // there are 2^side_bits by 2^side_bits of them
 };
 
+inline constexpr unsigned new_nodes_most = 8;
+
 inline constexpr std::size_t bytes_per_vertex_triangles = 2 * sizeof(TriangleRecord);
 
 // Lives at the head of the caller's storage, the arrays behind it.
@@ -45,6 +47,13 @@ struct MeshState {
   VertexId only_vertex{};  // the only vertex of a mesh of one, which has no triangle
 
   Hints hints;
+
+  // What of the mesh is as build() makes it (canonical.h).
+  std::uint32_t stale_count = 0;  // segments that are stale
+  bool is_all_stale = false;      // all are
+  bool knows_dependence = true;   // else what one segment depends on may be any other
+  std::uint8_t new_node_count = 0;
+  VertexId new_nodes[new_nodes_most] = {};
 
   Edge walk_start{};  // where the last walk ended or the last vertex came; a hint for the next
   ErrorDetail error_detail;    // of the last change

@@ -64,6 +64,8 @@ SegmentId allocate_segment(MeshState& m) noexcept {
   m.segment(s).next_listed = not_listed;
   m.segment(s).next_touched = not_listed;
   m.segment(s).next_at_from = not_listed;
+  m.segment(s).next_in_group = not_listed;
+  m.segment(s).next_dependent = s;
   return s;
 }
 

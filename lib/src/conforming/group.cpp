@@ -1,0 +1,181 @@
+#include "conforming/group.h"
+
+#include "conforming/canonical.h"
+#include "conforming/conform.h"
+#include "conforming/conform_features.h"
+#include "conforming/detach.h"
+#include "conforming/influence.h"
+#include "conforming/transaction.h"
+#include "triangulation/change.h"
+#include "triangulation/march.h"
+#include "triangulation/mesh_state.h"
+#include "triangulation/segment_store.h"
+
+namespace etcm::internal {
+namespace {
+
+// Work is counted in Steiner vertices that are looked at. To lay one, and to look at it, is twice
+// as much; to lay all takes as long as 1.4 for each Steiner vertex and 0.35 for each node. A fifth
+// of that may be spent on a group, because what is spent in vain comes on top.
+constexpr std::uint32_t work_to_lay = 2;
+constexpr std::uint32_t work_least = 40;
+constexpr std::uint32_t a_fifth_of_all(const MeshState& m) noexcept {
+  return m.node_count / 16 + m.steiner_count / 4;
+}
+
+constexpr SegmentId end_of_group{static_cast<IdValue>(SegmentId::none_value - 2u)};
+
+bool is_in_group(const MeshState& m, SegmentId s) noexcept {
+  const SegmentId next = m.segment(s).next_in_group;
+  return next != not_listed && !next.is_none();
+}
+
+// It comes with those that depend on it.
+void add_to_group(Change& change, SegmentId s) noexcept {
+  MeshState& m = change.mesh;
+  if (is_in_group(m, s)) return;
+  change.has_grown = true;
+  for (SegmentId member = s;;) {
+    SegmentRecord& r = m.segment(member);
+    if (!is_in_group(m, member)) {
+      if (r.next_in_group == not_listed) ++m.stale_count;
+      r.next_in_group = change.group;
+      change.group = member;
+    }
+    member = r.next_dependent;
+    if (member == s) return;
+  }
+}
+
+void on_member(Change& change, SegmentId found, SegmentId) noexcept { add_to_group(change, found); }
+
+template <class Visit>
+void for_each(const Change& change, SegmentId first, SegmentId end, Visit visit) noexcept {
+  for (SegmentId s = first; s != end;) {
+    const SegmentId next = change.mesh.segment(s).next_in_group;
+    visit(s);
+    s = next;
+  }
+}
+
+// False: laying all would be less.
+bool spend(Change& change, std::uint32_t work) noexcept {
+  change.work_left -= work < change.work_left ? work : change.work_left;
+  return change.work_left != 0;
+}
+
+// Finds whom a segment that lies in the mesh has an influence on, and who has on it.
+bool explore(Change& change, SegmentId s) noexcept {
+  MeshState& m = change.mesh;
+  const VertexId from = m.segment(s).from, to = m.segment(s).to;
+  for (VertexId v = from; v != to;) {
+    Subsegment subsegment = march(m, v, to);
+    if (!subsegment.is_edge) {
+      // What was laid has broken it, and has been taken out again.
+      constrain_subsegment(m, subsegment);
+      subsegment = march(m, v, to);
+    }
+    const VertexId tail = subsegment.tail;
+    if (!spend(change, 1)) return false;
+    if (!find_influencing(change, subsegment.edge, s, on_member)) return false;
+    if (v == from && tail == to && !find_influenced(change, subsegment.edge, s, on_member))
+      return false;
+    if (tail != to && !find_influenced(change, tail, s, on_member)) return false;
+    v = tail;
+  }
+  return true;
+}
+
+// Until it has no influence on another segment, nor has one on it. `explored` is the first of those
+// that are known.
+bool close_group(Change& change, SegmentId& explored) noexcept {
+  while (change.group != explored) {
+    const SegmentId end = explored;
+    explored = change.group;
+    bool is_known = true;
+    for_each(change, explored, end,
+             [&](SegmentId s) { is_known = is_known && explore(change, s); });
+    if (!is_known) return false;
+  }
+  return true;
+}
+
+void strip(Change& change, SegmentId first, SegmentId end) noexcept {
+  MeshState& m = change.mesh;
+  for_each(change, first, end, [&](SegmentId s) {
+    strip_segment(change, s);
+    m.segment(s).next_dependent = s;
+  });
+}
+
+void settle_group(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  for_each(change, change.group, end_of_group, [&](SegmentId s) {
+    const VertexId to = m.segment(s).to;
+    for (VertexId v = march(m, m.segment(s).from, to).tail; v != to; v = march(m, v, to).tail) {
+      m.owner(v) = Owner(Role::steiner, s);
+    }
+    make_canonical(m, s);
+  });
+}
+
+void release_group(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  for_each(change, change.group, end_of_group,
+           [&](SegmentId s) { m.segment(s).next_in_group = SegmentId::none(); });
+}
+
+}  // namespace
+
+bool stays_in_group(Change& change, VertexId v) noexcept {
+  MeshState& m = change.mesh;
+  const SegmentId own = m.owner(v).segment();
+  for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched) {
+    add_to_group(change, s);
+  }
+  if (!spend(change, work_to_lay) || !find_influenced(change, v, own, on_member)) {
+    change.work_left = 0;
+  }
+  return !change.has_grown && change.work_left != 0;
+}
+
+Status lay_group_again(Change& change, SegmentId stale, bool& is_too_wide) noexcept {
+  MeshState& m = change.mesh;
+  change.group = end_of_group;
+  change.work_left = a_fifth_of_all(m) + work_least;
+  add_to_group(change, stale);
+  SegmentId explored = end_of_group;
+  Status status = Status::ok;
+  for (;;) {
+    const SegmentId known = explored;
+    is_too_wide = change.work_left == 0 || !close_group(change, explored);
+    if (is_too_wide) {
+      clear_touched(change);
+      release_group(change);
+      change.extent = Change::Extent::whole;
+      return Status::ok;
+    }
+    strip(change, change.group, known);
+    clear_touched(change);
+    change.has_grown = false;
+    PendingSegments pending;
+    for_each(change, change.group, end_of_group, [&](SegmentId s) { pending.push(m, s); });
+    status = lay_segments(change, pending);
+    if (change.work_left != 0 && !change.has_grown) break;
+    change.dirty.clear(m);
+    strip(change, explored, end_of_group);
+  }
+  if (status == Status::ok) {
+    settle_group(change);
+    commit(change);
+    return status;
+  }
+  change.dirty.clear(m);
+  for_each(change, change.group, end_of_group, [&](SegmentId s) { touch(change, s); });
+  drop_fresh(change);
+  release_group(change);
+  restore_detached(change);
+  return status;
+}
+
+}  // namespace etcm::internal

@@ -1,0 +1,167 @@
+// Circles and lines are compared in double, and what is near enough to be in doubt counts as
+// touching: too much influence costs time, too little a wrong mesh.
+#include "conforming/influence.h"
+
+#include "triangulation/mesh_state.h"
+#include "triangulation/relative.h"
+#include "triangulation/segment_store.h"
+
+namespace etcm::internal {
+namespace {
+
+// What touches within this part of a circle's size is in doubt, ...
+constexpr double doubt = 1e-8;
+// ... and below this sine of an angle all of a triangle is: its circle is not known well enough.
+constexpr double least_sine = 1e-5;
+// Wider influence than this many triangles is not followed.
+constexpr unsigned triangles_most = 64;
+constexpr unsigned waiting_most = 16;
+constexpr unsigned seen_most = 40;
+
+// The circle of a triangle. Seen from one of its corners, so that differences are exact.
+struct Circle {
+  Point origin;
+  Offset centre{};
+  double squared_radius = 0;
+  bool is_in_doubt = false;
+};
+
+Circle circle_of(const MeshState& m, IdValue triangle) noexcept {
+  const TriangleRecord& t = m.topology.triangle(triangle);
+  Circle circle{.origin = m.at(t.corner[0])};
+  const Offset b = offset(m.at(t.corner[1]), circle.origin);
+  const Offset c = offset(m.at(t.corner[2]), circle.origin);
+  const double bb = lift(b), cc = lift(c);
+  const double doubled_area = b.x * c.y - b.y * c.x;
+  if (!(doubled_area * doubled_area > least_sine * least_sine * bb * cc)) {
+    circle.is_in_doubt = true;
+    return circle;
+  }
+  const double half = 0.5 / doubled_area;
+  circle.centre = {(bb * c.y - cc * b.y) * half, (cc * b.x - bb * c.x) * half};
+  circle.squared_radius = lift(circle.centre);
+  return circle;
+}
+
+bool has_on_it(const MeshState& m, const Circle& circle, VertexId v) noexcept {
+  if (circle.is_in_doubt) return true;
+  const Offset at = offset(m.at(v), circle.origin);
+  const Offset from{at.x - circle.centre.x, at.y - circle.centre.y};
+  return lift(from) <= circle.squared_radius * (1 + doubt);
+}
+
+// Whether the circle comes inside of an edge, which has no end inside of the circle. One that only
+// meets an end of it does not.
+bool touches(const MeshState& m, const Circle& circle, Edge e) noexcept {
+  if (circle.is_in_doubt) return true;
+  const Offset a = offset(m.at(m.topology.origin(e)), circle.origin);
+  const Offset b = offset(m.at(m.topology.target(e)), circle.origin);
+  const Offset along{b.x - a.x, b.y - a.y};
+  const Offset from{a.x - circle.centre.x, a.y - circle.centre.y};
+  const double squared_length = lift(along);
+  const double nearest = -(from.x * along.x + from.y * along.y);
+  if (nearest < -doubt * squared_length || nearest > (1 + doubt) * squared_length) return false;
+  const double aside = from.x * along.y - from.y * along.x;
+  return aside * aside <= circle.squared_radius * squared_length * (1 + doubt);
+}
+
+void tell(Change& change, SegmentId s, SegmentId about, OnSegment found) noexcept {
+  if (s != about && !s.is_none()) found(change, s, about);
+}
+
+void tell_owner(Change& change, VertexId v, SegmentId about, OnSegment found) noexcept {
+  const Owner owner = change.mesh.owner(v);
+  if (v != infinite_vertex && owner.role() != Role::node)
+    tell(change, owner.segment(), about, found);
+}
+
+// The subsegments that a circle empty of vertices touches, on e and beyond it. They cut the circle
+// like chords, so no triangle is met twice.
+bool follow(Change& change, const Circle& circle, Edge first, SegmentId about,
+            OnSegment found) noexcept {
+  const MeshState& m = change.mesh;
+  const Topology& topo = m.topology;
+  Edge waiting[waiting_most] = {first};
+  unsigned count = 1;
+  for (unsigned triangles = 0; count != 0; ++triangles) {
+    if (triangles == triangles_most) return false;
+    const Edge e = waiting[--count];
+    if (topo.is_constrained(e)) {
+      tell(change, segment_of_edge(m, topo.origin(e), topo.target(e)), about, found);
+    }
+    const Edge beyond = topo.twin(e);
+    const VertexId apex = topo.apex(beyond);
+    if (apex == infinite_vertex) continue;
+    if (has_on_it(m, circle, apex)) tell_owner(change, apex, about, found);
+    for (const Edge onward : {Topology::next(beyond), Topology::prev(beyond)}) {
+      if (!touches(m, circle, onward)) continue;
+      if (count == waiting_most) return false;
+      waiting[count++] = onward;
+    }
+  }
+  return true;
+}
+
+// The triangles on the left of e whose circles touch it: those of their corners that are Steiner
+// vertices. On the way straight from where a circle touches e to its triangle, every triangle's
+// circle touches e.
+bool look_left(Change& change, Edge e, SegmentId about, OnSegment found) noexcept {
+  const MeshState& m = change.mesh;
+  const Topology& topo = m.topology;
+  IdValue seen[seen_most] = {Topology::triangle_of(e)};
+  if (topo.is_ghost(seen[0])) return true;
+  unsigned count = 1;
+  for (unsigned i = 0; i < count; ++i) {
+    for (unsigned side = 0; side < 3; ++side) {
+      const Edge f = Topology::edge(seen[i], side);
+      tell_owner(change, topo.apex(f), about, found);
+      if (f == e) continue;
+      const IdValue next = Topology::triangle_of(topo.twin(f));
+      if (topo.is_ghost(next)) continue;
+      bool is_seen = false;
+      for (unsigned k = 0; k < count && !is_seen; ++k) is_seen = seen[k] == next;
+      if (is_seen || !touches(m, circle_of(m, next), e)) continue;
+      if (count == seen_most) return false;
+      seen[count++] = next;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+bool find_influenced(Change& change, VertexId v, SegmentId about, OnSegment found) noexcept {
+  const MeshState& m = change.mesh;
+  const Topology& topo = m.topology;
+  if (topo.triangle_count() == 0) return true;
+  Spokes spokes(topo, v);
+  do {
+    const Edge e = spokes.edge();
+    const IdValue t = Topology::triangle_of(e);
+    tell_owner(change, topo.target(e), about, found);
+    // Beyond the hull there is no line.
+    if (topo.is_ghost(t)) continue;
+    if (!follow(change, circle_of(m, t), Topology::next(e), about, found)) return false;
+  } while (spokes.turn());
+  return true;
+}
+
+bool find_influenced(Change& change, Edge e, SegmentId about, OnSegment found) noexcept {
+  const MeshState& m = change.mesh;
+  for (const Edge side : {e, m.topology.twin(e)}) {
+    const IdValue t = Topology::triangle_of(side);
+    if (m.topology.is_ghost(t)) continue;
+    const Circle circle = circle_of(m, t);
+    if (!follow(change, circle, Topology::next(side), about, found) ||
+        !follow(change, circle, Topology::prev(side), about, found))
+      return false;
+  }
+  return true;
+}
+
+bool find_influencing(Change& change, Edge e, SegmentId about, OnSegment found) noexcept {
+  return look_left(change, e, about, found) &&
+         look_left(change, change.mesh.topology.twin(e), about, found);
+}
+
+}  // namespace etcm::internal

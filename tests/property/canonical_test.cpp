@@ -1,0 +1,124 @@
+// Whatever has happened to a mesh, it can be made the one that build() makes of what stands.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
+#include "etcm/split_site.h"
+#include "inputs/random.h"
+#include "inputs/random_graph.h"
+#include "support/canonical_life.h"
+#include "support/emulated.h"
+#include "support/meshes.h"
+
+namespace etcm::test {
+namespace {
+
+std::uint64_t hash_of_build(const Mesh& mesh) {
+  return (*built(graph_of(mesh), mesh.config().policy))->hash();
+}
+
+TEST(Canonical, IsWhatBuildMakesAfterAnyChange) {
+  std::uint64_t compared = 0;
+  for (std::uint64_t seed = 1; seed <= (is_emulated ? 6u : 60u); ++seed) {
+    CanonicalLife life(seed);
+    ASSERT_TRUE(life.live(60)) << "seed " << seed << ", " << life.name();
+    compared += life.compared();
+  }
+  EXPECT_GT(compared, is_emulated ? 100u : 1000u);
+}
+
+TEST(Canonical, ForgetsAThousandMovesOfOneNode) {
+  const Graph graph = inputs::random_graph(200, inputs::FeatureLength::any, 5);
+  const auto mesh = built(graph);
+  const std::uint64_t before = (*mesh)->hash();
+  const std::uint32_t steiner = (*mesh)->steiner_count();
+  VertexId wanderer;
+  ASSERT_EQ((*mesh)->join({-40, -40}, wanderer), Status::ok);
+  inputs::Random random(1);
+  for (int i = 0; i < (is_emulated ? 100 : 1000); ++i) {
+    static_cast<void>((*mesh)->move(wanderer, {random.between(0, 1000), random.between(0, 1000)}));
+  }
+  ASSERT_EQ((*mesh)->leave(wanderer), Status::ok);
+  EXPECT_GT((*mesh)->steiner_count(), steiner) << "the moves have left nothing to forget";
+  EXPECT_FALSE((*mesh)->is_canonical());
+  ASSERT_EQ((*mesh)->canonicalize(), Status::ok);
+  EXPECT_EQ((*mesh)->hash(), before);
+  EXPECT_TRUE((*mesh)->is_canonical());
+}
+
+TEST(Canonical, IsAMeshFreshlyBuiltAndOneWithoutFeatures) {
+  const auto mesh = built(inputs::random_graph(60, inputs::FeatureLength::any, 5));
+  EXPECT_TRUE((*mesh)->is_canonical());
+  const std::uint64_t before = (*mesh)->hash();
+  EXPECT_EQ((*mesh)->canonicalize(), Status::ok);
+  EXPECT_EQ((*mesh)->hash(), before);
+
+  const auto plain = grown({"", square, {}});
+  EXPECT_TRUE((*plain)->is_canonical());
+  EXPECT_EQ((*plain)->canonicalize(), Status::ok);
+  EXPECT_TRUE((*empty_mesh())->is_canonical());
+}
+
+TEST(Canonical, TakesNothingBackWhereAJoinTouchesNoFeature) {
+  const auto mesh = built(inputs::random_graph(300, inputs::FeatureLength::in_reach, 5));
+  const std::uint32_t steiner = (*mesh)->steiner_count();
+  VertexId far_away;
+  ASSERT_EQ((*mesh)->join({3'000'000, 3'000'000}, far_away), Status::ok);
+  EXPECT_EQ((*mesh)->canonicalize(), Status::ok);
+  EXPECT_EQ((*mesh)->steiner_count(), steiner);
+  EXPECT_EQ((*mesh)->hash(), hash_of_build(**mesh));
+}
+
+TEST(Canonical, GoesOnWithMoreStepsWhereItHadTooFew) {
+  const auto mesh = grown(inputs::random_graph(200, inputs::FeatureLength::in_reach, 5));
+  ASSERT_FALSE((*mesh)->is_canonical());
+  const std::uint32_t standing = (*mesh)->node_count();
+  std::uint32_t calls = 0;
+  for (std::uint32_t steps = 1; !(*mesh)->is_canonical(); ++steps) {
+    const Status status = (*mesh)->canonicalize(steps);
+    ASSERT_TRUE(status == Status::ok || status == Status::step_limit) << to_string(status);
+    ASSERT_EQ(status == Status::ok, (*mesh)->is_canonical());
+    ASSERT_EQ((*mesh)->unresolved(), 0u);
+    ++calls;
+    ASSERT_LT(calls, 10'000u);
+  }
+  EXPECT_GT(calls, 1u);
+  EXPECT_EQ((*mesh)->node_count(), standing);
+  EXPECT_EQ((*mesh)->hash(), hash_of_build(**mesh));
+}
+
+TEST(Canonical, StepsTooFewForAnythingChangeNothing) {
+  const auto mesh = grown(inputs::random_graph(100, inputs::FeatureLength::any, 5));
+  ASSERT_FALSE((*mesh)->is_canonical());
+  const Picture before = picture_of(**mesh);
+  ASSERT_EQ((*mesh)->canonicalize(1), Status::step_limit);
+  EXPECT_TRUE(picture_of(**mesh) == before);
+  EXPECT_FALSE((*mesh)->is_canonical());
+}
+
+// It may look at anything, so nobody can say what it depends on.
+Parameter split_in_the_middle_of_a_large_mesh(const SplitSite& site) noexcept {
+  return site.mesh->node_count() % 2 == 0 ? split_paper(site) : split_default(site);
+}
+
+TEST(Canonical, LaysAllAgainUnderAPolicyOfOnesOwn) {
+  const auto mesh = built(inputs::random_graph(100, inputs::FeatureLength::any, 5),
+                          split_in_the_middle_of_a_large_mesh);
+  VertexId id;
+  ASSERT_EQ((*mesh)->join({500, 501}, id), Status::ok);
+  ASSERT_EQ((*mesh)->canonicalize(), Status::ok);
+  EXPECT_EQ((*mesh)->hash(), hash_of_build(**mesh));
+}
+
+TEST(Canonical, IsRefusedWhereBuildLeftAPartUndone) {
+  const Graph graph = inputs::random_graph(60, inputs::FeatureLength::any, 5);
+  MeshConfig config = inputs::config_for(graph, 100);
+  config.steiner_max = 1;
+  OwnedMesh mesh(config);
+  ASSERT_EQ(mesh->build(graph.nodes, graph.features), Status::steiner_budget);
+  EXPECT_FALSE(mesh->is_canonical());
+  EXPECT_EQ(mesh->canonicalize(), Status::mesh_unresolved);
+}
+
+}  // namespace
+}  // namespace etcm::test
