@@ -259,6 +259,7 @@ void Gateway::publish(port::Instant now) {
   if (file_publisher_) file_publisher_->mark_dirty();
   if (state_saver_) state_saver_->mark_dirty();
   const port::Instant started = ports_.clock.now();
+  forget_history();
   list_quarantine(nodes_, kept_.features(), kept_.anchors(), admission_, quarantine_);
   const Snapshot& snapshot =
       snapshots_.take(generation_, kept_, nodes_, poller_, presence_, quarantine_, now);
@@ -270,6 +271,17 @@ void Gateway::publish(port::Instant now) {
   ports_.server.publish(images_.encode(snapshot, readings));
   // A large mesh takes its time; polling must not wait for it often.
   publish_due_ = now + std::max(publish_pause, publish_share * (ports_.clock.now() - started));
+}
+
+void Gateway::forget_history() {
+  const Status status = kept_.canonicalize();
+  if (status != Status::ok && !keeps_history_) {
+    ports_.log.write(port::Level::warning,
+                     std::string("the mesh has Steiner vertices that the nodes of today do not "
+                                 "need: without them it would not fit (") +
+                         explain(status) + "); raise [mesh] steiner_max or vertices_max");
+  }
+  keeps_history_ = status != Status::ok;
 }
 
 void Gateway::publish_readings(port::Instant now) {

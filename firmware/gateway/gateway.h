@@ -117,6 +117,8 @@ class Gateway final : private ReadingListener, private RequestSource {
   void follow_position(NodeRecord& node);
   void publish(port::Instant now);
   void publish_readings(port::Instant now);
+  // Of the mesh: what is published is a function of its nodes and features.
+  void forget_history();
   void save_state(port::Instant now);
   void keep_silences(port::Instant now);
   void log_restored(const SavedState& saved, bool is_same);
@@ -147,7 +149,8 @@ class Gateway final : private ReadingListener, private RequestSource {
   port::Instant readings_due_{};  // as well
   std::uint32_t generation_ = 0;  // published last
   std::uint16_t state_ = 0;
-  bool changed_ = false;  // since then
+  bool changed_ = false;        // since then
+  bool keeps_history_ = false;  // there is no room to forget it
   port::Instant missing_saved_at_{};
 };
 

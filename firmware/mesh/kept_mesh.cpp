@@ -22,4 +22,11 @@ void KeptMesh::clear() {
   }
 }
 
+Status KeptMesh::canonicalize() {
+  const std::uint32_t before = mesh_.steiner_count();
+  const Status status = mesh_.canonicalize();
+  if (mesh_.steiner_count() < before) begin_epoch();
+  return status;
+}
+
 }  // namespace etcm::firmware

@@ -36,6 +36,11 @@ class KeptMesh {
   // Nothing is in the mesh any more.
   void clear();
 
+  // Makes the mesh the one that Mesh::build() makes of its nodes and features, so that what is
+  // published does not depend on what was there before. An answer that is not ok leaves it as it
+  // is: conforming, with Steiner vertices of its history.
+  Status canonicalize();
+
   // Counts the changes that may make room for what was rejected.
   std::uint32_t epoch() const { return epoch_; }
   void begin_epoch() { ++epoch_; }

@@ -121,6 +121,36 @@ void join_ours(benchmark::State& state, Size size) {
   latencies.report(state);
 }
 
+// What a join has left, taken back; and the same by laying all again.
+void canonicalize_ours(benchmark::State& state, Size size, bool whole) {
+  const Graph& graph = graph_of(size);
+  OwnedMesh mesh(inputs::config_for(graph, steiner_room(graph)));
+  Status status = mesh->build(graph.nodes, graph.features);
+  inputs::Random random(1);
+  Latencies latencies;
+  for (auto _ : state) {
+    VertexId joined;
+    while (status == Status::ok) {
+      status = mesh->join(random_place(graph, random), joined);
+      if (status != Status::duplicate_vertex) break;
+      status = Status::ok;
+    }
+    double seconds = 0;
+    if (status == Status::ok) {
+      seconds = seconds_of([&] { status = whole ? mesh->rebuild() : mesh->canonicalize(); });
+    }
+    if (status == Status::ok) status = mesh->leave(joined);
+    if (status == Status::ok) status = mesh->canonicalize();
+    if (status != Status::ok) {
+      state.SkipWithError(to_string(status));
+      break;
+    }
+    state.SetIterationTime(seconds);
+    latencies.add(seconds);
+  }
+  latencies.report(state);
+}
+
 #ifdef ETCM_WITH_CGAL
 void build_peer(benchmark::State& state, Size size, bool with_features) {
   const Graph& graph = graph_of(size);
@@ -174,6 +204,18 @@ void register_join(Size size) {
 #endif
 }
 
+void register_canonicalize(Size size) {
+  const auto measure = [&](const char* task, bool whole, int iterations) {
+    benchmark::RegisterBenchmark((task + name_of(size) + "/etcm").c_str(), canonicalize_ours, size,
+                                 whole)
+        ->UseManualTime()
+        ->Iterations(iterations)
+        ->Unit(benchmark::kMicrosecond);
+  };
+  measure("canonicalize/", false, 1000);
+  measure("rebuild/", true, 100);
+}
+
 }  // namespace
 
 void register_speed() {
@@ -188,6 +230,10 @@ void register_speed() {
   register_build({1'000'000, FeatureLength::in_reach}, false);
   for (const std::size_t nodes : {1000u, 10'000u, 100'000u}) {
     register_join({nodes, FeatureLength::in_reach});
+  }
+  for (const Size size : {Size{1000, FeatureLength::in_reach}, Size{5000, FeatureLength::in_reach},
+                          Size{1000, FeatureLength::any}}) {
+    register_canonicalize(size);
   }
 }
 

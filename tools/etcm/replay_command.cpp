@@ -31,6 +31,7 @@ struct Replayed {
   Meshed meshed;
   files::ConstraintGraph graph;  // as it is after the events
   std::vector<double> latency_us;
+  double canonicalize_us = 0;
   std::size_t refused = 0;
   bool needs_room = false;
 };
@@ -65,6 +66,11 @@ Replayed replay(const ReplayOptions& options, const files::ConstraintGraph& grap
     }
     ++result.refused;
   }
+  // Then it is the mesh that `etcm mesh` makes of the graph as it is now.
+  const auto start = std::chrono::steady_clock::now();
+  const Status status = mesh.canonicalize();
+  result.canonicalize_us = microseconds_since(start);
+  result.needs_room = status == Status::out_of_vertices;
   result.graph = history.graph();
   return result;
 }
@@ -83,7 +89,8 @@ Members describe_events(Replayed& replayed) {
           {"event_p50_us", json_number(percentile(latency, 0.50))},
           {"event_p90_us", json_number(percentile(latency, 0.90))},
           {"event_p99_us", json_number(percentile(latency, 0.99))},
-          {"event_max_us", json_number(percentile(latency, 1))}};
+          {"event_max_us", json_number(percentile(latency, 1))},
+          {"canonicalize_us", json_number(replayed.canonicalize_us)}};
 }
 
 int run_replay(const ReplayOptions& options) {

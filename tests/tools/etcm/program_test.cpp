@@ -269,6 +269,33 @@ TEST(Program, ReplaysAHistory) {
   EXPECT_EQ(verify.code, 0) << verify.errors << folder.read("out.node");
 }
 
+std::string mesh_hash_in(const std::string& json) {
+  const std::size_t at = json.find("\"mesh_hash\":");
+  return at == std::string::npos ? "none" : json.substr(at, json.find(',', at) - at);
+}
+
+// What nodes have left behind on their way does not stay.
+TEST(Program, ReplaysToTheMeshOfWhatStandsThen) {
+  const ScratchFolder folder;
+  const std::string input =
+      folder.write("in.poly",
+                   "9 2\n1 0 0\n2 1000 0\n3 1000 1000\n4 0 1000\n5 30 480\n6 970 520\n7 40 "
+                   "530\n8 960 610\n9 500 300\n2 0\n1 5 6\n2 7 8\n0\n");
+  std::string events = "join 50 500 500\n";
+  for (int i = 0; i < 200; ++i) {
+    events += "move 50 " + std::to_string(40 + i * 37 % 920) + " " +
+              std::to_string(440 + i * 53 % 160) + "\n";
+  }
+  events += "leave 50\n";
+  const Outcome replayed = run("replay " + input + " " + folder.write("events", events) + " -o " +
+                               folder.path("out") + " --keep-going --json");
+  ASSERT_EQ(replayed.code, 0) << replayed.errors;
+  const Outcome meshed = run("mesh " + input + " -o " + folder.path("fresh") + " --json");
+  ASSERT_EQ(meshed.code, 0) << meshed.errors;
+  EXPECT_EQ(mesh_hash_in(replayed.output), mesh_hash_in(meshed.output));
+  EXPECT_NE(mesh_hash_in(meshed.output), "none");
+}
+
 TEST(Program, NamesARefusedEvent) {
   const ScratchFolder folder;
   const std::string input = folder.write("in.poly", small_plate);
