@@ -39,7 +39,7 @@ Status validate(const MeshConfig& config) noexcept;
 // Checked against the real layout when the library is compiled.
 inline constexpr std::size_t bytes_per_vertex_capacity = 16 + 14 * sizeof(IdValue);
 inline constexpr std::size_t bytes_per_feature_capacity = 12 * sizeof(IdValue);
-inline constexpr std::size_t bytes_fixed = 512;
+inline constexpr std::size_t bytes_fixed = 768;
 
 // The grid of hints for locate: 4^n cells, at most one for four vertices.
 [[nodiscard]] constexpr int hint_side_bits(std::uint32_t vertices_max) noexcept {

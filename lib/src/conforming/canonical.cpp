@@ -20,7 +20,7 @@ bool has_few_segments(const MeshState& m, VertexId node) noexcept {
 }
 
 // Lists a segment as touched, though nothing of it is.
-void on_listed(Change& change, SegmentId s) noexcept {
+void list(Change& change, SegmentId s) noexcept {
   SegmentRecord& r = change.mesh.segment(s);
   if (r.next_touched != not_listed) return;
   touch(change, s);
@@ -28,12 +28,13 @@ void on_listed(Change& change, SegmentId s) noexcept {
 }
 
 // `about` is linked or about to be unlinked.
-void on_listed_at_ends(Change& change, SegmentId found, SegmentId about) noexcept {
+void on_touched_at_ends(Change& change, SegmentId found, SegmentId about) noexcept {
   const SegmentRecord& r = change.mesh.segment(found);
   const SegmentRecord& s = change.mesh.segment(about);
-  if (r.from == s.from || r.from == s.to || r.to == s.from || r.to == s.to)
-    on_listed(change, found);
+  if (r.from == s.from || r.from == s.to || r.to == s.from || r.to == s.to) list(change, found);
 }
+
+void on_touched(Change& change, SegmentId found, SegmentId) noexcept { list(change, found); }
 
 void on_stale(Change& change, SegmentId found, SegmentId) noexcept {
   make_stale(change.mesh, found);
@@ -90,42 +91,34 @@ void on_dependent(Change& change, SegmentId found, SegmentId about) noexcept {
   make_dependent(change.mesh, found, about);
 }
 
-void on_influenced(Change& change, SegmentId found, SegmentId) noexcept {
-  on_listed(change, found);
-}
-
-void note_new_node(Change& change, VertexId node) noexcept {
-  MeshState& m = change.mesh;
-  if (m.feature_count == 0 || m.is_all_stale) return;
-  forget_new_node(m, node);
-  if (m.new_node_count == new_nodes_most) look_at_new_nodes(change);
-  m.new_nodes[m.new_node_count++] = node;
-}
-
-void forget_new_node(MeshState& m, VertexId node) noexcept {
-  for (unsigned i = 0; i < m.new_node_count; ++i) {
-    if (m.new_nodes[i] == node) m.new_nodes[i] = m.new_nodes[--m.new_node_count];
-  }
-}
-
-void look_at_new_nodes(Change& change) noexcept {
-  MeshState& m = change.mesh;
-  while (m.new_node_count != 0) {
-    const VertexId node = m.new_nodes[--m.new_node_count];
-    if (!find_influenced(change, node, SegmentId::none(), on_stale)) make_all_stale(m);
-  }
-}
-
-void note_going(Change& change, VertexId v) noexcept {
+void note_place(Change& change, const Point& place) noexcept {
   MeshState& m = change.mesh;
   if (change.extent != Change::Extent::local || m.is_all_stale || m.feature_count == 0) return;
-  if (!find_influenced(change, v, SegmentId::none(), on_influenced)) make_all_stale(m);
+  if (m.place_count == places_most) {
+    make_all_stale(m);
+  } else {
+    m.places[m.place_count++] = place;
+  }
+}
+
+void look_at_places(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  for (; m.place_count != 0 && !m.is_all_stale; --m.place_count) {
+    if (!find_influenced(change, m.places[m.place_count - 1], on_stale)) make_all_stale(m);
+  }
+  m.place_count = 0;
+}
+
+void forget_places(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  m.place_count = change.places_before;
+  m.is_all_stale = change.was_all_stale;
 }
 
 void note_mark(Change& change, Edge e) noexcept {
   MeshState& m = change.mesh;
   if (change.extent != Change::Extent::local || m.is_all_stale) return;
-  if (!find_influenced(change, e, SegmentId::none(), on_influenced)) make_all_stale(m);
+  if (!find_influenced(change, e, SegmentId::none(), on_touched)) make_all_stale(m);
 }
 
 void note_incidence(Change& change, SegmentId s) noexcept {
@@ -135,13 +128,13 @@ void note_incidence(Change& change, SegmentId s) noexcept {
   for (const VertexId node : {from, to}) {
     if (has_few_segments(m, node)) {
       for (SegmentId x = m.owner(node).segment(); !x.is_none(); x = next_at(m, x, node)) {
-        on_listed(change, x);
+        list(change, x);
       }
       continue;
     }
     // Who asks for this segment at the node sees its other end.
     const VertexId other = node == from ? to : from;
-    if (!find_influenced(change, other, s, on_listed_at_ends)) make_all_stale(m);
+    if (!find_influenced(change, other, s, on_touched_at_ends)) make_all_stale(m);
   }
 }
 

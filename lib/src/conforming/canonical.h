@@ -21,19 +21,16 @@ void forget_segment(MeshState& m, SegmentId s) noexcept;
 void make_dependent(MeshState& m, SegmentId a, SegmentId b) noexcept;
 // For find_influenced(), of a Steiner vertex that is taken out again while segments are laid.
 void on_dependent(Change& change, SegmentId found, SegmentId about) noexcept;
-// The same where a change takes out a vertex, a mark or a node.
-void on_influenced(Change& change, SegmentId found, SegmentId about) noexcept;
 
-// A node that has come is looked at when the mesh is made canonical, or when it goes again, or when
-// too many have come.
-void note_new_node(Change& change, VertexId node) noexcept;
-void forget_new_node(MeshState& m, VertexId node) noexcept;
-// Makes stale what new nodes can have had an influence on.
-void look_at_new_nodes(Change& change) noexcept;
+// A vertex comes or goes there. What it has influence on becomes stale when the mesh is made
+// canonical: until then the place is kept, and where there are too many, all is stale.
+void note_place(Change& change, const Point& place) noexcept;
+// Makes stale what those have influence on.
+void look_at_places(Change& change) noexcept;
+// The change is taken back.
+void forget_places(Change& change) noexcept;
 
-// Before a change takes out a vertex: touches what it can have had an influence on.
-void note_going(Change& change, VertexId v) noexcept;
-// The same for the mark of an edge between two nodes, which is to go or has come.
+// The mark of an edge between two nodes goes: touches what it has influence on.
 void note_mark(Change& change, Edge e) noexcept;
 // A segment has been linked or will be unlinked: policies ask which segments meet at its ends.
 void note_incidence(Change& change, SegmentId s) noexcept;

@@ -57,12 +57,9 @@ Status lay_edges(Change& change, PendingSegments& pending) noexcept {
 }
 
 Status lay_segment(Change& change, SegmentId s) noexcept {
-  MeshState& m = change.mesh;
-  Subsegment first;
-  Status status = survey_segment(m, s, first);
   touch(change, s);
   make_dirty(change, s);
-  if (status == Status::ok) status = conform(change);
+  const Status status = conform(change);
   if (status == Status::ok && change.extent != Change::Extent::local) {
     // Before the next segment: what is needless is in its way too, and takes room.
     prune(change);

@@ -26,7 +26,7 @@ void detach(Change& change, VertexId steiner) noexcept {
   MeshState& m = change.mesh;
   touch_around(change, steiner);
   const Owner owner = m.owner(steiner);
-  if (owner.role() == Role::steiner) note_going(change, steiner);
+  if (owner.role() == Role::steiner) note_place(change, m.at(steiner));
   remove_steiner(m, steiner);
   --m.steiner_count;
   if (owner.role() == Role::fresh) {

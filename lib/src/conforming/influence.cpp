@@ -2,6 +2,9 @@
 // touching: too much influence costs time, too little a wrong mesh.
 #include "conforming/influence.h"
 
+#include "triangulation/hints.h"
+#include "triangulation/insert.h"
+#include "triangulation/locate.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/relative.h"
 #include "triangulation/segment_store.h"
@@ -17,6 +20,7 @@ constexpr double least_sine = 1e-5;
 constexpr unsigned triangles_most = 64;
 constexpr unsigned waiting_most = 16;
 constexpr unsigned seen_most = 40;
+constexpr unsigned hole_most = 64;
 
 // The circle of a triangle. Seen from one of its corners, so that differences are exact.
 struct Circle {
@@ -26,11 +30,10 @@ struct Circle {
   bool is_in_doubt = false;
 };
 
-Circle circle_of(const MeshState& m, IdValue triangle) noexcept {
-  const TriangleRecord& t = m.topology.triangle(triangle);
-  Circle circle{.origin = m.at(t.corner[0])};
-  const Offset b = offset(m.at(t.corner[1]), circle.origin);
-  const Offset c = offset(m.at(t.corner[2]), circle.origin);
+Circle circle_through(const Point& first, const Point& second, const Point& third) noexcept {
+  Circle circle{.origin = first};
+  const Offset b = offset(second, first);
+  const Offset c = offset(third, first);
   const double bb = lift(b), cc = lift(c);
   const double doubled_area = b.x * c.y - b.y * c.x;
   if (!(doubled_area * doubled_area > least_sine * least_sine * bb * cc)) {
@@ -41,6 +44,11 @@ Circle circle_of(const MeshState& m, IdValue triangle) noexcept {
   circle.centre = {(bb * c.y - cc * b.y) * half, (cc * b.x - bb * c.x) * half};
   circle.squared_radius = lift(circle.centre);
   return circle;
+}
+
+Circle circle_of(const MeshState& m, IdValue triangle) noexcept {
+  const TriangleRecord& t = m.topology.triangle(triangle);
+  return circle_through(m.at(t.corner[0]), m.at(t.corner[1]), m.at(t.corner[2]));
 }
 
 bool has_on_it(const MeshState& m, const Circle& circle, VertexId v) noexcept {
@@ -81,25 +89,37 @@ bool follow(Change& change, const Circle& circle, Edge first, SegmentId about,
             OnSegment found) noexcept {
   const MeshState& m = change.mesh;
   const Topology& topo = m.topology;
-  Edge waiting[waiting_most] = {first};
+  IdValue waiting[waiting_most];
+  waiting[0] = first.value;
   unsigned count = 1;
   for (unsigned triangles = 0; count != 0; ++triangles) {
     if (triangles == triangles_most) return false;
-    const Edge e = waiting[--count];
+    const Edge e{waiting[--count]};
     if (topo.is_constrained(e)) {
       tell(change, segment_of_edge(m, topo.origin(e), topo.target(e)), about, found);
     }
     const Edge beyond = topo.twin(e);
     const VertexId apex = topo.apex(beyond);
     if (apex == infinite_vertex) continue;
-    if (has_on_it(m, circle, apex)) tell_owner(change, apex, about, found);
+    if (m.owner(apex).role() != Role::node && has_on_it(m, circle, apex)) {
+      tell_owner(change, apex, about, found);
+    }
     for (const Edge onward : {Topology::next(beyond), Topology::prev(beyond)}) {
       if (!touches(m, circle, onward)) continue;
       if (count == waiting_most) return false;
-      waiting[count++] = onward;
+      waiting[count++] = onward.value;
     }
   }
   return true;
+}
+
+// Around an edge of the hole that a vertex at the place would make.
+bool look_beyond(Change& change, const Point& place, Edge e, OnSegment found) noexcept {
+  const MeshState& m = change.mesh;
+  const VertexId u = m.topology.origin(e), v = m.topology.target(e);
+  tell_owner(change, u, SegmentId::none(), found);
+  if (u == infinite_vertex || v == infinite_vertex) return true;
+  return follow(change, circle_through(place, m.at(u), m.at(v)), e, SegmentId::none(), found);
 }
 
 // The triangles on the left of e whose circles touch it: those of their corners that are Steiner
@@ -108,7 +128,8 @@ bool follow(Change& change, const Circle& circle, Edge first, SegmentId about,
 bool look_left(Change& change, Edge e, SegmentId about, OnSegment found) noexcept {
   const MeshState& m = change.mesh;
   const Topology& topo = m.topology;
-  IdValue seen[seen_most] = {Topology::triangle_of(e)};
+  IdValue seen[seen_most];
+  seen[0] = Topology::triangle_of(e);
   if (topo.is_ghost(seen[0])) return true;
   unsigned count = 1;
   for (unsigned i = 0; i < count; ++i) {
@@ -144,6 +165,39 @@ bool find_influenced(Change& change, VertexId v, SegmentId about, OnSegment foun
     if (!follow(change, circle_of(m, t), Topology::next(e), about, found)) return false;
   } while (spokes.turn());
   return true;
+}
+
+// The triangles whose circles hold the place hang together like a tree: goes round it, its edges on
+// the left hand, and back through the edge by which a triangle was entered.
+bool find_influenced(Change& change, const Point& place, OnSegment found) noexcept {
+  const MeshState& m = change.mesh;
+  const Topology& topo = m.topology;
+  if (topo.triangle_count() == 0) return true;
+  const Found at = find(m, place, edge_near(m, place));
+  if (at.type == LocateType::on_vertex)
+    return find_influenced(change, at.vertex, SegmentId::none(), found);
+  if (is_flat(m)) return false;
+  IdValue entries[hole_most];
+  unsigned depth = 0;
+  Edge e = at.edge;
+  for (unsigned edges = 0; edges != 4 * hole_most; ++edges) {
+    if (must_flip(m, e, place)) {
+      if (topo.is_constrained(e)) {
+        tell(change, segment_of_edge(m, topo.origin(e), topo.target(e)), SegmentId::none(), found);
+      }
+      if (depth == hole_most) return false;
+      entries[depth++] = topo.twin(e).value;
+      e = Topology::next(topo.twin(e));
+      continue;
+    }
+    if (!look_beyond(change, place, e, found)) return false;
+    e = Topology::next(e);
+    while (depth != 0 && e.value == entries[depth - 1]) {
+      e = Topology::next(topo.twin(Edge{entries[--depth]}));
+    }
+    if (depth == 0 && e == at.edge) return true;
+  }
+  return false;
 }
 
 bool find_influenced(Change& change, Edge e, SegmentId about, OnSegment found) noexcept {

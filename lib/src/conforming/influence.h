@@ -18,6 +18,8 @@ using OnSegment = void (*)(Change& change, SegmentId found, SegmentId about);
 // there is too much to look at. O(the triangles that those circles touch), at most a bound for each
 // triangle of the star.
 bool find_influenced(Change& change, VertexId v, SegmentId about, OnSegment found) noexcept;
+// The same of a vertex that would stand at the place, or does.
+bool find_influenced(Change& change, const Point& place, OnSegment found) noexcept;
 // The same for the mark of an edge: the lines that the circles on both sides of it touch.
 bool find_influenced(Change& change, Edge e, SegmentId about, OnSegment found) noexcept;
 // The segments whose Steiner vertices have an influence on a subsegment, an edge of the mesh.

@@ -73,7 +73,7 @@ void queue_around(Change& change, PruneQueue& queue, VertexId v) noexcept {
 void note_taken_out(Change& change, SegmentId s, VertexId v) noexcept {
   MeshState& m = change.mesh;
   if (change.extent == Change::Extent::local) {
-    if (m.owner(v).role() == Role::steiner) note_going(change, v);
+    if (m.owner(v).role() == Role::steiner) note_place(change, m.at(v));
   } else if (!find_influenced(change, v, s, on_dependent)) {
     m.knows_dependence = false;
   }

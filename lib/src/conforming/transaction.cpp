@@ -62,6 +62,7 @@ void restore_detached(Change& change) noexcept {
       v = subsegment.tail;
     }
   }
+  forget_places(change);
   end_change(change);
 }
 

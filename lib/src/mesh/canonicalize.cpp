@@ -69,7 +69,7 @@ Status lay_all_again(Change& change) noexcept {
   if (status == Status::ok) {
     for (IdValue i = 0; i < m.segment_end; ++i) make_canonical(m, SegmentId{i});
     m.is_all_stale = false;
-    m.new_node_count = 0;
+    m.place_count = 0;
     commit(change);
     return status;
   }
@@ -119,7 +119,7 @@ Status Mesh::canonicalize(std::uint32_t steps_max) noexcept {
   MeshState& m = opened(*this, Call::canonicalize);
   Change change(m, Change::Extent::whole);
   if (m.unresolved != 0) return m.error_detail.status = Status::mesh_unresolved;
-  look_at_new_nodes(change);
+  look_at_places(change);
   if (m.stale_count != 0 && !looks_around_only(m.config.policy)) make_all_stale(m);
   if (!m.is_all_stale) return lay_stale_again(m, steps_max);
   change.steps_max = steps_max;
@@ -128,7 +128,7 @@ Status Mesh::canonicalize(std::uint32_t steps_max) noexcept {
 
 bool Mesh::is_canonical() const noexcept {
   const MeshState& m = opened(*this, Call::is_canonical);
-  return m.unresolved == 0 && m.stale_count == 0 && m.new_node_count == 0 && !m.is_all_stale;
+  return m.unresolved == 0 && m.stale_count == 0 && m.place_count == 0 && !m.is_all_stale;
 }
 
 }  // namespace ETCM_IDS

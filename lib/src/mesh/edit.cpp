@@ -193,7 +193,7 @@ Status Mesh::join(Position position, VertexId& id) noexcept {
   status = conform(change);
   if (status == Status::ok) {
     commit(change);
-    note_new_node(change, v);
+    note_place(change, m.at(v));
     add_hint(m, v);
     id = v;
     return status;
@@ -217,12 +217,11 @@ Status Mesh::leave(VertexId node) noexcept {
   if (is_endpoint(m, node)) return report(m, Status::endpoint_in_use, node);
   const SegmentId parts = merge_segments_at(change, node);
   touch_around(change, node);
-  note_going(change, node);
+  note_place(change, m.at(node));
   remove_hint(m, node);
   remove_vertex(m, node);
   const Status status = conform(change);
   if (status == Status::ok) {
-    forget_new_node(m, node);
     free_vertex(m, node);
     --m.node_count;
     commit(change);
@@ -251,7 +250,7 @@ Status Mesh::move(VertexId node, Position position) noexcept {
   const SegmentId parts = merge_segments_at(change, node);
   FeatureList features = unlink_features_of(change, node);
   touch_around(change, node);
-  note_going(change, node);
+  note_place(change, m.at(node));
   remove_hint(m, node);
   remove_vertex(m, node);
   m.points[node.value] = after;
@@ -269,7 +268,7 @@ Status Mesh::move(VertexId node, Position position) noexcept {
   }
   if (status == Status::ok) {
     commit(change);
-    note_new_node(change, node);
+    note_place(change, m.at(node));
     add_hint(m, node);
     return status;
   }

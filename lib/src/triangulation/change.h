@@ -15,7 +15,11 @@ struct Change {
   };
 
   explicit Change(MeshState& state, Extent how_much = Extent::local) noexcept
-      : mesh(state), steps_max(state.config.steps_max), extent(how_much) {
+      : mesh(state),
+        steps_max(state.config.steps_max),
+        extent(how_much),
+        places_before(state.place_count),
+        was_all_stale(state.is_all_stale) {
     state.error_detail = ErrorDetail{};
   }
   Change(const Change&) = delete;
@@ -29,6 +33,10 @@ struct Change {
   std::uint32_t steps = 0;        // it has spent
   std::uint32_t steps_max;        // it may spend; 0: no bound
   Extent extent;
+
+  // Of MeshState, to be put back where the change is.
+  const std::uint8_t places_before;
+  const bool was_all_stale;
 
   // Extent::group: the segments that are laid, linked by next_in_group.
   SegmentId group{};

@@ -20,7 +20,7 @@ struct Hints {
   int side_bits = 0;  // there are 2^side_bits by 2^side_bits of them
 };
 
-inline constexpr unsigned new_nodes_most = 8;
+inline constexpr unsigned places_most = 16;
 
 inline constexpr std::size_t bytes_per_vertex_triangles = 2 * sizeof(TriangleRecord);
 
@@ -52,8 +52,8 @@ struct MeshState {
   std::uint32_t stale_count = 0;  // segments that are stale
   bool is_all_stale = false;      // all are
   bool knows_dependence = true;   // else what one segment depends on may be any other
-  std::uint8_t new_node_count = 0;
-  VertexId new_nodes[new_nodes_most] = {};
+  std::uint8_t place_count = 0;   // where vertices have come or gone since it was
+  Point places[places_most];
 
   Edge walk_start{};  // where the last walk ended or the last vertex came; a hint for the next
   ErrorDetail error_detail;    // of the last change
