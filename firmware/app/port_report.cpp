@@ -23,8 +23,8 @@ void PortReport::step() {
     log_.write(port::Level::info,
                messages_.served + to_string(acceptor_.address()) + " to " + list_of(allowed_));
   } else {
-    log_.write(port::Level::error, std::string(messages_.missing) + ": " + acceptor_.failure() +
-                                       "; " + acceptor_.cure(messages_.section) +
+    log_.write(port::Level::error, messages_.missing + ": " + acceptor_.failure() + "; " +
+                                       acceptor_.cure(messages_.key) +
                                        "; goes on, and tries again");
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -12,24 +13,27 @@
 namespace etcm::firmware {
 
 struct PortMessages {
-  const char* section;  // of the settings, which has the port
-  const char* served;   // before the address
-  const char* missing;
+  std::string key;     // of the settings, which has the port: "`listen` of [http]"
+  std::string served;  // before the address
+  std::string missing;
 };
 
 class PortReport {
  public:
-  // All arguments but `allowed` must outlive this.
-  PortReport(const port::Acceptor& acceptor, const PortMessages& messages,
+  // `acceptor` and `log` must outlive this.
+  PortReport(const port::Acceptor& acceptor, PortMessages messages,
              std::vector<port::Network> allowed, port::Log& log)
-      : acceptor_(acceptor), messages_(messages), allowed_(std::move(allowed)), log_(log) {}
+      : acceptor_(acceptor),
+        messages_(std::move(messages)),
+        allowed_(std::move(allowed)),
+        log_(log) {}
 
   void allow(std::vector<port::Network> networks) { allowed_ = std::move(networks); }
   void step();
 
  private:
   const port::Acceptor& acceptor_;
-  const PortMessages& messages_;
+  const PortMessages messages_;
   std::vector<port::Network> allowed_;
   port::Log& log_;
   std::optional<bool> is_told_;

@@ -15,12 +15,16 @@ namespace etcm::firmware {
 namespace {
 
 constexpr port::Identity identity{{"ETCM", "etcm-gateway", ETCM_VERSION}};
-constexpr PortMessages server_messages{
-    .section = "server", .served = "serves the mesh on ", .missing = "the mesh is not served"};
 // A disk that does not answer holds up the end no longer than this.
 constexpr port::Duration exit_patience = std::chrono::seconds(5);
 // What a serial server still passes on after a wait in vain, as `quiet` of a serial line.
 constexpr port::Duration quiet_over_tcp = std::chrono::milliseconds(50);
+
+PortMessages server_messages() {
+  return {.key = "`listen` of [server]",
+          .served = "serves the mesh on ",
+          .missing = "the mesh is not served"};
+}
 
 }  // namespace
 
@@ -36,9 +40,10 @@ Program::Program(std::string config, std::shared_ptr<const Settings> settings,
       stop_(loop_),
       reread_(loop_, {SIGHUP}),
       board_(*settings_, loop_, log),
+      shared_lines_(settings_->buses, loop_, log),
       server_(loop_, settings_->server.listen, settings_->server.clients_max, identity,
               empty_image(*settings_)),
-      server_report_(server_.acceptor(), server_messages, settings_->server.allow, log) {
+      server_report_(server_.acceptor(), server_messages(), settings_->server.allow, log) {
   open_mesh();
   for (const BusSettings& bus : settings_->buses) {
     buses_.push_back(make_bus(bus, settings_->poll.interval));
@@ -119,7 +124,8 @@ void Program::make_gateway() {
   for (std::size_t i = 0; i < buses_.size(); ++i) {
     port::NodeBus* const bus =
         std::visit([](const auto& adapter) -> port::NodeBus* { return adapter.get(); }, buses_[i]);
-    polled.push_back({.bus = bus, .settings = &settings_->buses[i]});
+    polled.push_back(
+        {.bus = bus, .settings = &settings_->buses[i], .clients = &shared_lines_.clients(i)});
   }
   gateway_.emplace(settings_, mesh_,
                    GatewayPorts{.buses = polled,
@@ -142,6 +148,7 @@ void Program::run() {
     watch_->step(clock_.now());
     server_.advance(clock_.now());
     server_report_.step();
+    shared_lines_.step(clock_.now());
     if (web_) web_->step(clock_.now());
     // A large site takes its time. What arrives meanwhile is taken in before anybody is given up.
     if (reread_.received() && reload_due_ <= clock_.now()) reload_settings();
@@ -160,6 +167,7 @@ void Program::reload_settings() {
     server_.allow(settings_->server.allow, log_);
     server_report_.allow(settings_->server.allow);
     if (web_) web_->allow(settings_->http->allow);
+    shared_lines_.update(settings_->buses);
     gateway_->update_settings(settings_, clock_.now());
   }
   watch_->ready(clock_.now());
@@ -168,7 +176,7 @@ void Program::reload_settings() {
 
 port::Instant Program::next_deadline() const {
   return std::min({gateway_->next_deadline(), watch_->next_deadline(), server_.next_deadline(),
-                   reread_.received() ? reload_due_ : port::never,
+                   shared_lines_.next_deadline(), reread_.received() ? reload_due_ : port::never,
                    board_io_ ? board_io_->next_deadline() : port::never,
                    web_ ? web_->next_deadline() : port::never});
 }

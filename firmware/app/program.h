@@ -12,6 +12,7 @@
 #include "etcm/port/service_counters.h"
 #include "firmware/app/board.h"
 #include "firmware/app/port_report.h"
+#include "firmware/app/shared_lines.h"
 #include "firmware/app/web.h"
 #include "firmware/config/settings.h"
 #include "firmware/gateway/board_io.h"
@@ -69,6 +70,7 @@ class Program {
   Board board_;
   std::vector<std::unique_ptr<port::RtuTcpLine>> tcp_lines_;  // of buses with RTU frames over TCP
   std::vector<Bus> buses_;
+  SharedLines shared_lines_;
   port::RegisterServer server_;
   PortReport server_report_;
   std::unique_ptr<port::MeshFolder> folder_;

@@ -6,9 +6,11 @@ namespace etcm::firmware {
 
 namespace {
 
-constexpr PortMessages messages{.section = "http",
-                                .served = "shows the status page on http://",
-                                .missing = "there is no status page"};
+PortMessages page_messages() {
+  return {.key = "`listen` of [http]",
+          .served = "shows the status page on http://",
+          .missing = "there is no status page"};
+}
 
 }  // namespace
 
@@ -18,7 +20,7 @@ Web::Web(const HttpSettings& settings, const StatusSources& sources,
       page_(sources, settings.clients_max),
       server_(loop, page_, {.listen = settings.listen, .clients_max = settings.clients_max},
               counters),
-      report_(server_.acceptor(), messages, settings.allow, log) {
+      report_(server_.acceptor(), page_messages(), settings.allow, log) {
   server_.allow(settings.allow, log);
   report_.step();
 }

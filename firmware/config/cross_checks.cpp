@@ -70,6 +70,7 @@ class CrossCheck {
     check_room();
     for (std::size_t i = 0; i < settings_.buses.size(); ++i) {
       check_address(i);
+      check_share(i);
       check_port(i);
       check_speed(i);
       check_sweep(i);
@@ -155,6 +156,28 @@ class CrossCheck {
       is_itself("serves the mesh");
     } else if (settings_.http && reaches(*end, settings_.http->listen)) {
       is_itself("shows its page");
+    }
+    for (const BusSettings& other : settings_.buses) {
+      if (!other.share.listen || !reaches(*end, *other.share.listen)) continue;
+      is_itself(("shares bus '" + other.name + "'").c_str());
+    }
+  }
+
+  // Where others come to the bus nothing else of the gateway listens.
+  void check_share(std::size_t number) {
+    const auto& listen = settings_.buses[number].share.listen;
+    if (!listen) return;
+    const auto taken = [&](const std::string& by) {
+      add(mistakes_, find_in_bus(number, {"share"}),
+          to_string(*listen) + " is where " + by + "; give share another port");
+    };
+    if (is_one_place(*listen, settings_.server.listen)) taken("[server] listens");
+    if (settings_.http && is_one_place(*listen, settings_.http->listen)) taken("[http] listens");
+    for (std::size_t i = 0; i < number; ++i) {
+      const auto& other = settings_.buses[i].share.listen;
+      if (other && is_one_place(*listen, *other)) {
+        taken("bus '" + settings_.buses[i].name + "' is shared");
+      }
     }
   }
 

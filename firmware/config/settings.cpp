@@ -99,18 +99,10 @@ void check_gpio(TomlTable& toml_table, Settings& settings) {
   }
 }
 
-// Whether only one can listen at both, on one port.
-bool is_one_socket(const port::HostAddress& a, const port::HostAddress& b) {
-  const auto contains = [](const port::HostAddress& any, const port::HostAddress& host) {
-    return any == port::any_ipv6 || (any == port::any_ipv4 && host.is_ipv4());
-  };
-  return a == b || contains(a, b) || contains(b, a);
-}
-
 void check_http(TomlTable& toml_table, Settings& settings) {
   const port::SocketAddress& page = settings.http->listen;
   const port::SocketAddress& server = settings.server.listen;
-  if (page.port != 0 && page.port == server.port && is_one_socket(page.host, server.host)) {
+  if (is_one_place(page, server)) {
     toml_table.mistake(toml_table.table(), "the page and [server] would both listen on port " +
                                                std::to_string(server.port) + "; give one another");
   }
@@ -133,10 +125,24 @@ void check_rs485(TomlTable& toml_table, const BusSettings& bus, const port::Rs48
   }
 }
 
+// Others come to an address.
+void check_share(TomlTable& toml_table, const BusSettings& bus) {
+  if (bus.share.listen) return;
+  for (const char* const key :
+       {"share_allow", "share_units", "share_writes", "share_time", "share_wait"}) {
+    if (const toml::node* const given = toml_table.find(key)) {
+      toml_table.mistake(*given, std::string("'") + key +
+                                     "' says how others may use the bus, and share does not say "
+                                     "where; add share = \"127.0.0.1:1510\", or take it out");
+    }
+  }
+}
+
 // The transceiver has one master, new nodes have a unit to themselves.
 void check_bus(TomlTable& toml_table, const KeyTable& table, const BusSettings& bus) {
   const auto* const line = std::get_if<port::SerialLine>(&bus.link);
   if (line != nullptr) check_rs485(toml_table, bus, line->rs485);
+  check_share(toml_table, bus);
   if (toml_table.find("assign") == nullptr && toml_table.find("scan") == nullptr &&
       toml_table.find("device") == nullptr) {
     require(toml_table, table, "units");

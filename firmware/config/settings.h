@@ -80,6 +80,16 @@ struct DeviceSettings {
 // How frames stand in the bytes of a TCP connection.
 enum class Framing : std::uint8_t { tcp, rtu };
 
+// Who else may ask the units of a bus, through the gateway.
+struct ShareSettings {
+  std::optional<port::SocketAddress> listen;  // none: nobody
+  std::vector<port::Network> allow{};         // who may connect
+  std::vector<UnitRange> units{};             // that may be asked
+  bool writes = false;                        // else they may only read
+  std::uint32_t percent = 0;                  // of the time of a busy line
+  port::Duration wait_max{};                  // of a request, for its turn
+};
+
 struct BusSettings {
   std::string name;
   Framing framing = Framing::tcp;
@@ -94,6 +104,7 @@ struct BusSettings {
   port::Duration quiet{};                 // of a serial line, after a wait in vain
   std::uint32_t outstanding_max = 0;
   std::optional<LineSettings> send_enable;  // switches the transceiver of a serial line
+  ShareSettings share{};
 };
 
 // What the bus is named that has no name of its own: the address or the path.

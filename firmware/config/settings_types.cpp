@@ -154,6 +154,14 @@ std::optional<port::SocketAddress> read(const AddressType&, const GivenKey& key,
                    "for all addresses of this machine");
 }
 
+std::optional<std::optional<port::SocketAddress>> read(const OptionalAddressType&,
+                                                       const GivenKey& key,
+                                                       const toml::node& node) {
+  const auto found = read(AddressType{}, key, node);
+  if (!found) return std::nullopt;
+  return found;
+}
+
 std::optional<port::Endpoint> read(const EndpointType&, const GivenKey& key,
                                    const toml::node& node) {
   const auto text = node.value_exact<std::string>();
@@ -265,6 +273,7 @@ std::string range(const FlagType&) { return "`true`, `false`"; }
 std::string range(const TextType&) { return "text"; }
 std::string range(const PathType&) { return "path"; }
 std::string range(const AddressType&) { return "`\"ADDRESS:PORT\"`"; }
+std::string range(const OptionalAddressType&) { return range(AddressType{}); }
 std::string range(const EndpointType&) { return "`\"HOST:PORT\"`"; }
 std::string range(const NetworksType&) { return "list of networks"; }
 std::string range(const UnitsType&) { return "`\"1-60\"`, `\"1-3,9\"`"; }

@@ -68,6 +68,10 @@ struct PathType {
 struct AddressType {
   Access<port::SocketAddress> field;
 };
+// An address that need not be there.
+struct OptionalAddressType {
+  Access<std::optional<port::SocketAddress>> field;
+};
 // A host by address or name, and a port.
 struct EndpointType {
   Access<port::Endpoint> field;
@@ -104,8 +108,8 @@ struct OriginType {
 
 using ValueType =
     std::variant<DurationType, OptionalDurationType, CountType, ChoiceType, BaudType, FlagType,
-                 TextType, PathType, AddressType, EndpointType, NetworksType, UnitsType,
-                 BoardLineType, OptionalCountType, DecimalType, ScaleType, OriginType>;
+                 TextType, PathType, AddressType, OptionalAddressType, EndpointType, NetworksType,
+                 UnitsType, BoardLineType, OptionalCountType, DecimalType, ScaleType, OriginType>;
 
 // A key as it stands in a file.
 struct GivenKey {
@@ -246,6 +250,10 @@ constexpr PathType path_from_file() {
 template <auto... path>
 constexpr AddressType address() {
   return {detail::field<port::SocketAddress, path...>()};
+}
+template <auto... path>
+constexpr OptionalAddressType optional_address() {
+  return {detail::field<std::optional<port::SocketAddress>, path...>()};
 }
 template <auto... path>
 constexpr EndpointType endpoint() {

@@ -205,6 +205,19 @@ port::Instant BusSchedule::request_start(port::Instant due, port::Instant now) c
                       now);
 }
 
+port::Instant BusSchedule::client_start(port::Instant now) const {
+  port::Instant first = undiscovered_ > 0 && !discovery_under_way_ ? discovery_due_ : port::never;
+  for (const Turns* const turns : {&turns_, &repeats_, &retries_}) {
+    if (!turns->empty()) first = std::min(first, turns->front().due);
+  }
+  const bool is_idle = first > now + (takes_one() ? cost_max_ : port::Duration{});
+  return is_idle ? port::Instant{} : client_share_.free_at();
+}
+
+void BusSchedule::charge_client(port::Duration cost, port::Instant now) {
+  client_share_.charge(cost * 100 / std::max(1u, settings_.share.percent), now);
+}
+
 // REQUIRES: undiscovered_ > 0.
 ModbusAddress BusSchedule::next_undiscovered() {
   ModbusAddress address;

@@ -38,6 +38,11 @@ namespace etcm::firmware {
 //
 // Requests wait until no unit is due; on a bus that is always busy they have 1/16 of its time.
 //
+// Requests of those who share the bus have the time that no unit waits for, and where one does
+// share.percent of it; what they did not use in the last seconds they may use at once. A request
+// that a unit waits for would hold it up for as long as a question in vain does, so a unit that is
+// due by then counts as waiting.
+//
 // Where no unit of a bus answers, something between is broken, such as a cable: all are asked as
 // often as if they were there, and all at once when the first answers again.
 //
@@ -91,6 +96,10 @@ class BusSchedule {
   // When a request that is due then may be made.
   port::Instant request_start(port::Instant due, port::Instant now) const;
   void charge_request(port::Duration cost, port::Instant now);
+
+  // When a request of those who share the bus may be made; at once from the origin on.
+  port::Instant client_start(port::Instant now) const;
+  void charge_client(port::Duration cost, port::Instant now);
 
   std::uint32_t failures(ModbusAddress address) const { return units_[address.value].failures; }
   bool has_answered(ModbusAddress address) const { return units_[address.value].has_answered; }
@@ -178,6 +187,8 @@ class BusSchedule {
   TimeShare retry_share_;
   TimeShare call_share_{32};  // of units that are called for
   TimeShare request_share_{16};
+  // Of what share.percent makes of a cost; that is saved up, so it counts whole.
+  TimeShare client_share_{2, std::chrono::seconds(4)};
 
   std::vector<ModbusAddress> discovery_;  // units that are not listed
   std::size_t discovery_next_ = 0;

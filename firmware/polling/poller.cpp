@@ -20,7 +20,8 @@ Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
     const BusSettings& bus = *polled.settings;
     buses_.push_back({.bus = polled.bus,
                       .schedule = BusSchedule(settings, bus, *polled.bus),
-                      .unit_at = std::vector<UnitIndex>(256, UnitIndex::none())});
+                      .unit_at = std::vector<UnitIndex>(256, UnitIndex::none()),
+                      .clients = ClientRequests(polled.clients)});
     const BusIndex number{bus_count() - 1};
     add_units(number, bus.units, true, devices);
     add_units(number, bus.assign, true, devices);
@@ -73,12 +74,15 @@ void Poller::step(port::Instant now) {
     while (bus.bus->take_answer(answer)) {
       if (answer.ticket == request_ticket) {
         finish_request(number, answer, now);
+      } else if (answer.ticket == client_ticket) {
+        finish_for_client(number, answer, now);
       } else {
         take(answer, UnitIndex{answer.ticket}, now);
       }
     }
     while (bus.bus->ready() && ask_next(number, now)) {
     }
+    if (!bus.bus->is_up()) bus.clients.refuse_all();
   }
 }
 
@@ -86,6 +90,7 @@ bool Poller::ask_next(BusIndex number, port::Instant now) {
   if (buses_[number.value].paused_until > now) return false;
   if (request_start(number, now) <= now && start_request(number, now)) return true;
   Bus& bus = buses_[number.value];
+  if (bus.clients.start_at(bus.schedule, now) <= now && start_for_client(number, now)) return true;
   while (const std::optional<BusSchedule::Question> question = bus.schedule.next_question(now)) {
     const UnitIndex unit = bus.unit_at[question->address.value];
     const port::RegisterRead read = read_of(unit);
@@ -142,9 +147,9 @@ port::Instant Poller::next_deadline() const {
     const Bus& bus = buses_[number.value];
     deadline = std::min(deadline, bus.bus->next_deadline());
     if (!bus.bus->ready()) continue;
-    const port::Instant next =
-        std::min({request_start(number, stepped_at_), bus.schedule.discovery_start(stepped_at_),
-                  bus.schedule.next_due(stepped_at_)});
+    const port::Instant next = std::min(
+        {request_start(number, stepped_at_), bus.schedule.discovery_start(stepped_at_),
+         bus.schedule.next_due(stepped_at_), bus.clients.start_at(bus.schedule, stepped_at_)});
     deadline = std::min(deadline, std::max(next, bus.paused_until));
   }
   return deadline;
@@ -180,10 +185,7 @@ void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant 
   const bool is_absence = port::is_absence(answer);
   PolledUnit& unit = units_[index.value];
   count_answer(unit, is_absence ? port::BusResult::timeout : answer.result, now);
-  if (unit.device != nullptr && !is_absence) {
-    Bus& bus = buses_[unit.bus.value];
-    bus.paused_until = std::max(bus.paused_until, now + unit.device->pause());
-  }
+  pause_after(answer, index, now);
   // What is to be believed comes from one sweep.
   if (answer.result != port::BusResult::ok) unit.block = 0;
   BusSchedule& schedule = schedule_of(index);
@@ -207,6 +209,13 @@ void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant 
       return fail(index, {.why = why, .is_silence = false}, now);
     }
   }
+}
+
+void Poller::pause_after(const port::BusAnswer& answer, UnitIndex index, port::Instant now) {
+  const PolledUnit& unit = units_[index.value];
+  if (unit.device == nullptr || port::is_absence(answer)) return;
+  Bus& bus = buses_[unit.bus.value];
+  bus.paused_until = std::max(bus.paused_until, now + unit.device->pause());
 }
 
 bool Poller::complete_sweep(const port::BusAnswer& answer, PolledUnit& unit) {
@@ -317,6 +326,23 @@ void Poller::finish_request(BusIndex number, const port::BusAnswer& answer, port
   bus.progressed_at = now;
   bus.schedule.charge_request(now - bus.request_asked_at + answer.silence, now);
   requests_->on_request_done(number, answer, now);
+}
+
+bool Poller::start_for_client(BusIndex number, port::Instant now) {
+  Bus& bus = buses_[number.value];
+  if (!bus.clients.start(*bus.bus, bus.schedule, client_ticket, now)) return false;
+  ++bus.under_way;
+  bus.progressed_at = now;
+  return true;
+}
+
+void Poller::finish_for_client(BusIndex number, const port::BusAnswer& answer, port::Instant now) {
+  Bus& bus = buses_[number.value];
+  --bus.under_way;
+  bus.progressed_at = now;
+  const UnitIndex unit = bus.unit_at[answer.address];
+  if (!unit.is_none()) pause_after(answer, unit, now);
+  bus.clients.finish(answer, bus.schedule, now);
 }
 
 }  // namespace etcm::firmware

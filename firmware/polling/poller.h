@@ -6,12 +6,14 @@
 #include <string_view>
 #include <vector>
 
+#include "etcm/port/line_clients.h"
 #include "etcm/port/log.h"
 #include "etcm/port/node_bus.h"
 #include "firmware/config/settings.h"
 #include "firmware/logging/text_line.h"
 #include "firmware/polling/bus_request.h"
 #include "firmware/polling/bus_schedule.h"
+#include "firmware/polling/client_requests.h"
 #include "firmware/polling/device.h"
 #include "firmware/polling/indices.h"
 #include "firmware/polling/poll_counters.h"
@@ -22,6 +24,7 @@ namespace etcm::firmware {
 struct PolledBus {
   port::NodeBus* bus = nullptr;
   const BusSettings* settings = nullptr;
+  port::LineClients* clients = nullptr;  // who share it; null: nobody can
 };
 
 class ReadingListener {
@@ -70,6 +73,7 @@ class Poller {
   std::uint32_t bus_count() const { return static_cast<std::uint32_t>(buses_.size()); }
   const BusSettings& bus(BusIndex bus) const { return buses_[bus.value].schedule.settings(); }
   const BusCounters& bus_counters(BusIndex bus) const { return buses_[bus.value].counters; }
+  const ClientRequests& client_requests(BusIndex bus) const { return buses_[bus.value].clients; }
   BusIndex bus_of(UnitIndex unit) const { return units_[unit.value].bus; }
   // None where there is none.
   UnitIndex unit_at(BusIndex bus, ModbusAddress address) const {
@@ -95,6 +99,7 @@ class Poller {
 
  private:
   static constexpr std::uint32_t request_ticket = 0xffffffff;
+  static constexpr std::uint32_t client_ticket = 0xfffffffe;
 
   struct PolledUnit {
     BusIndex bus;
@@ -115,6 +120,7 @@ class Poller {
     port::Instant request_asked_at{};
     BusCounters counters{};
     port::Instant paused_until{};  // a device needs silence
+    ClientRequests clients;
   };
 
   const BusSchedule& schedule_of(UnitIndex unit) const {
@@ -129,6 +135,9 @@ class Poller {
   port::Instant request_start(BusIndex bus, port::Instant now) const;
   bool start_request(BusIndex bus, port::Instant now);
   void finish_request(BusIndex bus, const port::BusAnswer& answer, port::Instant now);
+  bool start_for_client(BusIndex bus, port::Instant now);
+  void finish_for_client(BusIndex bus, const port::BusAnswer& answer, port::Instant now);
+  void pause_after(const port::BusAnswer& answer, UnitIndex unit, port::Instant now);
 
   void take(const port::BusAnswer& answer, UnitIndex unit, port::Instant now);
   // False: the sweep of the device has more blocks.

@@ -20,7 +20,7 @@ struct Context {
 };
 
 // Of what there is a sample each.
-enum class Scope : std::uint8_t { gateway, bus, unit, node, reading };
+enum class Scope : std::uint8_t { gateway, bus, shared_bus, unit, node, reading };
 
 // One metric: its samples are those of the scope, and what write() adds.
 struct Family {
@@ -36,6 +36,7 @@ std::uint32_t count_of(Scope scope, const Context& context) {
     case Scope::gateway:
       return 1;
     case Scope::bus:
+    case Scope::shared_bus:
       return context.poller().bus_count();
     case Scope::unit:
       return context.poller().unit_count();
@@ -51,12 +52,20 @@ const ReadingRecord& reading_at(const Context& context, std::uint32_t index) {
   return context.sources.gateway.reading_table().records()[index];
 }
 
+const port::LineClients* clients_at(const Context& context, std::uint32_t bus) {
+  return context.poller().client_requests(BusIndex{bus}).clients();
+}
+
 // Of the units that are only looked for, those that are not there would be most of the text. A
 // reading is that of the node that answered at its unit last.
 bool is_shown(Scope scope, std::uint32_t index, const Context& context) {
   if (scope == Scope::unit) {
     return context.poller().is_listed(UnitIndex{index}) ||
            context.poller().counters(UnitIndex{index}).has_answered();
+  }
+  if (scope == Scope::shared_bus) {
+    const port::LineClients* const clients = clients_at(context, index);
+    return clients != nullptr && clients->is_shared();
   }
   if (scope != Scope::reading) return true;
   const ReadingRecord& reading = reading_at(context, index);
@@ -274,6 +283,35 @@ void write_bus_efficiency(const Context& context, std::uint32_t index, TextWrite
   if (use.efficiency > 0) bus_labels(context, bus, piece).decimal(use.efficiency, 4) << "\n";
 }
 
+void write_share_listening(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const port::ServiceCounters& service = clients_at(context, index)->counters().service;
+  bus_labels(context, BusIndex{index}, piece) << (service.is_listening ? 1 : 0) << "\n";
+}
+void write_share_clients(const Context& context, std::uint32_t index, TextWriter& piece) {
+  bus_labels(context, BusIndex{index}, piece)
+      << clients_at(context, index)->counters().service.clients << "\n";
+}
+void write_share_refused(const Context& context, std::uint32_t index, TextWriter& piece) {
+  bus_labels(context, BusIndex{index}, piece)
+      << clients_at(context, index)->counters().service.rejected << "\n";
+}
+void write_share_requests(const Context& context, std::uint32_t index, TextWriter& piece) {
+  const port::ClientCounters& counters = clients_at(context, index)->counters();
+  const auto result = [&](const char* name, std::uint64_t count) {
+    piece << context.name << "{bus=";
+    piece.label(bus_label(context.poller(), BusIndex{index}))
+        << ",result=\"" << name << "\"} " << count << "\n";
+  };
+  result("answered", counters.answered);
+  result("no_answer", counters.no_answer);
+  result("no_path", counters.no_path);
+  result("busy", counters.busy);
+}
+void write_share_seconds(const Context& context, std::uint32_t index, TextWriter& piece) {
+  bus_labels(context, BusIndex{index}, piece);
+  piece.seconds(context.poller().client_requests(BusIndex{index}).time()) << "\n";
+}
+
 constexpr std::array families{
     Family{"etcm_build_info", "gauge", "Version of the gateway.", Scope::gateway, write_build},
     Family{"etcm_uptime_seconds", "gauge", "Time since the gateway was started.", Scope::gateway,
@@ -381,6 +419,20 @@ constexpr std::array families{
     Family{"etcm_bus_efficiency_ratio", "gauge",
            "Of that time, the part that bytes and silences need at least; serial lines only.",
            Scope::bus, write_bus_efficiency},
+    Family{"etcm_share_listening", "gauge",
+           "1 where others can connect to share the bus, 0 where the port cannot be had.",
+           Scope::shared_bus, write_share_listening},
+    Family{"etcm_share_clients", "gauge", "Clients that share the bus now.", Scope::shared_bus,
+           write_share_clients},
+    Family{"etcm_share_requests_total", "counter",
+           "Requests of those who share the bus: answered by a unit, no_answer of it, no_path to "
+           "it, or busy, because there was no time.",
+           Scope::shared_bus, write_share_requests},
+    Family{"etcm_share_refused_total", "counter",
+           "Requests that may not be sent, and clients that were rejected.", Scope::shared_bus,
+           write_share_refused},
+    Family{"etcm_share_busy_seconds_total", "counter",
+           "Time in which such a request was under way.", Scope::shared_bus, write_share_seconds},
     Family{"etcm_unit_requests_total", "counter", "Questions to a unit.", Scope::unit,
            write_unit_requests},
     Family{"etcm_unit_errors_total", "counter",

@@ -4,24 +4,6 @@
 
 namespace etcm::port {
 
-namespace {
-
-bool is_write(const RtuQuestion& question) { return question.function == write_holding_registers; }
-
-// REQUIRES: the PDU is of the question's function.
-bool answers(std::span<const std::uint8_t> pdu, const RtuQuestion& question) {
-  if (!is_write(question)) return pdu.size() == 2u + 2u * question.range.count;
-  std::uint8_t exception = 0;
-  return parse_write_answer(pdu, question.range, exception) == WriteAnswer::written;
-}
-
-}  // namespace
-
-bool are_answered_alike(const RtuQuestion& a, const RtuQuestion& b) {
-  return a.function == b.function && a.range.count == b.range.count &&
-         (!is_write(a) || a.range.first == b.range.first);
-}
-
 const OwedAnswers::Owed* OwedAnswers::find(const RtuQuestion& question) const {
   const auto found = std::find_if(owed_.begin(), owed_.end(), [&](const Owed& owed) {
     return owed.is_remembered && are_answered_alike(owed.question, question);

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "etcm/port/clock.h"
-#include "modbus/frame.h"
+#include "modbus/question.h"
 
 namespace etcm::port {
 
@@ -16,15 +16,6 @@ namespace etcm::port {
 inline constexpr Duration late_answer_max = std::chrono::seconds(5);
 // However slow a unit has been, it may come no later than this.
 inline constexpr Duration late_answer_longest = std::chrono::minutes(1);
-
-struct RtuQuestion {
-  std::uint8_t function = 0;
-  RegisterRange range;
-};
-
-// Whether an answer to one could be taken for an answer to the other: of reads it tells function
-// and count, of writes the whole range.
-bool are_answered_alike(const RtuQuestion& a, const RtuQuestion& b);
 
 // Of one unit.
 class OwedAnswers {

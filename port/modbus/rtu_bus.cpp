@@ -107,6 +107,32 @@ void RtuBus::start_write(const RegisterWrite& write, Instant now) {
   send(request, frame, pdu, rtu_write_answer_bytes, write.timeout, now);
 }
 
+Instant RtuBus::request_free_at(const UnitRequest& request, Instant now) const {
+  const UnitState& unit = units_[request.address];
+  const RtuQuestion question = question_of(request.pdu);
+  Instant room_at = never;
+  Instant again_at{};
+  for (const ClientMiss& miss : unit.client_misses) {
+    room_at = std::min(room_at, miss.owed_until);
+    if (now < miss.again_at && are_answered_alike(miss.question, question)) {
+      again_at = std::max(again_at, miss.again_at);
+    }
+  }
+  return std::max({unit.owed.free_at(question), room_at, again_at});
+}
+
+void RtuBus::start_request(const UnitRequest& wanted, Instant now) {
+  const Request request{.address = wanted.address,
+                        .question = question_of(wanted.pdu),
+                        .ticket = wanted.ticket,
+                        .is_of_client = true};
+  if (request_free_at(wanted, now) > now) return refuse(request);
+  std::array<std::uint8_t, rtu_frame_bytes_max> frame;
+  std::copy(wanted.pdu.begin(), wanted.pdu.end(), frame.begin() + rtu_unit_bytes);
+  send(request, frame, wanted.pdu.size(),
+       rtu_unit_bytes + answer_bytes(request.question) + rtu_checksum_bytes, wanted.timeout, now);
+}
+
 // What would be answered like something that is still owed is not sent.
 void RtuBus::refuse(const Request& request) {
   request_ = request;
@@ -180,6 +206,12 @@ void RtuBus::listen(Instant now) {
         (found->pdu[0] & 0x7f) == request_.question.function) {
       settle(*found, now);
       if (phase_ != Phase::waiting) return be_silent(now + silence_, now + silence_);
+      if ((found->pdu[0] & exception_bit) != 0) {
+        // An earlier question's or this one's: neither is settled by it.
+        heard_wrong_ = true;
+        line_.drop(*found);
+        continue;
+      }
     }
     const bool is_late = note_late(*found, now);
     if (is_late && phase_ == Phase::silent && found->address == request_.address) {
@@ -200,6 +232,7 @@ void RtuBus::listen(Instant now) {
 
 // Takes the answer of the unit that was asked, if it is one to what was asked.
 void RtuBus::settle(const RtuAnswer& found, Instant now) {
+  if (request_.is_of_client) return settle_for_client(found, now);
   const bool is_write = request_.question.function == write_holding_registers;
   const std::size_t count = is_write ? 0 : request_.question.range.count;
   std::uint8_t exception = 0;
@@ -216,6 +249,19 @@ void RtuBus::settle(const RtuAnswer& found, Instant now) {
   complete(BusResult::ok);
   answer_.left_out = request_.left_out;
   answer_.registers = std::span(registers_).first(count);
+}
+
+void RtuBus::settle_for_client(const RtuAnswer& found, Instant now) {
+  const bool is_exception = (found.pdu[0] & exception_bit) != 0;
+  const OwedAnswers& owed = units_[request_.address].owed;
+  if (is_exception ? owed.owed_until(request_.question.function) > now
+                   : !answers(found.pdu, request_.question)) {
+    return;
+  }
+  complete(is_exception ? BusResult::exception : BusResult::ok);
+  if (is_exception) answer_.exception = found.pdu[1];
+  std::copy(found.pdu.begin(), found.pdu.end(), pdu_.begin());
+  answer_.pdu = std::span(pdu_).first(found.pdu.size());
 }
 
 // It may be for an earlier question with this function: then the answer to this one is to come.
@@ -259,7 +305,13 @@ void RtuBus::report_late(std::uint8_t number, Duration lateness, Instant now) {
 // The answer to the request may come after the wait for it.
 void RtuBus::owe(Instant now) {
   UnitState& unit = units_[request_.address];
-  unit.owed.add(request_.question, sent_at_, now + latest_of(unit));
+  const Instant until = now + latest_of(unit);
+  unit.owed.add(request_.question, sent_at_, until);
+  if (!request_.is_of_client) return;
+  *std::min_element(
+      unit.client_misses.begin(), unit.client_misses.end(),
+      [](const ClientMiss& a, const ClientMiss& b) { return a.owed_until < b.owed_until; }) = {
+      .question = request_.question, .owed_until = until, .again_at = until + (until - now)};
 }
 
 void RtuBus::give_up(Instant now) {

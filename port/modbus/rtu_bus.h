@@ -14,6 +14,13 @@
 //   is asked at even distances; a write waits. Others are asked meanwhile;
 // - so it is known of a late answer when it was asked for, and the log says how slow the unit is.
 //
+// Those who share the line (UnitRequest) ask in their own way, so the same is done to them: nothing
+// of theirs is sent whose answer would look like one that is under way. An exception that may be an
+// earlier question's is not handed to them. And what a unit did not answer to them is asked again
+// in twice the time in which the answer may come, with at most client_misses_max such of a unit:
+// between them its registers can be read. (With an adapter that hears itself, FC 5, 6 and 22 are
+// answered by their own echo, which is the same frame.)
+//
 // So that it falls into no other unit's answer either, the line stays silent after a wait in vain
 // for as long as that unit may still begin to answer: `quiet`, or longer where it once was slower;
 // less once its late answer has passed. Never longer than late_silence_max, and each miss without a
@@ -40,6 +47,9 @@ namespace etcm::port {
 // The line is silent for no longer after a wait in vain, where `quiet` is not longer.
 inline constexpr Duration late_silence_max = std::chrono::seconds(1);
 
+// Requests of others that one unit may owe answers to.
+inline constexpr std::size_t client_misses_max = 2;
+
 struct RtuBusOptions {
   std::string name;  // for the log
   SerialLine serial_line;
@@ -65,8 +75,11 @@ class RtuBus final : public NodeBus {
   Instant write_free_at(std::uint8_t address) const override {
     return units_[address].owed.owed_until(write_holding_registers);
   }
+  Instant request_free_at(const UnitRequest& request, Instant now) const override;
+  bool is_up() const override { return phase_ != Phase::closed && phase_ != Phase::opening; }
   void start_read(const RegisterRead& read, Instant now) override;
   void start_write(const RegisterWrite& write, Instant now) override;
+  void start_request(const UnitRequest& request, Instant now) override;
   void advance(Instant now) override;
   bool take_answer(BusAnswer& answer) override;
   Instant next_deadline() const override;
@@ -85,11 +98,20 @@ class RtuBus final : public NodeBus {
     RtuQuestion question;
     std::uint16_t left_out = 0;
     std::uint32_t ticket = 0;
+    bool is_of_client = false;
+  };
+
+  // A client's question that was not answered.
+  struct ClientMiss {
+    RtuQuestion question;
+    Instant owed_until{};
+    Instant again_at{};
   };
 
   // What is remembered of a unit, by its address.
   struct UnitState {
     OwedAnswers owed;
+    std::array<ClientMiss, client_misses_max> client_misses{};
     bool has_no_holding = false;  // it refuses FC 3
     LateAdvice advice;
     // From the end of a request to the end of a late answer:
@@ -113,6 +135,7 @@ class RtuBus final : public NodeBus {
             std::size_t answer_bytes, Duration timeout, Instant now);
   void listen(Instant now);
   void settle(const RtuAnswer& found, Instant now);
+  void settle_for_client(const RtuAnswer& found, Instant now);
   void settle_exception(std::uint8_t exception, Instant now);
   bool note_late(const RtuAnswer& found, Instant now);
   void report_late(std::uint8_t address, Duration lateness, Instant now);
@@ -158,6 +181,7 @@ class RtuBus final : public NodeBus {
   bool has_answer_ = false;
   BusAnswer answer_;
   std::array<std::uint16_t, read_registers_max> registers_{};
+  std::array<std::uint8_t, pdu_bytes_max> pdu_{};
 };
 
 }  // namespace etcm::port

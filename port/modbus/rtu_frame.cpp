@@ -5,6 +5,7 @@
 #include <array>
 
 #include "modbus/identity.h"
+#include "modbus/question.h"
 
 namespace etcm::port {
 
@@ -51,11 +52,18 @@ std::size_t answer_pdu_bytes(std::span<const std::uint8_t> pdu) {
   switch (function) {
     case read_holding_registers:
     case read_input_registers:
+    case write_and_read_registers:
       size = pdu[1] % 2 == 0 ? 2u + pdu[1] : 0u;
       break;
+    case write_single_coil:
+    case write_single_register:
+    case write_coils:
     case write_holding_registers:
-      size = 5;
+    case mask_write_register:
+      size = answer_bytes({.function = function, .range = {}});
       break;
+    case read_coils:
+    case read_discrete_inputs:
     case report_server_id:
       size = 2u + pdu[1];
       break;

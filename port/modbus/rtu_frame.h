@@ -36,8 +36,7 @@ bool is_rtu_frame(std::span<const std::uint8_t> bytes);
 // length of the whole frame.
 std::size_t wrap_rtu(std::span<std::uint8_t> frame, std::uint8_t address, std::size_t pdu_bytes);
 
-// A frame inside of received bytes that looks like an answer: to reading registers (FC 3, FC 4), to
-// writing them (FC 16), or to asking for identities (FC 17, FC 43/14).
+// A frame inside of received bytes that looks like an answer to one of the functions of question.h.
 struct RtuAnswer {
   std::uint8_t address = 0;
   std::span<const std::uint8_t> pdu;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "modbus/question.h"
+
 namespace etcm::port {
 
 namespace {
@@ -62,6 +64,19 @@ void TcpBus::start_write(const RegisterWrite& write, Instant now) {
        frame, pdu, now);
 }
 
+void TcpBus::start_request(const UnitRequest& request, Instant now) {
+  std::array<std::uint8_t, frame_bytes_max> frame;
+  std::copy(request.pdu.begin(), request.pdu.end(), frame.begin() + mbap_header_bytes);
+  const RtuQuestion question = question_of(request.pdu);
+  send({.address = request.address,
+        .function = question.function,
+        .range = question.range,
+        .ticket = request.ticket,
+        .timeout = request.timeout,
+        .is_of_client = true},
+       frame, request.pdu.size(), now);
+}
+
 // The PDU stands in the frame, behind the place of its header.
 void TcpBus::send(TcpRequest request, std::span<std::uint8_t> frame, std::size_t pdu_bytes,
                   Instant now) {
@@ -106,7 +121,8 @@ bool TcpBus::take_answer(BusAnswer& answer) {
             .result = oldest.result,
             .exception = oldest.exception,
             .silence = oldest.silence,
-            .registers = std::span(oldest.registers).first(oldest.count)};
+            .registers = std::span(oldest.registers).first(oldest.count),
+            .pdu = std::span(oldest.pdu).first(oldest.pdu_bytes)};
   completed_begin_ = (completed_begin_ + 1) % completed_.size();
   --completed_count_;
   return true;
@@ -139,6 +155,19 @@ void TcpBus::on_frame(const Frame& frame) {
 void TcpBus::settle(const TcpRequest& request, const Frame& frame) {
   if (frame.address != request.address) return complete(request, BusResult::bad_answer);
   Completed& answer = place();
+  if (request.is_of_client) {
+    const bool is_exception =
+        frame.pdu.size() == 2 && frame.pdu[0] == (request.function | exception_bit);
+    if (!is_exception &&
+        !answers(frame.pdu, {.function = request.function, .range = request.range})) {
+      return complete(request, BusResult::bad_answer);
+    }
+    if (is_exception) answer.exception = frame.pdu[1];
+    std::copy(frame.pdu.begin(), frame.pdu.end(), answer.pdu.begin());
+    complete(request, is_exception ? BusResult::exception : BusResult::ok);
+    answer.pdu_bytes = frame.pdu.size();
+    return;
+  }
   if (request.function == write_holding_registers) {
     switch (parse_write_answer(frame.pdu, request.range, answer.exception)) {
       case WriteAnswer::written:
@@ -170,8 +199,10 @@ void TcpBus::complete(const TcpRequest& request, BusResult result) {
   answer.address = request.address;
   answer.ticket = request.ticket;
   answer.result = result;
-  const bool has_registers = result == BusResult::ok && request.function != write_holding_registers;
+  const bool has_registers = result == BusResult::ok && !request.is_of_client &&
+                             request.function != write_holding_registers;
   answer.count = has_registers ? request.range.count : std::uint16_t{0};
+  answer.pdu_bytes = 0;
   if (result != BusResult::exception) answer.exception = 0;
   if (is_of_converter(result, answer.exception)) queue_.note_converter();
   answer.silence = result == BusResult::timeout ? queue_.hold() : Duration{};

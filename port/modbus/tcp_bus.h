@@ -48,6 +48,8 @@ class TcpBus final : public NodeBus, private FrameConnection::Listener {
   bool ready() const override;
   void start_read(const RegisterRead& read, Instant now) override;
   void start_write(const RegisterWrite& write, Instant now) override;
+  void start_request(const UnitRequest& request, Instant now) override;
+  bool is_up() const override { return connection_.state() == FrameConnection::State::up; }
   void advance(Instant now) override;
   bool take_answer(BusAnswer& answer) override;
   Instant next_deadline() const override;
@@ -63,6 +65,8 @@ class TcpBus final : public NodeBus, private FrameConnection::Listener {
     Duration silence{};
     std::uint16_t count = 0;  // of registers that were read
     std::array<std::uint16_t, read_registers_max> registers;
+    std::size_t pdu_bytes = 0;  // of the answer to a UnitRequest
+    std::array<std::uint8_t, pdu_bytes_max> pdu;
   };
 
   void on_connected() override;

@@ -36,6 +36,15 @@ class TcpListener::Client final : private EventHandler {
     listener_.acceptor_.resume();
   }
 
+  void reply(std::uint16_t transaction, std::uint8_t address, std::span<const std::uint8_t> pdu) {
+    const bool waited = is_waiting();
+    const std::span<std::uint8_t> out = std::span(unsent_).subspan(unsent_end_, frame_bytes_max);
+    std::copy(pdu.begin(), pdu.end(), out.begin() + mbap_header_bytes);
+    unsent_end_ += write_header(out, transaction, address, pdu.size());
+    if (!waited && !send()) return close();
+    watch(waited);
+  }
+
   void advance(Instant now) {
     if (std::exchange(has_asked_, false)) asked_at_ = now;
   }
@@ -47,7 +56,11 @@ class TcpListener::Client final : private EventHandler {
     const bool waited = is_waiting();
     if (can_write && !send()) return close();
     if (can_read && !is_waiting() && (!receive() || !answer_all() || !send())) return close();
-    // While answers wait, the client's further requests wait too, in its own socket.
+    watch(waited);
+  }
+
+  // While answers wait, the client's further requests wait too, in its own socket.
+  void watch(bool waited) {
     if (is_waiting() != waited) listener_.loop_.change(socket_.get(), !is_waiting(), is_waiting());
   }
 
@@ -68,6 +81,7 @@ class TcpListener::Client final : private EventHandler {
     for (; next == FrameReader::Next::frame; next = reader_.next(request)) {
       ++listener_.counters_.requests;
       has_asked_ = true;
+      listener_.transaction_ = request.transaction;
       const std::span<std::uint8_t> out = std::span(unsent_).subspan(unsent_end_, frame_bytes_max);
       const std::size_t pdu = listener_.handler_.answer(index_, request.address, request.pdu,
                                                         out.subspan(mbap_header_bytes));
@@ -96,8 +110,10 @@ class TcpListener::Client final : private EventHandler {
   Instant asked_at_{};
   FrameReader reader_;
   // Room for the answers to all requests the reader can hold: one with registers in it needs a
-  // request of 12 bytes, and an exception is hardly longer than its request.
-  std::array<std::uint8_t, (4 * frame_bytes_max / 12 + 1) * frame_bytes_max> unsent_;
+  // request of 12 bytes, and an exception is hardly longer than its request. And for those that
+  // come later.
+  static constexpr std::size_t answers_max = 4 * frame_bytes_max / 12 + 1 + replies_max;
+  std::array<std::uint8_t, answers_max * frame_bytes_max> unsent_;
   std::size_t unsent_begin_ = 0;
   std::size_t unsent_end_ = 0;
 };
@@ -143,6 +159,15 @@ void TcpListener::advance(Instant now) {
   for (const auto& client : clients_) client->advance(now);
   acceptor_.advance(now);
   counters_.is_listening = acceptor_.is_listening();
+}
+
+const SocketAddress& TcpListener::peer(std::size_t client) const {
+  return clients_[client]->peer();
+}
+
+void TcpListener::reply(std::size_t client, std::uint16_t transaction, std::uint8_t address,
+                        std::span<const std::uint8_t> pdu) {
+  clients_[client]->reply(transaction, address, pdu);
 }
 
 void TcpListener::allow(std::vector<Network> networks) {

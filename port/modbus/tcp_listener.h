@@ -33,7 +33,8 @@ class RequestHandler {
   virtual void exhausted(const char* why) { static_cast<void>(why); }
 
   // Writes the answer to a request of at least one byte into `answer` (pdu_bytes_max bytes) and
-  // returns its length; 0 to stay silent, as a unit that is not there does.
+  // returns its length; 0 to stay silent, as a unit that is not there does, or to answer later with
+  // TcpListener::reply().
   virtual std::size_t answer(std::size_t client, std::uint8_t address,
                              std::span<const std::uint8_t> request,
                              std::span<std::uint8_t> answer) = 0;
@@ -46,6 +47,7 @@ class TcpListener final : private AcceptHandler {
  public:
   // A client that has asked nothing for so long makes room for another, where all places are taken.
   static constexpr Duration idle_max = std::chrono::minutes(1);
+  static constexpr std::size_t replies_max = 4;
 
   // Listens at once; where it cannot, it tries again (posix/acceptor.h). `loop` and `handler` must
   // outlive this. A client beyond clients_max takes the place of the one that has been idle
@@ -59,6 +61,15 @@ class TcpListener final : private AcceptHandler {
   // From now on only clients in these networks may connect, and others are hung up on. Until this
   // is called everybody may.
   void allow(std::vector<Network> networks);
+
+  // Of the request that is being answered, during RequestHandler::answer().
+  std::uint16_t transaction() const { return transaction_; }
+  // REQUIRES: the client is connected.
+  const SocketAddress& peer(std::size_t client) const;
+  // Answers a request that was met with silence; at most replies_max of a client may be waiting for
+  // it. The handler hears of a client that hangs up meanwhile. Not from within answer().
+  void reply(std::size_t client, std::uint16_t transaction, std::uint8_t address,
+             std::span<const std::uint8_t> pdu);
 
   // Lets time pass; without it no client is idle.
   void advance(Instant now);
@@ -82,6 +93,7 @@ class TcpListener final : private AcceptHandler {
   std::vector<Network> allowed_{everybody};
   ServiceCounters counters_;
   Instant now_{};
+  std::uint16_t transaction_ = 0;
   Acceptor acceptor_;
 };
 

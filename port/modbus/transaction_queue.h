@@ -39,6 +39,7 @@ struct TcpRequest {
   std::uint32_t ticket = 0;
   Duration timeout{};
   Instant sent_at{};
+  bool is_of_client = false;  // a UnitRequest
 };
 
 // An answer that took longer than the timeout of a unit that has been late, or never came and held

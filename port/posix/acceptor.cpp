@@ -76,8 +76,7 @@ std::string Acceptor::failure() const {
   return "cannot listen on " + to_string(wanted_) + " (" + std::strerror(error_) + ")";
 }
 
-std::string Acceptor::cure(const char* section) const {
-  const std::string listen = std::string("`listen` of [") + section + "]";
+std::string Acceptor::cure(const std::string& listen) const {
   switch (error_) {
     case EADDRINUSE:
       return "end the program that has it (`ss -ltnp` names it), or change " + listen;

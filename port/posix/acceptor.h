@@ -45,8 +45,8 @@ class Acceptor final : private EventHandler {
   bool is_listening() const { return socket_.is_open(); }
   // "cannot listen on 127.0.0.1:80 (Permission denied)"; empty while it listens.
   std::string failure() const;
-  // What to do about it, where `section` of the configuration has the address.
-  std::string cure(const char* section) const;
+  // What to do about it, where `listen` is the key that has the address: "`listen` of [http]".
+  std::string cure(const std::string& listen) const;
   // While it does not listen, what it would listen on.
   SocketAddress address() const;
 

@@ -35,6 +35,14 @@ bool parse_whole(std::string_view text, Number& value) {
 
 }  // namespace
 
+bool is_one_place(const SocketAddress& a, const SocketAddress& b) {
+  const auto contains = [](const HostAddress& any, const HostAddress& host) {
+    return any == any_ipv6 || (any == any_ipv4 && host.is_ipv4());
+  };
+  return a.port != 0 && a.port == b.port &&
+         (a.host == b.host || contains(a.host, b.host) || contains(b.host, a.host));
+}
+
 std::optional<HostAddress> parse_host_address(std::string_view text) {
   // The system reads up to a zero byte.
   const std::string whole(text);

@@ -35,6 +35,9 @@ class DeviceBus final : public port::NodeBus {
   void start_write(const port::RegisterWrite& write, port::Instant) override {
     ADD_FAILURE() << "wrote to unit " << int{write.address};
   }
+  void start_request(const port::UnitRequest& request, port::Instant) override {
+    ADD_FAILURE() << "shared unit " << int{request.address};
+  }
   void advance(port::Instant now) override { now_ = now; }
   bool take_answer(port::BusAnswer& answer) override {
     if (!request_ || now_ < done_at_) return false;

@@ -38,6 +38,16 @@ void ScriptedBus::start_write(const port::RegisterWrite& write, port::Instant no
   }
 }
 
+void ScriptedBus::start_request(const port::UnitRequest& request, port::Instant now) {
+  const Request asked{.address = request.address, .ticket = request.ticket, .is_write = true};
+  repeated_.assign(request.pdu.begin(), request.pdu.end());
+  if (units_.contains(request.address)) {
+    done_.push_back(asked);
+  } else {
+    waiting_.push_back({.request = asked, .deadline = now + request.timeout});
+  }
+}
+
 // Whether the unit says anything to it.
 bool ScriptedBus::take_in(const port::RegisterWrite& write) {
   const auto found = units_.find(write.address);
@@ -95,6 +105,7 @@ bool ScriptedBus::take_answer(port::BusAnswer& answer) {
   if (request.is_write) {
     answer.result = script.to_writes;
     answer.exception = script.exception_to_writes;
+    answer.pdu = repeated_;
   } else {
     answer.result = script.result;
     answer.exception = script.exception;

@@ -34,7 +34,8 @@ class RecordingLog final : public port::Log {
 };
 
 // Units that answer at once, or time out when the gateway's clock has passed the timeout. They take
-// the writes a node takes: a new unit where the serial matches, and whatever else.
+// the writes a node takes: a new unit where the serial matches, and whatever else. What those who
+// share the bus send is repeated.
 class ScriptedBus final : public port::NodeBus {
  public:
   bool ready() const override {
@@ -43,6 +44,8 @@ class ScriptedBus final : public port::NodeBus {
   }
   void start_read(const port::RegisterRead& read, port::Instant now) override;
   void start_write(const port::RegisterWrite& write, port::Instant now) override;
+  void start_request(const port::UnitRequest& request, port::Instant now) override;
+  bool is_up() const override { return link_up; }
   void advance(port::Instant now) override;
   bool take_answer(port::BusAnswer& answer) override;
   port::Instant next_deadline() const override;
@@ -94,6 +97,7 @@ class ScriptedBus final : public port::NodeBus {
   std::deque<Request> done_;
   std::deque<Request> timed_out_;
   NodeRegisters handed_{};
+  std::vector<std::uint8_t> repeated_;
 };
 
 class RecordingServer final : public port::MeshServer {

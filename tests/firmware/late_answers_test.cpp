@@ -150,12 +150,83 @@ class Interruptions final : public RequestSource {
   std::array<std::uint16_t, 2> written_{};
 };
 
+// Others on the line: they ask what the gateway asks, and other things, of any unit.
+class LateClients final : public port::LineClients {
+ public:
+  // What they want, by turns; nothing: nobody shares the line.
+  enum class Wish : std::uint8_t { nothing, anything, flood_of_last_unit, flood_of_first_unit };
+
+  LateClients(Wish wish, std::uint8_t units, const LateLine& line, const port::Instant& now)
+      : wish_(wish), units_(units), line_(line), now_(now) {}
+
+  bool is_waiting() const override {
+    return wish_ != Wish::nothing && !is_under_way_ && due_ <= now_;
+  }
+  bool next(port::ClientRequest& request) override {
+    if (!is_waiting()) return false;
+    is_under_way_ = true;
+    pdu_ = {4, 0, 0, 0, node_register_count};
+    unit_ = wish_ == Wish::flood_of_first_unit ? std::uint8_t{1} : units_;
+    if (wish_ == Wish::anything) choose();
+    request = {.address = unit_, .pdu = pdu_};
+    return true;
+  }
+  void answer(std::span<const std::uint8_t> pdu) override {
+    is_under_way_ = false;
+    EXPECT_LE(now_ - line_.answers_asked_at[unit_], answer_timeout + on_the_line)
+        << "unit " << int{unit_} << " function " << int{pdu_[0]} << " answered " << int{pdu[0]};
+    ++answered;
+  }
+  void refuse(port::ClientRefusal why) override {
+    is_under_way_ = false;
+    // It is not asked in vain all the time, and a flood has more requests at once.
+    due_ = now_ + (wish_ == Wish::anything ? 0ms : 1ms);
+    EXPECT_EQ(why, port::ClientRefusal::no_answer);
+    ++refused;
+  }
+  bool is_shared() const override { return wish_ != Wish::nothing; }
+  const port::ClientCounters& counters() const override { return counters_; }
+
+  std::uint32_t answered = 0;
+  std::uint32_t refused = 0;
+
+ private:
+  void choose() {
+    unit_ = static_cast<std::uint8_t>(random_() % units_ + 1);
+    due_ = now_ + random_() % 500 * 1ms;
+    switch (random_() % 4) {
+      case 0:  // as the gateway asks
+        break;
+      case 1:  // with its other function, as many registers as it may ask for
+        pdu_ = {3, 0, 0, 0, static_cast<std::uint8_t>(node_register_count - random_() % 8)};
+        break;
+      case 2:  // what is not there
+        pdu_ = {static_cast<std::uint8_t>(3 + random_() % 2), 0x40, 0, 0, node_register_count};
+        break;
+      default:
+        pdu_ = {16, 0, static_cast<std::uint8_t>(random_() % 3), 0, 1, 2, 0, 7};
+    }
+  }
+
+  Wish wish_;
+  std::uint8_t units_;
+  const LateLine& line_;
+  const port::Instant& now_;
+  port::Instant due_{};
+  std::minstd_rand random_{9};
+  bool is_under_way_ = false;
+  std::uint8_t unit_ = 1;
+  std::vector<std::uint8_t> pdu_;
+  port::ClientCounters counters_;
+};
+
 struct LateUnitsOnABus {
   std::uint8_t first = 1;
   std::uint8_t units = 1;  // the last one
   port::Duration interval = 1s;
   bool is_interrupted = false;
   std::vector<DeviceSettings> devices{};
+  LateClients::Wish clients = LateClients::Wish::nothing;
 };
 
 class LateSite final : public ReadingListener {
@@ -164,6 +235,7 @@ class LateSite final : public ReadingListener {
       : line(serial_, std::move(latency)),
         readings(site.units + 1u),
         requests(site.units, line),
+        clients(site.clients, site.units, line, now_),
         // Who does not answer is asked as often as the others.
         poll_{.interval = site.interval, .absent_interval = site.interval},
         settings_{.name = "yard",
@@ -173,7 +245,8 @@ class LateSite final : public ReadingListener {
                   .devices = site.devices,
                   .quiet = 50ms,
                   .outstanding_max = 1,
-                  .send_enable = {}} {
+                  .send_enable = {},
+                  .share = {.listen = {}, .percent = 20}} {
     if (site.is_interrupted) requests.poller = &poller_;
   }
 
@@ -220,6 +293,11 @@ class LateSite final : public ReadingListener {
 
  private:
   port::Instant now_{1h};
+
+ public:
+  LateClients clients;
+
+ private:
   PollSettings poll_;
   BusSettings settings_;
   port::RtuBus bus_{line,
@@ -229,7 +307,7 @@ class LateSite final : public ReadingListener {
                      .quiet = 50ms,
                      .reopen_interval = 1s,
                      .send_enable = {}}};
-  std::vector<PolledBus> polled_{{.bus = &bus_, .settings = &settings_}};
+  std::vector<PolledBus> polled_{{.bus = &bus_, .settings = &settings_, .clients = &clients}};
   Poller poller_{poll_, polled_, *this, log, &requests};
 };
 
@@ -359,6 +437,15 @@ TEST_P(LateUnits, NorBetweenErrandsAndWrites) {
   EXPECT_GT(site.requests.answered, 100u / test::thinning_if_slow);
 }
 
+// Whatever the others ask: neither has the other's answers.
+TEST_P(LateUnits, NorBetweenTheRequestsOfThoseWhoShareTheLine) {
+  LateUnitsOnABus shared = LateUnits::site(true);
+  shared.clients = LateClients::Wish::anything;
+  LateSite site(shared, latency());
+  site.run(60'000 / test::thinning_if_slow);
+  EXPECT_GT(site.clients.answered, 100u / test::thinning_if_slow);
+}
+
 // Against a line on which they are not asked at all; those that are in time now and then have some
 // polls of their own.
 TEST_P(LateUnits, CostTheOthersNoMoreThanDeadOnesDo) {
@@ -376,6 +463,61 @@ TEST_P(LateUnits, CostTheOthersNoMoreThanDeadOnesDo) {
     for (std::uint8_t unit = 4; unit < units; ++unit) count += site->readings[unit];
   }
   EXPECT_GE(polls[0] * 100, polls[1] * 85);
+}
+
+// Nine units at 19200 baud and ten polls a second of each: the line is never idle.
+TEST(SharedLineTime, OfABusyLineOthersHaveTheirShareAndNoMore) {
+  for (const bool is_dead : {false, true}) {
+    std::array<std::uint32_t, 2> polls{};
+    std::uint32_t of_clients = 0;
+    for (const bool is_shared : {false, true}) {
+      const auto wish = !is_shared ? LateClients::Wish::nothing
+                        : is_dead  ? LateClients::Wish::flood_of_last_unit
+                                   : LateClients::Wish::flood_of_first_unit;
+      LateSite site({.units = 9, .interval = 100ms, .clients = wish},
+                    [](std::uint8_t unit, auto) -> std::optional<port::Duration> {
+                      if (unit == 9) return std::nullopt;
+                      return 3ms;
+                    });
+      site.run_for(20s);
+      for (const std::uint32_t count : site.readings) polls[is_shared] -= count;
+      of_clients = site.clients.answered;
+      site.run_for(200s);
+      for (const std::uint32_t count : site.readings) polls[is_shared] += count;
+      of_clients = site.clients.answered - of_clients;
+    }
+    // A frame's silences are not counted.
+    EXPECT_GE(polls[1] * 100, polls[0] * 76) << is_dead;
+    if (!is_dead) {
+      EXPECT_GE(of_clients * 100, polls[0] * 15) << "and what is theirs they have";
+    }
+  }
+}
+
+TEST(SharedLineTime, AnIdleLineIsTheirsBetweenThePolls) {
+  LateSite site({.units = 1, .clients = LateClients::Wish::flood_of_first_unit},
+                [](auto...) { return 3ms; });
+  site.run_for(100s);
+  EXPECT_GE(site.readings[1], 99u);
+  EXPECT_GE(site.clients.answered, 1500u);
+}
+
+TEST(SharedLineTime, AFloodKeepsNoLineThatWasOutFromComingBack) {
+  for (const auto wish :
+       {LateClients::Wish::flood_of_last_unit, LateClients::Wish::flood_of_first_unit}) {
+    bool is_out = false;
+    LateSite site({.units = 3, .clients = wish}, [&](auto...) -> std::optional<port::Duration> {
+      if (is_out) return std::nullopt;
+      return 3ms;
+    });
+    site.run_for(10s);
+    is_out = true;
+    site.run_for(30s);
+    is_out = false;
+    const std::vector<std::uint32_t> before = site.readings;
+    site.run_for(4s);
+    for (std::uint8_t unit = 1; unit <= 3; ++unit) EXPECT_GT(site.readings[unit], before[unit]);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -34,6 +34,9 @@ class ObservedBus final : public port::NodeBus {
   void start_write(const port::RegisterWrite& write, port::Instant now) override {
     bus_.start_write(write, now);
   }
+  void start_request(const port::UnitRequest& request, port::Instant now) override {
+    bus_.start_request(request, now);
+  }
   void advance(port::Instant now) override { bus_.advance(now); }
   bool take_answer(port::BusAnswer& answer) override { return bus_.take_answer(answer); }
   port::Instant next_deadline() const override { return bus_.next_deadline(); }

@@ -45,6 +45,24 @@ class Reload : public testing::Test {
   RecordingLog log_;
 };
 
+TEST_F(Reload, ABusIsSharedAnotherWayOrNoMore) {
+  const std::string shared =
+      "units = \"1-3\"\nshare = \"127.0.0.1:1510\"\nshare_allow = [\"10.0.0.0/8\"]\n"
+      "share_units = \"2\"\nshare_writes = true\nshare_time = 30\nshare_wait = \"2s\"\n";
+  EXPECT_TRUE(reload_with(with("units = \"1-3\"\n", shared)));
+  EXPECT_EQ(log_.count("needs a restart"), 0u) << log_.lines.front();
+  const ShareSettings& share = settings_.buses[0].share;
+  EXPECT_EQ(share.listen, port::parse_socket_address("127.0.0.1:1510"));
+  EXPECT_EQ(share.allow.size(), 1u);
+  EXPECT_EQ(share.units, (std::vector<UnitRange>{{.first = 2, .last = 2}}));
+  EXPECT_TRUE(share.writes);
+  EXPECT_EQ(share.percent, 30u);
+  EXPECT_EQ(share.wait_max, 2s);
+  EXPECT_TRUE(reload_with(good));
+  EXPECT_FALSE(settings_.buses[0].share.listen);
+  EXPECT_FALSE(settings_.buses[0].share.writes);
+}
+
 TEST_F(Reload, WhatCanChangeChanges) {
   EXPECT_TRUE(
       reload_with("[mesh]\nvertices_max = 50\nfeatures_max = 9\n"

@@ -86,6 +86,9 @@ struct ChangeValue {
     ++value.port;
     type.field.set(target, value);
   }
+  void operator()(const OptionalAddressType& type) const {
+    type.field.set(target, port::SocketAddress{.host = 0x0a000001, .port = 7});
+  }
   void operator()(const EndpointType& type) const {
     port::Endpoint value = type.field.get(target);
     ++value.port;

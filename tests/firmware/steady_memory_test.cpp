@@ -52,6 +52,9 @@ class QuietBus final : public port::NodeBus {
   void start_write(const port::RegisterWrite& write, port::Instant now) override {
     start(write.address, write.ticket, now + write.timeout);
   }
+  void start_request(const port::UnitRequest& request, port::Instant now) override {
+    start(request.address, request.ticket, now + request.timeout);
+  }
   void advance(port::Instant now) override { now_ = now; }
   bool take_answer(port::BusAnswer& answer) override {
     for (std::size_t i = 0; i < count_; ++i) {

@@ -38,7 +38,7 @@ TEST_F(AcceptorTest, ATakenPortIsHadAsSoonAsItIsFree) {
   EXPECT_FALSE(acceptor.is_listening());
   EXPECT_EQ(acceptor.failure(),
             "cannot listen on " + to_string(address) + " (Address already in use)");
-  EXPECT_EQ(acceptor.cure("http"),
+  EXPECT_EQ(acceptor.cure("`listen` of [http]"),
             "end the program that has it (`ss -ltnp` names it), or change `listen` of [http]");
   EXPECT_EQ(to_string(acceptor.address()), to_string(address));
   Instant now{1h};
@@ -62,7 +62,7 @@ TEST_F(AcceptorTest, AnAddressThatIsNotOfThisMachineIsSaid) {
   if (acceptor.is_listening()) GTEST_SKIP() << "this system lets anybody listen on any address";
   EXPECT_EQ(acceptor.failure(),
             "cannot listen on 192.0.2.1:8080 (Cannot assign requested address)");
-  EXPECT_EQ(acceptor.cure("server"),
+  EXPECT_EQ(acceptor.cure("`listen` of [server]"),
             "this machine has no such address now: look at its network, or change `listen` of "
             "[server]");
 }

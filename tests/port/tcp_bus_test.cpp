@@ -434,5 +434,58 @@ TEST_F(Bus, AnAnswerToAnotherWriteIsABadAnswer) {
   EXPECT_EQ(answer().result, BusResult::link_lost);
 }
 
+// ---- Requests of those who share the bus.
+
+TEST_F(Bus, ARequestOfAClientHasItsAnswerAsItCame) {
+  connect();
+  const std::pair<Bytes, Bytes> rows[] = {
+      {{1, 0, 0, 0, 9}, {1, 2, 0x55, 1}}, {{6, 0, 1, 0, 7}, {6, 0, 1, 0, 7}},
+      {{17}, {17, 3, 'E', 0xff, '!'}},    {{4, 0, 0, 0, 2}, {0x84, 2}},
+      {{4, 0, 0, 0, 2}, {4, 2, 0, 1}},  // of another length: garbled
+  };
+  for (const auto& [pdu, answered] : rows) {
+    EXPECT_TRUE(bus_->is_up());
+    bus_->start_request({.address = 7, .pdu = pdu, .timeout = 50ms, .ticket = 5}, now_);
+    Bytes bytes;
+    ASSERT_TRUE(turn_until(loop_, [&] {
+      receive_available(peer_.get(), bytes);
+      return bytes.size() >= 7 + pdu.size();
+    }));
+    const auto transaction = static_cast<std::uint16_t>(bytes[0] << 8 | bytes[1]);
+    EXPECT_EQ(bytes, frame_of(transaction, 7, pdu));
+    send_bytes(peer_.get(), frame_of(transaction, 7, answered));
+    const BusAnswer found = answer();
+    EXPECT_EQ(found.ticket, 5u);
+    if (pdu[0] == 4 && answered[0] == 4) {
+      EXPECT_EQ(found.result, BusResult::bad_answer);
+      EXPECT_TRUE(found.pdu.empty());
+      continue;
+    }
+    EXPECT_EQ(Bytes(found.pdu.begin(), found.pdu.end()), answered);
+    EXPECT_EQ(found.result, (answered[0] & 0x80) != 0 ? BusResult::exception : BusResult::ok);
+  }
+}
+
+TEST_F(Bus, ALateAnswerToAClientIsNobodys) {
+  connect();
+  const Bytes pdu{4, 0, 0, 0, 2};
+  bus_->start_request({.address = 7, .pdu = pdu, .timeout = 50ms, .ticket = 5}, now_);
+  Bytes bytes;
+  ASSERT_TRUE(turn_until(loop_, [&] {
+    receive_available(peer_.get(), bytes);
+    return bytes.size() >= 12;
+  }));
+  now_ += 50ms;
+  bus_->advance(now_);
+  EXPECT_EQ(answer().result, BusResult::timeout);
+  const std::uint16_t next = request(7);
+  reply(static_cast<std::uint16_t>(bytes[0] << 8 | bytes[1]), 7, 1);
+  expect_no_answer();
+  reply(next, 7, 2);
+  const BusAnswer found = answer();
+  EXPECT_EQ(found.result, BusResult::ok);
+  EXPECT_EQ(found.registers[0], 2);
+}
+
 }  // namespace
 }  // namespace etcm::port

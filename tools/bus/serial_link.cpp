@@ -30,18 +30,6 @@ const char* to_string(port::Parity parity) {
   return "";
 }
 
-// What another answer must not look like.
-port::RtuQuestion question_of(std::span<const std::uint8_t> request) {
-  constexpr std::size_t range_bytes = 5;
-  port::RtuQuestion question{.function = request[0], .range = {}};
-  if (request.size() < range_bytes) return question;
-  const auto load = [&](std::size_t at) {
-    return static_cast<std::uint16_t>(request[at] << 8 | request[at + 1]);
-  };
-  question.range = {.first = load(1), .count = load(3)};
-  return question;
-}
-
 bool is_read(const port::RtuQuestion& question) {
   return question.function == port::read_holding_registers ||
          question.function == port::read_input_registers;
@@ -68,12 +56,12 @@ class SerialLink final : public Link {
   }
 
   bool may_ask(std::uint8_t unit, std::span<const std::uint8_t> request) const override {
-    return owed_[unit].free_at(question_of(request)) <= waiter_.now();
+    return owed_[unit].free_at(port::question_of(request)) <= waiter_.now();
   }
 
   Reply ask(std::uint8_t unit, std::span<const std::uint8_t> request,
             port::Duration timeout) override {
-    const port::RtuQuestion question = question_of(request);
+    const port::RtuQuestion question = port::question_of(request);
     port::OwedAnswers& owed = owed_[unit];
     while (!may_ask(unit, request)) {
       listen(owed.free_at(question));

@@ -53,6 +53,15 @@ struct RegisterWrite {
   std::uint32_t ticket = 0;               // comes back with the answer
 };
 
+// A request of any function that question.h knows, of somebody who shares the bus; it is sent as it
+// stands.
+struct UnitRequest {
+  std::uint8_t address = 0;           // not 0: a broadcast is not answered
+  std::span<const std::uint8_t> pdu;  // needed during the call only
+  Duration timeout{};                 // as above
+  std::uint32_t ticket = 0;           // comes back with the answer
+};
+
 struct BusAnswer {
   std::uint8_t address = 0;
   std::uint32_t ticket = 0;  // of the request
@@ -63,6 +72,8 @@ struct BusAnswer {
   std::uint16_t left_out = 0;  // of the registers of a read, from the first on
   // Of a read, with BusResult::ok; valid until the next call.
   std::span<const std::uint16_t> registers;
+  // Of a UnitRequest, with BusResult::ok or exception: as the unit has sent it; valid as long.
+  std::span<const std::uint8_t> pdu{};
 };
 
 // Whether it is a converter that says that no unit is there.
@@ -89,6 +100,13 @@ class NodeBus {
   // Of any write to this unit.
   virtual Instant write_free_at(std::uint8_t) const { return {}; }
 
+  // Of such a request. It cannot be asked in another way, and an exception that may be an earlier
+  // question's is not its answer; and so that those who share a bus cannot keep its units from
+  // being read, few that are not answered are sent to one unit.
+  virtual Instant request_free_at(const UnitRequest&, Instant) const { return {}; }
+
+  // Whether there is a connection or a line to the units, as far as is known.
+  virtual bool is_up() const { return true; }
   // Whether a request that is not answered holds up all others, as far as that was found out.
   virtual bool is_one_line() const { return false; }
   // For how much longer than its timeout a request may be under way.
@@ -101,6 +119,9 @@ class NodeBus {
   // Sends a request to write holding registers (FC 16). BusResult::ok: the unit says it has them.
   // REQUIRES: ready().
   virtual void start_write(const RegisterWrite& write, Instant now) = 0;
+
+  // Sends a request as it is. REQUIRES: ready().
+  virtual void start_request(const UnitRequest& request, Instant now) = 0;
 
   // Expires what is overdue and brings a lost link back.
   virtual void advance(Instant now) = 0;

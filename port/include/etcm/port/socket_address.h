@@ -48,6 +48,9 @@ struct SocketAddress {
   friend constexpr bool operator==(const SocketAddress&, const SocketAddress&) = default;
 };
 
+// Whether only one can listen at both. Of port 0 each is another.
+bool is_one_place(const SocketAddress& a, const SocketAddress& b);
+
 // Reads "127.0.0.1" or "2001:db8::1"; nothing for what is neither.
 std::optional<HostAddress> parse_host_address(std::string_view text);
 // Reads "127.0.0.1:502" or "[2001:db8::1]:502"; nothing where that is no address with a port.
