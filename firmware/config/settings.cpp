@@ -198,6 +198,22 @@ void check_device(TomlTable& toml_table, const BusSettings& bus, const DeviceSet
   }
 }
 
+void check_speed(TomlTable& toml_table, const Profile* profile, const DeviceSettings& device) {
+  if (!device.speed_max_nano) return;
+  const toml::node& given = *toml_table.find("speed_max");
+  if (*device.speed_max_nano <= 0) {
+    toml_table.mistake(given, "'speed_max' must be above 0; write it as speed_max = \"30\"");
+  }
+  if (device.profile == node_profile) {
+    toml_table.mistake(given,
+                       "'speed_max' of nodes of our own, which tell by themselves whether they "
+                       "changed while they were read; take it out");
+  } else if (profile != nullptr && profile->positioning == Profile::Positioning::surveyed) {
+    toml_table.mistake(given, "'speed_max' is about the position, and profile '" + profile->name +
+                                  "' tells none; take it out");
+  }
+}
+
 // Units of the bus that are other devices, or need a timeout of their own.
 void read_device(TomlTable& toml_table, const Settings& settings, BusSettings& bus) {
   const KeyTable& table = key_table("bus.device");
@@ -219,6 +235,7 @@ void read_device(TomlTable& toml_table, const Settings& settings, BusSettings& b
                                   ", or write a [[profile]]");
   }
   check_device(toml_table, bus, device);
+  check_speed(toml_table, profile, device);
   for (const UnitRange range : device.units) {
     for (const ModbusAddress unit : range) {
       if (!has_unit(bus, unit)) bus.units.push_back({.first = unit.value, .last = unit.value});

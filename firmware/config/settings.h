@@ -74,7 +74,9 @@ struct DeviceSettings {
   std::string profile;       // its name
   port::Duration timeout{};  // for an answer
   port::Duration pause{};    // of the bus, after each answer
-  std::string source{};      // where it was configured: "file:line"
+  // In place of Profile::speed_max_nano.
+  std::optional<std::int64_t> speed_max_nano{};
+  std::string source{};  // where it was configured: "file:line"
 };
 
 // How frames stand in the bytes of a TCP connection.

@@ -214,6 +214,8 @@ constexpr Key bus_keys[] = {
               "this. For a unit that has answered later it is longer for a while, up to a second"}),
 };
 
+constexpr std::int64_t plane_max = site_nano * 1'000'000'000;
+
 constexpr Key device_keys[] = {
     {"units", units<&DeviceSettings::units>(), required(R"("7")"), restart,
      "where they answer; units that the bus does not name itself are added to its `units`",
@@ -224,9 +226,12 @@ constexpr Key device_keys[] = {
      at_once, "for an answer of these"},
     {"pause", duration<&DeviceSettings::pause>(0ms), unset(R"("20ms")", "that of the profile"),
      restart, "silence that they need after an answer"},
+    {"speed_max", decimal<&DeviceSettings::speed_max_nano>(plane_max),
+     unset(R"("30")", "that of the profile"), restart,
+     "how far they move in a second at the most, in metres or what the plane counts in: a position "
+     "that [jumps farther](profiles.md#a-position-that-jumps) is asked for once more",
+     "decimal in quotes, above 0"},
 };
-
-constexpr std::int64_t plane_max = site_nano * 1'000'000'000;
 
 constexpr Key node_keys[] = {
     {"bus", text<&NodeSettings::bus>(), unset(R"("yard")", "the only one"), restart,

@@ -6,9 +6,13 @@
 
 namespace etcm::firmware {
 
-Device::Device(Profile profile, Serial serial, port::Duration pause,
+Device::Device(Profile profile, Serial serial, const DeviceSettings& settings,
                const std::vector<Quantity>& quantities)
-    : profile_(std::move(profile)), blocks_(blocks_of(profile_)), serial_(serial), pause_(pause) {
+    : profile_(std::move(profile)),
+      blocks_(blocks_of(profile_)),
+      serial_(serial),
+      pause_(settings.pause),
+      speed_max_nano_(settings.speed_max_nano.value_or(profile_.speed_max_nano)) {
   for (const RegisterSpan block : blocks_) register_count_ += block.count;
   for (const Profile::Reading& reading : profile_.readings) {
     quantities_.push_back(index_of(reading, quantities));
@@ -18,6 +22,11 @@ Device::Device(Profile profile, Serial serial, port::Duration pause,
 void Device::set_site(const SitePlane& plane, std::optional<Position> surveyed) {
   plane_ = plane;
   surveyed_ = surveyed;
+}
+
+std::optional<double> Device::speed_max() const {
+  if (speed_max_nano_ == 0 || surveyed_) return std::nullopt;
+  return static_cast<double>(speed_max_nano_) / static_cast<double>(plane_.unit_length);
 }
 
 std::optional<Position> Device::position_in(const Sweep& sweep, ReadingFault& fault) const {
@@ -72,7 +81,7 @@ DeviceTable::DeviceTable(const Settings& settings) {
           device == nullptr ? nullptr : find_profile(settings, device->profile);
       if (profile == nullptr) continue;
       devices_.try_emplace({bus.value, address.value}, *profile,
-                           device_serial(settings, bus.value, address), device->pause, quantities);
+                           device_serial(settings, bus.value, address), *device, quantities);
     }
   }
   update_site(settings);

@@ -25,7 +25,7 @@ namespace etcm::firmware {
 class Device {
  public:
   // `quantities` are those of the configuration.
-  Device(Profile profile, Serial serial, port::Duration pause,
+  Device(Profile profile, Serial serial, const DeviceSettings& settings,
          const std::vector<Quantity>& quantities);
 
   // The plane of the site, and where in it the device was surveyed.
@@ -37,6 +37,10 @@ class Device {
     return profile_.function == 3 ? port::RegisterKind::holding : port::RegisterKind::input;
   }
   port::Duration pause() const { return pause_; }  // of the bus, after each answer
+
+  // How far it moves in a second at the most, in units of the mesh; none where nobody has said, and
+  // of a device that was surveyed.
+  std::optional<double> speed_max() const;
 
   // `registers` are those of blocks(). Sets `reading` only when there is no fault. A device that
   // does not know where it stands has no fix.
@@ -59,6 +63,7 @@ class Device {
   SitePlane plane_;
   std::optional<Position> surveyed_;
   port::Duration pause_;
+  std::int64_t speed_max_nano_;  // 0: nobody has said
 };
 
 // Those of a configuration.

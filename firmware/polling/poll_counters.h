@@ -15,6 +15,7 @@ struct UnitCounters {
   // Of the results that are ok:
   std::uint64_t torn = 0;        // the node changed its registers meanwhile
   std::uint64_t unbelieved = 0;  // not the registers of a node, or not of the one expected
+  std::uint64_t jumped = 0;      // a position too far from the one before it, and not twice
   port::Instant answered_at{};   // last, if only with an exception; the origin: never
   port::Duration answer_time{};  // from the question to the answer, of all together
   port::Duration answer_time_last{};

@@ -251,11 +251,34 @@ void Poller::take_registers(const port::BusAnswer& answer, UnitIndex index, port
     ++(fault == ReadingFault::torn ? unit.counters.torn : unit.counters.unbelieved);
     return fail(index, {.why = explain(fault)}, now);
   }
+  if (!can_follow(index, reading, now)) return;
   if (!listener_.on_reading(index, reading, measured_, now)) {
     ++unit.counters.unbelieved;
     return fail(index, {.why = {}, .is_silence = true}, now);  // the listener has said why
   }
   schedule.note_success(unit.address, now);
+}
+
+bool Poller::can_follow(UnitIndex index, const NodeReading& reading, port::Instant now) {
+  PolledUnit& unit = units_[index.value];
+  const auto speed_max = unit.device == nullptr ? std::nullopt : unit.device->speed_max();
+  if (!speed_max || (reading.status & node_status::fix_valid) == 0) return true;
+  switch (unit.jumps.judge(reading.position, *speed_max, now)) {
+    case JumpCheck::Verdict::take:
+      return true;
+    case JumpCheck::Verdict::take_instead:
+      ++unit.counters.jumped;
+      return true;
+    case JumpCheck::Verdict::ask_again:
+      schedule_of(index).note_more(unit.address);
+      return false;
+    case JumpCheck::Verdict::drop:
+      ++unit.counters.jumped;
+      fail(index, {.why = "its position jumps farther than speed_max allows, each time elsewhere"},
+           now);
+      return false;
+  }
+  return true;
 }
 
 void Poller::count_answer(PolledUnit& unit, port::BusResult result, port::Instant now) {

@@ -16,6 +16,7 @@
 #include "firmware/polling/client_requests.h"
 #include "firmware/polling/device.h"
 #include "firmware/polling/indices.h"
+#include "firmware/polling/jump_check.h"
 #include "firmware/polling/poll_counters.h"
 #include "firmware/protocol/node_registers.h"
 
@@ -108,6 +109,7 @@ class Poller {
     const Device* device = nullptr;      // null: a node
     std::uint8_t block = 0;              // of its sweep, that is asked next
     std::vector<std::uint16_t> swept{};  // registers of the blocks before it
+    JumpCheck jumps{};
     UnitCounters counters{};
   };
   struct Bus {
@@ -143,6 +145,8 @@ class Poller {
   // False: the sweep of the device has more blocks.
   bool complete_sweep(const port::BusAnswer& answer, PolledUnit& unit);
   void take_registers(const port::BusAnswer& answer, UnitIndex unit, port::Instant now);
+  // Whether the position of a device counts; else it is asked again, or the question has failed.
+  bool can_follow(UnitIndex unit, const NodeReading& reading, port::Instant now);
   void count_answer(PolledUnit& unit, port::BusResult result, port::Instant now);
   // Why a question failed. Silence is no news of a unit that was never there; after a miss a frame
   // may have been lost.

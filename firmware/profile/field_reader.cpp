@@ -347,6 +347,17 @@ std::optional<std::int64_t> read_whole(TomlTable& table, const char* key, std::i
   return std::nullopt;
 }
 
+std::optional<std::int64_t> read_positive(TomlTable& table, const char* key) {
+  const toml::node* const node = table.find(key);
+  if (node == nullptr) return std::nullopt;
+  const auto nano = nano_of(*node);
+  if (nano && *nano > 0) return nano;
+  table.mistake(*node, std::string("'") + key +
+                           "' must be a decimal above 0, in quotes; write it as " + key +
+                           " = \"30\"");
+  return std::nullopt;
+}
+
 std::string read_text(TomlTable& table, const char* key) {
   const toml::node* const node = table.find(key);
   if (node == nullptr) return "";

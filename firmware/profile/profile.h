@@ -38,6 +38,9 @@ struct Profile {
   Positioning positioning = Positioning::surveyed;
   Field east;   // x or longitude
   Field north;  // y or latitude
+  // How far it moves in a second at the most, in 10^-9 of metres or of what the plane counts in; 0:
+  // nobody has said.
+  std::int64_t speed_max_nano = 0;
   std::vector<Reading> readings;
   std::uint16_t block_max = 125;  // registers that the device gives at once
   std::uint16_t gap_max = 0;      // registers of no use that may be read between others

@@ -81,6 +81,11 @@ void read_position(TomlTable& table, const FieldReader& fields, Profile& profile
   read_axes(table, fields, plane, profile);
   read_axes(table, fields, earth, profile);
   profile.valid = fields.read_conditions_of(table, "valid");
+  profile.speed_max_nano = read_positive(table, "speed_max").value_or(0);
+  if (table.find("speed_max") != nullptr && profile.positioning == Profile::Positioning::surveyed) {
+    table.mistake(*table.find("speed_max"),
+                  "'speed_max' is about the position, and there is none; take it out");
+  }
   if (table.find("valid") != nullptr && profile.positioning == Profile::Positioning::surveyed) {
     table.mistake(*table.find("valid"),
                   "'valid' is about the position, and there is none; take it out, or give it to a "

@@ -171,6 +171,7 @@ void write_unit_errors(const Context& context, std::uint32_t index, TextWriter& 
   kind("link_lost", counters.count(BusResult::link_lost));
   kind("torn", counters.torn);
   kind("unbelieved", counters.unbelieved);
+  kind("jumped", counters.jumped);
 }
 
 void write_unit_answer(const Context& context, std::uint32_t index, TextWriter& piece) {
@@ -437,7 +438,9 @@ constexpr std::array families{
            write_unit_requests},
     Family{"etcm_unit_errors_total", "counter",
            "Questions without a sound answer: torn is one read while the node changed it, "
-           "unbelieved one that is not of the node expected.",
+           "unbelieved one that is not of the node expected, jumped one with a position that "
+           "speed_max "
+           "does not allow.",
            Scope::unit, write_unit_errors},
     Family{"etcm_unit_answer_seconds", "summary", "Time from a question to its answer.",
            Scope::unit, write_unit_answer},

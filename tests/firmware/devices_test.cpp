@@ -57,10 +57,16 @@ y = "-400"
 
 class Devices : public testing::Test {
  protected:
-  void start(const std::string& more = "") {
+  void start(const std::string& more = "") { start_with(settings_text + more); }
+  void start_at_speed(const std::string& speed_max) {
+    std::string text = settings_text;
+    const std::string rovers = "units = \"2-3\"\n";
+    text.insert(text.find(rovers), "speed_max = \"" + speed_max + "\"\n");
+    start_with(text);
+  }
+  void start_with(const std::string& text) {
     std::vector<std::string> mistakes;
-    rig_.settings =
-        read_configuration(folder_.write("site.toml", settings_text + more), nullptr, mistakes);
+    rig_.settings = read_configuration(folder_.write("site.toml", text), nullptr, mistakes);
     ASSERT_TRUE(mistakes.empty()) << mistakes.front();
     rig_.settings.files = FileSettings{.folder = "", .name = "", .interval = 500ms};
     rig_.start_with({&bus_});
@@ -121,6 +127,46 @@ TEST_F(Devices, AreReadInTheFewestBlocksWithTheirFunction) {
                                                {2, port::RegisterKind::input, 500, 3, {}}};
   ASSERT_GE(of_rover.size(), 2u);
   EXPECT_EQ((std::vector(of_rover.begin(), of_rover.begin() + 2)), sweep);
+}
+
+TEST_F(Devices, APositionThatJumpsIsAskedForOnceMoreBeforeItCounts) {
+  put_rover(2, 100'000, 100'000);
+  start_at_speed("30");
+  rig_.run(500ms);
+  ASSERT_EQ(nodes().at(1002), (std::pair<std::int64_t, std::int64_t>{100, 100}));
+  // One sweep is torn: its x is that of a place where the device comes later.
+  put_rover(2, 900'000, 100'000);
+  bus_.on_answer = [&](const DeviceBus::Asked& asked) {
+    if (asked.address == 2 && asked.first == 500) put_rover(2, 100'000, 100'000);
+  };
+  rig_.run(300ms);
+  EXPECT_EQ(nodes().at(1002), (std::pair<std::int64_t, std::int64_t>{100, 100}));
+  const UnitIndex unit = rig_.gateway->poller().unit_at(BusIndex{0}, ModbusAddress{2});
+  EXPECT_EQ(rig_.gateway->poller().counters(unit).jumped, 1u);
+  // It is carried there for good: told twice.
+  bus_.on_answer = nullptr;
+  put_rover(2, 900'000, 100'000);
+  rig_.run(300ms);
+  EXPECT_EQ(nodes().at(1002), (std::pair<std::int64_t, std::int64_t>{900, 100}));
+  EXPECT_EQ(rig_.gateway->poller().counters(unit).jumped, 1u);
+  EXPECT_EQ(rig_.log.count("jumps farther"), 0u);
+}
+
+TEST_F(Devices, PositionsThatNeverAgreeAreDroppedAndTheLogSaysSo) {
+  put_rover(2, 100'000, 100'000);
+  start_at_speed("0.5");
+  rig_.run(500ms);
+  std::int32_t place = 1;
+  bus_.on_answer = [&](const DeviceBus::Asked& asked) {
+    if (asked.address != 2 || asked.first != 500) return;
+    place = place % 7 + 1;
+    put_rover(2, place * 1'000'000, -place * 1'000'000);
+  };
+  rig_.run(2500ms);
+  EXPECT_EQ(nodes().at(1002), (std::pair<std::int64_t, std::int64_t>{100, 100}));
+  const UnitIndex unit = rig_.gateway->poller().unit_at(BusIndex{0}, ModbusAddress{2});
+  EXPECT_GE(rig_.gateway->poller().counters(unit).jumped, 3u);
+  EXPECT_EQ(rig_.log.count("unit 2 of yard: its position jumps farther than speed_max allows"), 1u);
 }
 
 // Half of the old place and half of the new one would be a place where it never was.

@@ -45,6 +45,7 @@ std::string joined(const std::vector<std::string>& lines) {
   }
   return text +
          "[[profile]]\nname = \"meter\"\n"
+         "x = { register = 1, type = \"i16\" }\ny = { register = 2, type = \"i16\" }\n"
          "[[profile.reading]]\nname = \"level\"\nvalue = { register = 0, type = \"u16\" }\n";
 }
 

@@ -362,7 +362,7 @@ TEST_F(StatusPageTest, MetricsAreWhatPrometheusReads) {
             std::string::npos);
   EXPECT_NE(metrics.find("\netcm_nodes 5\n"), std::string::npos);
   EXPECT_NE(metrics.find("\netcm_refused_total{server=\"modbus\"} 3\n"), std::string::npos);
-  EXPECT_EQ(count(metrics, "\netcm_unit_errors_total{"), 20u * 6);
+  EXPECT_EQ(count(metrics, "\netcm_unit_errors_total{"), 20u * 7);
   EXPECT_EQ(count(metrics, "\netcm_bus_efficiency_ratio{"), 0u) << "a network has no floor";
 }
 
