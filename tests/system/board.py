@@ -1,7 +1,8 @@
 """A virtual ARM board: Debian's kernel in QEMU, its digital lines and its serial port in our hands.
 
 The PL061 of QEMU's `virt` machine is gpiochip0. The host drives its inputs and sees its outputs over
-the qtest socket, while the guest runs as usual.
+the qtest socket, while the guest runs as usual. The serial port is a 16550 on PCI, whose driver knows
+nothing of RS-485, or the PL011, whose driver takes its settings from the device tree.
 """
 import gzip
 import json
@@ -54,13 +55,14 @@ def libraries(program, folder):
     return found
 
 
-def make_initrd(target, gateway, config, sysroot, kernel):
+def make_initrd(target, gateway, config, sysroot, kernel, tools):
     """The file system: busybox, the gateway with what it needs, the drivers of the network."""
     root = target.with_suffix(".root")
     for folder in ("bin", "lib", "modules"):
         (root / folder).mkdir(parents=True)
     shutil.copy(next(kernel.rglob("bin/busybox")), root / "bin")
-    shutil.copy(gateway, root / "bin")
+    for program in (gateway, *tools):
+        shutil.copy(program, root / "bin")
     for name, path in libraries(gateway, sysroot).items():
         shutil.copy(path, root / "lib" / name)
     shutil.copy(next((sysroot / "usr/lib").rglob("ld-linux-armhf.so.3")), root / "lib")
@@ -76,16 +78,20 @@ def make_initrd(target, gateway, config, sysroot, kernel):
     target.write_bytes(gzip.compress(packed, 1))
 
 
-def make_device_tree(target):
-    """QEMU's own, with names for the lines."""
+def make_device_tree(target, rs485):
+    """QEMU's own, with names for the lines, and settings of RS-485 for the PL011."""
     run(*QEMU[:2], QEMU[2] + f",dumpdtb={target}", *QEMU[3:], "-nographic", "-nic", "none")
     run("fdtput", "-t", "s", target, "/pl061@9030000", "gpio-line-names", *LINES)
+    for name, cells in rs485.items():
+        run("fdtput", "-t", "u", target, "/pl011@9000000", name, *cells)
 
 
 class Board:
-    def __init__(self, folder, gateway, config, sysroot, kernel, guest_port):
-        make_initrd(folder / "initrd", gateway, config, sysroot, kernel)
-        make_device_tree(folder / "board.dtb")
+    def __init__(self, folder, gateway, config, sysroot, kernel, guest_port, tools=(), rs485=None):
+        """`rs485`: properties of the PL011, which is the serial port then, /dev/ttyAMA0, and the
+        console is /dev/ttyS0; /dev/ttyS1 leads nowhere. Else the serial port is /dev/ttyS0."""
+        make_initrd(folder / "initrd", gateway, config, sysroot, kernel, tools)
+        make_device_tree(folder / "board.dtb", rs485 or {})
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             self.port = probe.getsockname()[1]
@@ -98,15 +104,22 @@ class Board:
         self.replies = []
         self.output = ""
         self.changed = threading.Condition()
+        if rs485 is None:
+            console = "ttyAMA0"
+            serial = ["-serial", "stdio", "-device", "pci-serial,chardev=line"]
+        else:
+            console = "ttyS0"
+            serial = ["-serial", "chardev:line", "-chardev", "stdio,id=console,signal=off",
+                      "-device", "pci-serial,chardev=console", "-chardev", "null,id=nobody",
+                      "-device", "pci-serial,chardev=nobody"]
         self.process = subprocess.Popen(
-            [*QEMU, "-nographic", "-monitor", "none", "-serial", "stdio", "-no-reboot",
+            [*QEMU, "-nographic", "-monitor", "none", *serial, "-no-reboot",
              "-kernel", next((kernel / "boot").glob("vmlinuz-*")), "-initrd", folder / "initrd",
              "-dtb", folder / "board.dtb",
-             "-append", "console=ttyAMA0 quiet loglevel=0 panic=-1",
+             "-append", f"console={console} quiet loglevel=0 panic=-1",
              "-qtest", f"unix:{folder / 'qtest'}", "-qtest-log", "/dev/null",
              "-qmp", f"unix:{folder / 'qmp'},server=on,wait=off",
              "-chardev", f"socket,id=line,path={self.serial_path},server=on,wait=off",
-             "-device", "pci-serial,chardev=line",
              "-netdev", f"user,id=net,restrict=on,hostfwd=tcp:127.0.0.1:{self.port}-:{guest_port}",
              "-device", "virtio-net-pci,netdev=net,romfile="],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
@@ -170,6 +183,13 @@ class Board:
 
     def wait_for_output(self, pattern, patience_s=60):
         self.wait_for(f"'{pattern}'", lambda: re.search(pattern, self.output), patience_s)
+
+    def wait_for_news(self, command, pattern):
+        """Tells the shell of the board a command, and waits for what comes of it."""
+        with self.changed:
+            begin = len(self.output)
+        self.tell(command)
+        self.wait_for(f"'{pattern}'", lambda: re.search(pattern, self.output[begin:]), 60)
 
     def tell(self, command):
         """A line for the shell of the board."""

@@ -48,20 +48,21 @@ JOIN_S = 5
 RESIDENT_MAX_KIB = 16384
 
 
-class OnABoard(gateway_test.GatewayCase):
+class BoardCase(gateway_test.GatewayCase):
     @classmethod
     def environment(cls, name):
         return pathlib.Path(os.environ[name]).resolve()
 
-    def setUp(self):
-        super().setUp()
-        self.board = Board(self.folder, self.environment("ETCM_ARM_GATEWAY"), CONFIG,
+    def boot(self, config, **options):
+        self.board = Board(self.folder, self.environment("ETCM_ARM_GATEWAY"), config,
                            self.environment("ETCM_ARM_SYSROOT"), self.environment("ETCM_ARM_BOARD"),
-                           guest_port=1502)
+                           guest_port=1502, **options)
         self.addCleanup(self.board.stop)
         # Shown when a test fails.
         self.addCleanup(lambda: print(self.board.output))
         self.port = self.board.port
+        # Emulated, on a machine that has other work too.
+        self.board.wait_for_output("board is up", patience_s=300)
 
     def plug_in(self, name, rows):
         """Nodes on a terminal, and a cable from it to the board's serial port."""
@@ -75,6 +76,8 @@ class OnABoard(gateway_test.GatewayCase):
                                              f"UNIX-CONNECT:{self.board.serial_path}"])
         return nodes, cable
 
+
+class OnABoard(BoardCase):
     def flashes(self):
         """The flashes of one round of the LED."""
         start = time.monotonic()
@@ -85,9 +88,8 @@ class OnABoard(gateway_test.GatewayCase):
         return gateway_test.wait_for("two pauses of the LED", rounds)
 
     def test_lines_and_serial_port(self):
+        self.boot(CONFIG)
         board = self.board
-        # Emulated, on a machine that has other work too.
-        board.wait_for_output("board is up", patience_s=300)
         board.wait_for_output("serves the mesh on")
         self.assertEqual(self.flashes(), 5, "no nodes yet")
 
@@ -134,5 +136,73 @@ class OnABoard(gateway_test.GatewayCase):
             self.assertFalse(board.levels[LINES.index(name)], f"{name} is left active")
 
 
+RS485_CONFIG = """
+[mesh]
+vertices_max = 100
+[poll]
+interval = "500ms"
+timeout = "300ms"
+[[bus]]
+name = "yard"
+rtu = "/dev/ttyAMA0"
+baud = 115200
+units = "1-3"
+[server]
+listen = "0.0.0.0:1502"
+allow = ["10.0.2.0/24"]
+"""
+# RTS is low while it sends.
+DEVICE_TREE = {"linux,rs485-enabled-at-boot-time": [], "rs485-rts-active-low": [],
+               "rs485-rts-delay": ["3", "5"]}
+
+
+class Rs485OnABoard(BoardCase):
+    """The driver of the PL011, as Debian's kernel has it: what the device tree says stays, and what
+    the settings say arrives."""
+
+    def expect_driver(self, settings):
+        self.board.wait_for_news("rs485_settings /dev/ttyAMA0",
+                                 f"rs485 of /dev/ttyAMA0: {re.escape(settings)}")
+
+    def start_again(self, keys, pattern):
+        """The gateway with other keys of its bus; then it says this."""
+        lines = "\\n".join(["baud = 115200", *keys])
+        self.board.tell("kill -TERM $gateway; wait $gateway")
+        self.board.tell("cp /site.toml /other.toml")
+        self.board.tell(f"sed -i 's|^baud = .*|{lines}|' /other.toml")
+        self.board.wait_for_news("etcm-gateway --config /other.toml & gateway=$!", pattern)
+
+    def test_settings_of_the_driver(self):
+        self.boot(RS485_CONFIG, tools=[self.environment("ETCM_ARM_RS485_SETTINGS")],
+                  rs485=DEVICE_TREE)
+        self.board.wait_for_output("bus yard: opened /dev/ttyAMA0")
+        self.plug_in("nodes", SETTLED)
+        self.wait_for_header(nodes=3)
+        of_device_tree = "enabled 1, RTS on send 0, after send 1, before 3 ms, after 5 ms"
+        self.expect_driver(of_device_tree)
+
+        opened = "bus yard: opened /dev/ttyAMA0"
+        self.start_again(['rs485 = "on"'], opened)
+        self.expect_driver(of_device_tree)
+        self.start_again(['rs485 = "on"', 'rs485_rts = "high"', 'rs485_delay_before = "7ms"'], opened)
+        self.expect_driver("enabled 1, RTS on send 1, after send 0, before 7 ms, after 5 ms")
+        self.wait_for_header(nodes=3, state=0)
+        self.start_again(['rs485 = "on"', 'rs485_rts = "low"', 'rs485_delay_before = "0ms"',
+                          'rs485_delay_after = "2ms"'], opened)
+        self.expect_driver("enabled 1, RTS on send 0, after send 1, before 0 ms, after 2 ms")
+        self.wait_for_header(nodes=3, state=0)
+        self.start_again(['rs485 = "off"'], opened)
+        self.expect_driver("enabled 0, ")
+        self.wait_for_header(nodes=3, state=0)
+        # What was switched off stays so, where nothing else is said.
+        self.start_again([], opened)
+        self.expect_driver("enabled 0, ")
+
+        # A driver that cannot do it is an error with the cure.
+        self.board.tell("sed -i 's|/dev/ttyAMA0|/dev/ttyS1|' /site.toml")
+        self.start_again(['rs485 = "on"'],
+                         r"bus yard: /dev/ttyS1: its driver refuses to switch RS-485 .*take `rs485` out")
+
+
 if __name__ == "__main__":
-    unittest.main(verbosity=2, defaultTest="OnABoard")
+    unittest.main(verbosity=2, defaultTest=["OnABoard", "Rs485OnABoard"])
