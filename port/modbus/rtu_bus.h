@@ -75,6 +75,10 @@ class RtuBus final : public NodeBus {
   Instant write_free_at(std::uint8_t address) const override {
     return units_[address].owed.owed_until(write_holding_registers);
   }
+  // The bytes of the longest request and answer.
+  Duration delay_max() const override {
+    return static_cast<std::int64_t>(2 * rtu_frame_bytes_max) * character_;
+  }
   Instant request_free_at(const UnitRequest& request, Instant now) const override;
   bool is_up() const override { return phase_ != Phase::closed && phase_ != Phase::opening; }
   void start_read(const RegisterRead& read, Instant now) override;

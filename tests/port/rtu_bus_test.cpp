@@ -894,6 +894,17 @@ TEST_F(SharedSerialBus, AnAnswerThatIsTooLongForAFrameIsNone) {
   EXPECT_EQ(answer(), Bytes{});
 }
 
+// Who watches over the bus takes that for no standstill.
+TEST_F(SharedSerialBus, TheBytesOfALongAnswerHaveTheirTime) {
+  ask(7, {3, 0, 0, 0, 125});
+  const Instant asked = now_;
+  pass(answer_timeout + 250ms);
+  EXPECT_EQ(result(), std::nullopt);
+  pass(100ms);
+  EXPECT_EQ(result(), BusResult::timeout);
+  EXPECT_LE(now_ - asked, answer_timeout + bus().delay_max());
+}
+
 TEST_F(SharedSerialBus, AnUnpluggedPortEndsIt) {
   ask(7, two_);
   EXPECT_TRUE(bus().is_up());
