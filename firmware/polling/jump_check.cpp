@@ -16,7 +16,7 @@ bool JumpCheck::is_jump(const Fix& from, const Fix& to, double speed_max) {
 JumpCheck::Verdict JumpCheck::judge(Position position, double speed_max, port::Instant now) {
   const Fix fix{.position = position, .at = now};
   const std::optional<Fix> doubted = std::exchange(doubted_, std::nullopt);
-  const bool jumps = last_ && is_jump(*last_, fix, speed_max);
+  const bool jumps = !last_ || is_jump(*last_, fix, speed_max);
   const bool agrees = doubted && !is_jump(*doubted, fix, speed_max);
   if (jumps && !agrees) {
     if (doubted) return Verdict::drop;

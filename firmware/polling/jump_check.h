@@ -3,7 +3,9 @@
 //
 // A device without a sequence number may change its registers while they are read, so that a
 // coordinate is half old and half new. Such a position jumps. It is asked for once more before it
-// counts: where the second one agrees with it the device was moved, else it never was there.
+// counts: where the second one agrees with it the device was moved, else it never was there. So is
+// the first one after the start: nothing is known of where the device was, and on a line whose
+// answers carry no number it may be the answer to what was asked before the start.
 #pragma once
 
 #include <cstdint>
@@ -19,14 +21,13 @@ class JumpCheck {
  public:
   enum class Verdict : std::uint8_t {
     take,          // it counts
-    ask_again,     // it jumps: not before the next one agrees
+    ask_again,     // it jumps, or is the first: not before the next one agrees
     take_instead,  // it counts, and the one before it that was asked for again does not
     drop,          // neither counts
   };
 
   // What to do with a position that was read just now. `speed_max` is in units of the mesh a
-  // second; a step of a unit each way is no jump, for positions are rounded. The first position
-  // counts.
+  // second; a step of a unit each way is no jump, for positions are rounded.
   Verdict judge(Position position, double speed_max, port::Instant now);
 
  private:

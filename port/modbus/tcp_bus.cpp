@@ -10,6 +10,8 @@ namespace etcm::port {
 namespace {
 
 constexpr std::int64_t timeouts_of_silence = 3;
+// The first number is that of the time, so it differs with each start.
+constexpr Duration transaction_step = std::chrono::milliseconds(1);
 
 }  // namespace
 
@@ -231,6 +233,9 @@ void TcpBus::report_late(const LateTransaction& late, Instant now) {
 
 void TcpBus::connect(Instant now) {
   next_attempt_ = now + options_.reconnect_interval;
+  if (last_transaction_ == 0) {
+    last_transaction_ = static_cast<std::uint16_t>(now.time_since_epoch() / transaction_step);
+  }
   connection_.connect(options_.end, now,
                       std::max(options_.reconnect_interval, TcpConnector::connect_time_max));
 }

@@ -2,7 +2,9 @@
 // time.
 //
 // A late answer can never become another request's data: each request has its own transaction
-// number, and an answer whose number is not under way is thrown away. How many are under way, and
+// number, and an answer whose number is not under way is thrown away. The first number is another
+// one at each start: some converters hand the answer to what an earlier connection has asked to the
+// next one. How many are under way, and
 // for how long each is waited for, follows from how they are answered (transaction_queue.h); the
 // log says for each unit how slow it is and what to set, and again (late_advice.h).
 //

@@ -434,6 +434,22 @@ TEST_F(Bus, AnAnswerToAnotherWriteIsABadAnswer) {
   EXPECT_EQ(answer().result, BusResult::link_lost);
 }
 
+// A converter may answer on the new connection what was asked on the old one.
+TEST_F(Bus, AnAnswerToTheRunBeforeIsNobodys) {
+  connect();
+  const std::uint16_t before = request(7);
+  bus_.reset();
+  peer_.close();
+  now_ += 1s;
+  connect();
+  const std::uint16_t after = request(7);
+  EXPECT_NE(before, after);
+  reply(before, 7, 1);
+  expect_no_answer();
+  reply(after, 7, 2);
+  EXPECT_EQ(answer().registers[0], 2);
+}
+
 // ---- Requests of those who share the bus.
 
 TEST_F(Bus, ARequestOfAClientHasItsAnswerAsItCame) {
