@@ -45,12 +45,10 @@ Program::Program(std::string config, std::shared_ptr<const Settings> settings,
               empty_image(*settings_)),
       server_report_(server_.acceptor(), server_messages(), settings_->server.allow, log) {
   open_mesh();
-  for (const BusSettings& bus : settings_->buses) {
-    buses_.push_back(make_bus(bus, settings_->poll.interval));
-  }
+  const std::vector<PolledBus> buses = open_buses(0);
   server_.allow(settings_->server.allow, log);
   open_disks();
-  make_gateway();
+  make_gateway(buses);
   server_report_.step();
   if (settings_->http) {
     web_.emplace(*settings_->http,
@@ -119,16 +117,22 @@ void Program::open_disks() {
   }
 }
 
-void Program::make_gateway() {
-  std::vector<PolledBus> polled;
-  for (std::size_t i = 0; i < buses_.size(); ++i) {
-    port::NodeBus* const bus =
-        std::visit([](const auto& adapter) -> port::NodeBus* { return adapter.get(); }, buses_[i]);
-    polled.push_back(
+// Those of the settings from this one on.
+std::vector<PolledBus> Program::open_buses(std::size_t first) {
+  std::vector<PolledBus> opened;
+  for (std::size_t i = first; i < settings_->buses.size(); ++i) {
+    buses_.push_back(make_bus(settings_->buses[i], settings_->poll.interval));
+    port::NodeBus* const bus = std::visit(
+        [](const auto& adapter) -> port::NodeBus* { return adapter.get(); }, buses_.back());
+    opened.push_back(
         {.bus = bus, .settings = &settings_->buses[i], .clients = &shared_lines_.clients(i)});
   }
+  return opened;
+}
+
+void Program::make_gateway(std::span<const PolledBus> buses) {
   gateway_.emplace(settings_, mesh_,
-                   GatewayPorts{.buses = polled,
+                   GatewayPorts{.buses = buses,
                                 .server = server_,
                                 .files = folder_.get(),
                                 .store = store_.get(),
@@ -163,12 +167,15 @@ void Program::reload_settings() {
   static_cast<void>(reread_.take_received());
   watch_->reloading();
   if (std::shared_ptr<const Settings> next = reload(config_, *settings_, projections_, events_)) {
+    const std::size_t known = settings_->buses.size();
     settings_ = std::move(next);
+    shared_lines_.update(settings_->buses);
+    const std::vector<PolledBus> added = open_buses(known);
     server_.allow(settings_->server.allow, log_);
     server_report_.allow(settings_->server.allow);
     if (web_) web_->allow(settings_->http->allow);
-    shared_lines_.update(settings_->buses);
-    gateway_->update_settings(settings_, clock_.now());
+    if (folder_ && count_readings(*settings_) > 0) folder_->add_values();
+    gateway_->update_settings(settings_, added, clock_.now());
   }
   watch_->ready(clock_.now());
   reload_due_ = clock_.now() + reload_pause;

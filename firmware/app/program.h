@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -50,7 +51,8 @@ class Program {
   Bus make_bus(const BusSettings& bus, port::Duration retry_interval);
   void open_mesh();
   void open_disks();
-  void make_gateway();
+  std::vector<PolledBus> open_buses(std::size_t first);
+  void make_gateway(std::span<const PolledBus> buses);
   void reload_settings();
   port::Instant next_deadline() const;
   void finish();

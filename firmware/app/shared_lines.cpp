@@ -22,18 +22,20 @@ port::LineShareSettings share_settings(const ShareSettings& settings) {
 
 SharedLines::SharedLines(const std::vector<BusSettings>& buses, port::EventLoop& loop,
                          port::Log& log)
-    : log_(log) {
-  for (const BusSettings& bus : buses) {
-    lines_.push_back({.name = bus.name,
-                      .share = std::make_unique<port::LineShare>(loop, log, bus.name),
-                      .listen = {},
-                      .report = {}});
-    update(lines_.back(), bus.share);
-  }
+    : loop_(loop), log_(log) {
+  update(buses);
 }
 
 void SharedLines::update(const std::vector<BusSettings>& buses) {
-  for (std::size_t i = 0; i < lines_.size(); ++i) update(lines_[i], buses[i].share);
+  for (std::size_t i = 0; i < buses.size(); ++i) {
+    if (i == lines_.size()) {
+      lines_.push_back({.name = buses[i].name,
+                        .share = std::make_unique<port::LineShare>(loop_, log_, buses[i].name),
+                        .listen = {},
+                        .report = {}});
+    }
+    update(lines_[i], buses[i].share);
+  }
 }
 
 void SharedLines::update(Line& line, const ShareSettings& settings) {

@@ -20,7 +20,7 @@ class SharedLines {
   // `loop` and `log` must outlive this.
   SharedLines(const std::vector<BusSettings>& buses, port::EventLoop& loop, port::Log& log);
 
-  // Other settings of the same buses.
+  // Other settings of the same buses, and more behind them.
   void update(const std::vector<BusSettings>& buses);
 
   port::LineClients& clients(std::size_t bus) { return *lines_[bus].share; }
@@ -37,6 +37,7 @@ class SharedLines {
   };
   void update(Line& line, const ShareSettings& settings);
 
+  port::EventLoop& loop_;
   port::Log& log_;
   std::vector<Line> lines_;  // by bus
 };

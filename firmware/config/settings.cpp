@@ -12,6 +12,7 @@
 #include "firmware/config/cross_checks.h"
 #include "firmware/config/settings_keys.h"
 #include "firmware/config/settings_types.h"
+#include "firmware/config/unit_count.h"
 #include "firmware/profile/profile_reader.h"
 #include "firmware/toml/toml_table.h"
 
@@ -426,6 +427,7 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
   TomlTable file(path, parsed, "", mistakes);
   read_all(file, std::filesystem::path(path).parent_path(), settings, mistakes);
   file.finish();
+  settings.room = unit_room_of(settings);
   if (mistakes.size() == before) check_across(parsed, path, settings, mistakes);
   // Keys come in alphabetical order; a person reads from the top of the file.
   const auto line = [&](const std::string& mistake) {

@@ -219,11 +219,18 @@ struct StateSettings {
   port::Duration interval{};  // at the most so often
 };
 
+// For how many of them memory is taken at the start.
+struct UnitRoom {
+  std::uint32_t units = 0;
+  std::uint32_t buses = 0;
+};
+
 struct Settings {
   MeshConfig mesh;
   PollSettings poll;
   WriteBackSettings write_back;
   std::vector<BusSettings> buses;
+  UnitRoom room{};       // that of the start, whatever a reload adds
   std::string profiles;  // a file or a folder; empty: those that are installed
   std::vector<Profile> device_profiles;
   std::vector<NodeSettings> nodes;

@@ -143,11 +143,11 @@ constexpr Key bus_keys[] = {
          "one question at a time then"}),
     {"units", units<&BusSettings::units>(),
      conditional(R"("1-60")", "required, unless `assign`, `scan` or a `[[bus.device]]` is there"),
-     restart, "1 ... 247: asked all the time, whether they answer or not"},
-    {"assign", units<&BusSettings::assign>(), unset(R"("61-120")"), restart,
+     additions, "1 ... 247: asked all the time, whether they answer or not"},
+    {"assign", units<&BusSettings::assign>(), unset(R"("61-120")"), additions,
      "units that are given to new nodes, which answer at 247; asked like `units`, and so is 247",
      "as `units`, without 247"},
-    {"scan", units<&BusSettings::scan>(), unset(R"("121-140")"), restart,
+    {"scan", units<&BusSettings::scan>(), unset(R"("121-140")"), additions,
      "units that are looked for, one in each `interval`, until a node answers", "as `units`"},
     {"scan_budget", duration<&BusSettings::scan_budget>(1ms), standard(R"("20ms")"), restart,
      "of each `interval`, so much at the most goes into looking where others want the line"},
@@ -217,7 +217,7 @@ constexpr Key bus_keys[] = {
 constexpr std::int64_t plane_max = site_nano * 1'000'000'000;
 
 constexpr Key device_keys[] = {
-    {"units", units<&DeviceSettings::units>(), required(R"("7")"), restart,
+    {"units", units<&DeviceSettings::units>(), required(R"("7")"), additions,
      "where they answer; units that the bus does not name itself are added to its `units`",
      "`\"7\"`, `\"12-14\"`"},
     {"profile", text<&DeviceSettings::profile>(), standard(R"("etcm")"), restart,
@@ -354,13 +354,17 @@ constexpr KeyTable tables[] = {
     {"mesh", TableKind::always, "required", "the memory of the mesh is taken once, at the start",
      mesh_keys, "[mesh] with vertices_max"},
     {"poll", TableKind::always, "", "how the nodes are asked, on all buses", poll_keys},
-    {"bus", TableKind::list, "one or more", "a connection with Modbus TCP, or a serial port",
-     bus_keys, "[[bus]] with tcp or rtu, and units"},
+    {"bus", TableKind::list, "one or more",
+     "a connection with Modbus TCP, or a serial port; [a reload adds more](#additions)", bus_keys,
+     "[[bus]] with tcp or rtu, and units"},
     {"bus.device", TableKind::list, "as many as needed",
-     "after its `[[bus]]`: units that are other devices, or need longer than the others",
+     "after its `[[bus]]`: units that are other devices, or need longer than the others; [a reload "
+     "adds more](#additions)",
      device_keys},
     {"node", TableKind::list, "as many as needed",
-     "[a device](profiles.md) that does not know where it stands, or is to have a serial",
+     "[a device](profiles.md) that does not know where it stands, or is to have a serial; [a "
+     "reload "
+     "adds more](#additions)",
      node_keys},
     {"write_back", TableKind::always, "", "what nodes are told", write_back_keys},
     {"gpio", TableKind::always, "",
@@ -403,6 +407,18 @@ const Key& key_of(const KeyTable& table, std::string_view name) {
 
 BusKind kind_of(const BusSettings& bus) {
   return std::holds_alternative<port::SerialLine>(bus.link) ? BusKind::rtu : BusKind::tcp;
+}
+
+const char* to_string(Effect effect) {
+  switch (effect) {
+    case Effect::at_once:
+      return "at once";
+    case Effect::additions:
+      return "additions";
+    case Effect::restart:
+      return "restart";
+  }
+  return "";
 }
 
 std::string heading_of(const KeyTable& table) {

@@ -28,7 +28,13 @@ struct Standard {
 };
 
 // When another value takes effect.
-enum class Effect : std::uint8_t { at_once, restart };
+enum class Effect : std::uint8_t {
+  at_once,
+  additions,  // units that are added are asked at once; any other change waits for a restart
+  restart,
+};
+// "at once", "additions", "restart".
+const char* to_string(Effect effect);
 
 // Which [[bus]] has the key.
 enum class BusKind : std::uint8_t { any, tcp, rtu };

@@ -72,7 +72,15 @@ std::string facts(const Key& key) {
   } else if (key.standard.kind != Standard::Kind::value) {
     text += "; " + plain(key.standard.words);
   }
-  return text + (key.effect == Effect::at_once ? "; changes at a reload)" : "; needs a restart)");
+  switch (key.effect) {
+    case Effect::at_once:
+      return text + "; changes at a reload)";
+    case Effect::additions:
+      return text + "; more at a reload, less needs a restart)";
+    case Effect::restart:
+      return text + "; needs a restart)";
+  }
+  return text;
 }
 
 std::string printed(const Key& key, bool is_active) {
@@ -134,8 +142,7 @@ std::string describe_settings() {
       text += std::string("| `") + key.name + "` | " + grouped(range_text(key)) + " | " +
               (standard.kind == Standard::Kind::value ? "`" + std::string(standard.toml) + "`"
                                                       : standard.words) +
-              " | " + (key.effect == Effect::at_once ? "at once" : "restart") + " | " + key.text +
-              " |\n";
+              " | " + to_string(key.effect) + " | " + key.text + " |\n";
     }
   }
   return text;

@@ -30,7 +30,7 @@ Gateway::Gateway(std::shared_ptr<const Settings> settings, Mesh& mesh, const Gat
       ports_(ports),
       devices_(*settings_),
       poller_(settings_->poll, ports.buses, *this, ports.log, this, &devices_),
-      nodes_(poller_.unit_count()),
+      nodes_(poller_.unit_count(), settings_->room.units),
       reading_table_(poller_),
       kept_(mesh, *settings_),
       site_(kept_, nodes_, ports.clock, ports.log),
@@ -39,7 +39,8 @@ Gateway::Gateway(std::shared_ptr<const Settings> settings, Mesh& mesh, const Gat
       admission_(settings_->poll, kept_.features(), nodes_, poller_, ports.log),
       assigner_(settings_->poll, poller_, nodes_, ports.log),
       is_assigning_(poller_.bus_count()),
-      snapshots_(*settings_, static_cast<std::uint32_t>(nodes_.records().size())),
+      snapshots_(*settings_,
+                 roster_capacity(std::max(poller_.unit_count(), settings_->room.units))),
       reading_taker_(*settings_),
       sensors_(*settings_),
       distributor_(*settings_, poller_, nodes_, snapshots_.latest(), ports.log),
@@ -115,12 +116,20 @@ void Gateway::step(port::Instant now) {
   }
 }
 
-void Gateway::update_settings(std::shared_ptr<const Settings> settings, port::Instant now) {
+void Gateway::update_settings(std::shared_ptr<const Settings> settings,
+                              std::span<const PolledBus> added, port::Instant now) {
   const bool is_faster = settings->poll.interval < settings_->poll.interval;
   settings_ = std::move(settings);
-  devices_.update_site(*settings_);
+  devices_.update_settings(*settings_);
   const PollSettings& poll = settings_->poll;
   const port::Instant heard_by = poller_.update_settings(poll, settings_->buses, now);
+  for (const PolledBus& bus : added) poller_.add_bus(poll, bus);
+  nodes_.add_units(poller_.unit_count());
+  reading_table_.add_units(poller_);
+  reading_taker_.update_settings(*settings_);
+  images_.set_capacity(register_capacity(*settings_), snapshot());
+  sensors_.update_settings(*settings_, snapshot());
+  is_assigning_.resize(poller_.bus_count());
   presence_.update_settings(poll, is_faster ? heard_by : now, now);
   admission_.update_settings(poll);
   assigner_.update_settings(poll);

@@ -76,10 +76,12 @@ class Gateway final : private ReadingListener, private RequestSource {
   // Asks the units with this address next: a node is said to be there.
   void ask_at_once(ModbusAddress address, port::Instant now) { poller_.ask_at_once(address, now); }
 
-  // Other settings, in what can change while the gateway runs (reload.h). Where units are asked
-  // more often than before, silence counts once all of them have had time to answer. Nodes that are
-  // missing are dismissed.
-  void update_settings(std::shared_ptr<const Settings> settings, port::Instant now);
+  // Other settings, in what can change while the gateway runs (reload.h). `added`: for each bus
+  // that the settings have beyond those before, in this order. Where units are asked more often
+  // than before, silence counts once all of them have had time to answer. Nodes that are missing
+  // are dismissed.
+  void update_settings(std::shared_ptr<const Settings> settings, std::span<const PolledBus> added,
+                       port::Instant now);
   const Settings& settings() const { return *settings_; }
 
   std::uint32_t generation() const { return generation_; }

@@ -100,7 +100,8 @@ inside && /^## / { inside = 0 }
   } else {
     say("Default: " (standard == "" ? "none" : standard) ".")
   }
-  say(reload == "at once" ? "Changes at a reload." : "Needs a restart.")
+  say(reload == "at once" ? "Changes at a reload." : reload == "additions" ? \
+      "A reload adds to it; any other change needs a restart." : "Needs a restart.")
   next
 }
 {

@@ -26,7 +26,11 @@ class AddressAssigner {
   AddressAssigner(const PollSettings& settings, const Poller& poller, NodeTable& nodes,
                   port::Log& log);
 
-  void update_settings(const PollSettings& settings) { settings_ = settings; }
+  // The poller may have more buses than before.
+  void update_settings(const PollSettings& settings) {
+    settings_ = settings;
+    jobs_.resize(poller_.bus_count());
+  }
 
   // This node answered at the default unit.
   void on_newcomer(BusIndex bus, Serial serial, port::Instant now);

@@ -37,7 +37,11 @@ class Admission {
   Admission(const PollSettings& settings, const FeatureTable& features, NodeTable& nodes,
             const Poller& poller, port::Log& log);
 
-  void update_settings(const PollSettings& settings) { settings_ = settings; }
+  // The poller may have more units than before.
+  void update_settings(const PollSettings& settings) {
+    settings_ = settings;
+    conflicts_.resize(poller_.unit_count());
+  }
 
   // The record of the node that answered; null when it is not believed, at least not yet.
   NodeRecord* admit(UnitIndex unit, Serial serial, port::Instant now);

@@ -82,6 +82,8 @@ void Presence::update_settings(const PollSettings& settings, port::Instant heard
                                port::Instant now) {
   settings_ = settings;
   clock_.update_settings(settings);
+  clock_.add_buses(poller_.bus_count());
+  buses_.resize(poller_.bus_count());
   sweep_interval_ = sweep_interval(settings_);
   if (heard_by <= now) return;
   clock_.postpone(heard_by - now);

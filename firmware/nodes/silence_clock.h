@@ -22,6 +22,10 @@ class SilenceClock {
   SilenceClock(const PollSettings& settings, std::uint32_t bus_count);
 
   void update_settings(const PollSettings& settings) { settings_ = settings; }
+  // There are so many buses now; the silence of a new one counts from here.
+  void add_buses(std::uint32_t bus_count) {
+    buses_.resize(bus_count, {.shown = {}, .counts_from = {}, .heard = listened_});
+  }
 
   // The gateway's loop turns, by itself at the latest `turn_max` after the turn before. What was
   // longer (a program that was stopped, a clock that jumped) is as if it had not been.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "firmware/config/unit_count.h"
 #include "firmware/records/node_table.h"
 
 namespace etcm::firmware {
@@ -175,10 +176,13 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
 std::size_t saved_state_size_max(const Settings& settings) {
   std::size_t size = head_size;
   for (const BusSettings& bus : settings.buses) size += 1 + saved_bus_name(bus.name).size();
+  const std::size_t buses_room = std::max<std::size_t>(settings.room.buses, settings.buses.size());
+  size += (buses_room - settings.buses.size()) * (1 + saved_bus_name_max);
   // A vertex is a node, an anchor or a Steiner vertex; a feature in the mesh takes a place of its.
   size += settings.mesh.vertices_max * std::max({node_size, anchor_size, steiner_size});
   size += settings.mesh.features_max * feature_size;
-  return size + roster_capacity(count_units(settings)) * missing_size;
+  return size +
+         roster_capacity(std::max(count_units(settings), settings.room.units)) * missing_size;
 }
 
 StateWriter::StateWriter(std::size_t size_max) { bytes_.reserve(size_max); }

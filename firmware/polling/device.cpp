@@ -71,8 +71,10 @@ void Device::measure(std::span<const std::uint16_t> registers,
   }
 }
 
-DeviceTable::DeviceTable(const Settings& settings) {
-  const std::vector<Quantity> quantities = quantities_of(settings);
+DeviceTable::DeviceTable(const Settings& settings) { update_settings(settings); }
+
+void DeviceTable::add_devices(const Settings& settings) {
+  add_quantities(settings, quantities_);
   for (BusIndex bus{0}; bus.value < settings.buses.size(); ++bus.value) {
     const BusSettings& on = settings.buses[bus.value];
     for (const ModbusAddress address : UnitRange{.first = 1, .last = unit_max}) {
@@ -81,13 +83,13 @@ DeviceTable::DeviceTable(const Settings& settings) {
           device == nullptr ? nullptr : find_profile(settings, device->profile);
       if (profile == nullptr) continue;
       devices_.try_emplace({bus.value, address.value}, *profile,
-                           device_serial(settings, bus.value, address), *device, quantities);
+                           device_serial(settings, bus.value, address), *device, quantities_);
     }
   }
-  update_site(settings);
 }
 
-void DeviceTable::update_site(const Settings& settings) {
+void DeviceTable::update_settings(const Settings& settings) {
+  add_devices(settings);
   for (auto& [where, device] : devices_) {
     const NodeSettings* const node =
         node_at(settings, settings.buses[where.first], ModbusAddress{where.second});

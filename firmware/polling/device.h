@@ -24,7 +24,7 @@ namespace etcm::firmware {
 // and readings come from one complete sweep.
 class Device {
  public:
-  // `quantities` are those of the configuration.
+  // `quantities` has those that it measures.
   Device(Profile profile, Serial serial, const DeviceSettings& settings,
          const std::vector<Quantity>& quantities);
 
@@ -71,13 +71,18 @@ class DeviceTable {
  public:
   explicit DeviceTable(const Settings& settings);
 
-  // The site may have another plane; which devices there are stays.
-  void update_site(const Settings& settings);
+  // The site may have another plane, and there may be more devices; those that there are stay.
+  void update_settings(const Settings& settings);
 
-  // Null: a node of our own.
+  // Null: a node of our own. Good as long as the table.
   const Device* at(BusIndex bus, ModbusAddress address) const;
+  // What they measure. More devices may add to it, behind those there are.
+  const std::vector<Quantity>& quantities() const { return quantities_; }
 
  private:
+  void add_devices(const Settings& settings);
+
+  std::vector<Quantity> quantities_;
   std::map<std::pair<std::uint32_t, std::uint8_t>, Device> devices_;
 };
 

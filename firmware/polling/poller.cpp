@@ -14,41 +14,43 @@ constexpr std::uint8_t torn_repeats_max = 3;
 Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
                ReadingListener& listener, port::Log& log, RequestSource* requests,
                const DeviceTable* devices)
-    : listener_(listener), log_(log), requests_(requests) {
-  buses_.reserve(buses.size());
-  for (const PolledBus& polled : buses) {
-    const BusSettings& bus = *polled.settings;
-    buses_.push_back({.bus = polled.bus,
-                      .schedule = BusSchedule(settings, bus, *polled.bus),
-                      .unit_at = std::vector<UnitIndex>(256, UnitIndex::none()),
-                      .clients = ClientRequests(polled.clients)});
-    const BusIndex number{bus_count() - 1};
-    add_units(number, bus.units, true, devices);
-    add_units(number, bus.assign, true, devices);
-    if (!bus.assign.empty()) {
-      add_units(number, {{{default_unit.value, default_unit.value}}}, true, devices);
-    }
-    add_units(number, bus.scan, false, devices);
-  }
-  std::size_t measured_max = 0;
-  for (UnitIndex unit{0}; unit.value < unit_count(); ++unit.value) {
-    measured_max = std::max(measured_max, quantities(unit).size());
-  }
-  measured_.reserve(measured_max);
+    : listener_(listener), log_(log), requests_(requests), devices_(devices) {
+  for (const PolledBus& polled : buses) add_bus(settings, polled);
 }
 
-void Poller::add_units(BusIndex number, std::span<const UnitRange> ranges, bool is_listed,
-                       const DeviceTable* devices) {
+void Poller::add_bus(const PollSettings& settings, const PolledBus& polled) {
+  buses_.push_back({.bus = polled.bus,
+                    .schedule = BusSchedule(settings, *polled.settings, *polled.bus),
+                    .unit_at = std::vector<UnitIndex>(256, UnitIndex::none()),
+                    .clients = ClientRequests(polled.clients)});
+  add_units_of(BusIndex{bus_count() - 1});
+}
+
+// Those that it has already stay as they are.
+void Poller::add_units_of(BusIndex number) {
+  const BusSettings bus = buses_[number.value].schedule.settings();
+  add_units(number, bus.units, true);
+  add_units(number, bus.assign, true);
+  if (!bus.assign.empty()) {
+    add_units(number, {{{default_unit.value, default_unit.value}}}, true);
+  }
+  add_units(number, bus.scan, false);
+}
+
+void Poller::add_units(BusIndex number, std::span<const UnitRange> ranges, bool is_listed) {
   Bus& bus = buses_[number.value];
   for (const UnitRange range : ranges) {
     for (const ModbusAddress address : range) {
       if (!bus.unit_at[address.value].is_none()) continue;
       bus.unit_at[address.value] = UnitIndex{unit_count()};
       units_.push_back({.bus = number, .address = address});
-      if (devices != nullptr) {
+      if (devices_ != nullptr) {
         PolledUnit& unit = units_.back();
-        unit.device = devices->at(number, address);
-        if (unit.device != nullptr) unit.swept.reserve(unit.device->register_count());
+        unit.device = devices_->at(number, address);
+        if (unit.device != nullptr) {
+          unit.swept.reserve(unit.device->register_count());
+          measured_.reserve(unit.device->quantities().size());
+        }
       }
       bus.schedule.add_unit(address, is_listed);
     }
@@ -60,6 +62,7 @@ port::Instant Poller::update_settings(const PollSettings& settings,
   port::Instant heard_by = now;
   for (std::size_t i = 0; i < buses_.size(); ++i) {
     heard_by = std::max(heard_by, buses_[i].schedule.update_settings(settings, buses[i], now));
+    add_units_of(BusIndex{static_cast<std::uint32_t>(i)});
   }
   return heard_by;
 }

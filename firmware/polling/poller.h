@@ -50,11 +50,13 @@ class Poller {
   void step(port::Instant now);
   port::Instant next_deadline() const;
 
-  // Other settings of the polls, or other timeouts of the same buses: units that would be asked
-  // later than these have it come forward. Returns when all units that are there will have
-  // answered, on buses that have the time.
+  // Other settings of the polls, other timeouts, or more units and devices of the same buses: units
+  // that would be asked later than these have it come forward. Returns when all units that are
+  // there will have answered, on buses that have the time.
   port::Instant update_settings(const PollSettings& settings, std::span<const BusSettings> buses,
                                 port::Instant now);
+  // One more bus, behind those there are.
+  void add_bus(const PollSettings& settings, const PolledBus& bus);
 
   // A node is said to be at this address: asks its units next, before all that are due and however
   // often they have failed, as far as their share of the time allows.
@@ -129,8 +131,8 @@ class Poller {
     return buses_[bus_of(unit).value].schedule;
   }
   BusSchedule& schedule_of(UnitIndex unit) { return buses_[bus_of(unit).value].schedule; }
-  void add_units(BusIndex bus, std::span<const UnitRange> ranges, bool is_listed,
-                 const DeviceTable* devices);
+  void add_units_of(BusIndex bus);
+  void add_units(BusIndex bus, std::span<const UnitRange> ranges, bool is_listed);
   port::RegisterRead read_of(UnitIndex unit) const;
 
   bool ask_next(BusIndex bus, port::Instant now);
@@ -160,6 +162,7 @@ class Poller {
   ReadingListener& listener_;
   port::Log& log_;
   RequestSource* requests_;
+  const DeviceTable* devices_;
   std::vector<PolledUnit> units_;
   std::vector<Bus> buses_;
   std::vector<Measurement> measured_;  // in the sweep that was completed last

@@ -12,20 +12,24 @@ bool is_of(const Profile::Reading& reading, const Quantity& quantity) {
 
 }  // namespace
 
-std::vector<Quantity> quantities_of(const Settings& settings) {
-  std::vector<Quantity> quantities;
+void add_quantities(const Settings& settings, std::vector<Quantity>& known) {
   for (const BusSettings& bus : settings.buses) {
     for (const DeviceSettings& device : bus.devices) {
       const Profile* const profile = find_profile(settings, device.profile);
       if (profile == nullptr) continue;
       for (const Profile::Reading& reading : profile->readings) {
         const bool is_known =
-            std::any_of(quantities.begin(), quantities.end(),
-                        [&](const Quantity& known) { return is_of(reading, known); });
-        if (!is_known) quantities.push_back({.name = reading.name, .unit = reading.unit});
+            std::any_of(known.begin(), known.end(),
+                        [&](const Quantity& quantity) { return is_of(reading, quantity); });
+        if (!is_known) known.push_back({.name = reading.name, .unit = reading.unit});
       }
     }
   }
+}
+
+std::vector<Quantity> quantities_of(const Settings& settings) {
+  std::vector<Quantity> quantities;
+  add_quantities(settings, quantities);
   return quantities;
 }
 

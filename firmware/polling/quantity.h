@@ -18,11 +18,14 @@ struct Quantity {
   friend bool operator==(const Quantity&, const Quantity&) = default;
 };
 
-// Those of the profiles that devices have, in the order of the [[bus.device]] and, of each, of the
-// readings of its profile. What is configured behind all others leaves their numbers alone.
+// Adds those of the profiles that devices have and that are not known yet, in the order of the
+// [[bus.device]] and, of each, of the readings of its profile. Known ones keep their numbers.
+void add_quantities(const Settings& settings, std::vector<Quantity>& known);
+
+// Of settings that were just read. What is configured behind all others leaves their numbers alone.
 std::vector<Quantity> quantities_of(const Settings& settings);
 
-// REQUIRES: the reading is one of a profile that a device of these settings has.
+// REQUIRES: the reading is of one of them.
 QuantityIndex index_of(const Profile::Reading& reading, const std::vector<Quantity>& quantities);
 
 // The readings of all devices together.

@@ -56,6 +56,7 @@ struct MeshRegisterCapacity {
   std::uint32_t quarantined = 0;
   std::uint32_t quantities = 0;
   std::uint32_t readings = 0;  // 0: no device measures
+  friend bool operator==(const MeshRegisterCapacity&, const MeshRegisterCapacity&) = default;
 };
 
 // The blocks of one list.

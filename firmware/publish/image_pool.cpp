@@ -14,6 +14,14 @@ ImagePool::ImagePool(const MeshRegisterCapacity& capacity, std::size_t ready,
   }
 }
 
+void ImagePool::set_capacity(const MeshRegisterCapacity& capacity, const Snapshot& snapshot) {
+  if (capacity == capacity_) return;
+  capacity_ = capacity;
+  // What is encoded beside this mesh needs an image that has room for it.
+  newest_ = free_image();
+  encode_mesh(snapshot, capacity_, *images_[newest_]);
+}
+
 std::size_t ImagePool::free_image() {
   auto free = std::find_if(images_.begin(), images_.end(),
                            [](const auto& image) { return image.use_count() == 1; });

@@ -20,6 +20,10 @@ class ImagePool {
   // Takes the memory of `ready` images at once, and room to know `images_max`.
   ImagePool(const MeshRegisterCapacity& capacity, std::size_t ready, std::size_t images_max);
 
+  // Lists may be of other lengths from now on. `snapshot` is the one that was encoded last; mesh
+  // and readings are encoded with their new lengths from the next time on.
+  void set_capacity(const MeshRegisterCapacity& capacity, const Snapshot& snapshot);
+
   // Mesh and readings as registers. The readings are of this generation.
   std::shared_ptr<const port::RegisterImage> encode(const Snapshot& snapshot,
                                                     const ReadingSnapshot& readings);
@@ -30,7 +34,7 @@ class ImagePool {
   // The number of one that nobody looks at.
   std::size_t free_image();
 
-  const MeshRegisterCapacity capacity_;
+  MeshRegisterCapacity capacity_;
   std::vector<std::shared_ptr<port::RegisterImage>> images_;
   std::size_t newest_ = 0;
 };

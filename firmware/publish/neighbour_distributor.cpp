@@ -40,6 +40,13 @@ NeighbourDistributor::NeighbourDistributor(const Settings& settings, const Polle
       delivered_(settings.write_back.is_enabled ? nodes.records().size() : 0),
       jobs_(settings.write_back.is_enabled ? poller.bus_count() : 0) {}
 
+void NeighbourDistributor::update_settings(const PollSettings& settings) {
+  settings_ = settings;
+  if (jobs_.empty()) return;
+  delivered_.resize(nodes_.records().size());
+  jobs_.resize(poller_.bus_count());
+}
+
 void NeighbourDistributor::take_snapshot() {
   const auto records = nodes_.records();
   for (std::uint32_t slot = 0; slot < delivered_.size(); ++slot) {

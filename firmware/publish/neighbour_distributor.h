@@ -27,7 +27,8 @@ class NeighbourDistributor {
   NeighbourDistributor(const Settings& settings, const Poller& poller, const NodeTable& nodes,
                        const Snapshot& snapshot, port::Log& log);
 
-  void update_settings(const PollSettings& settings) { settings_ = settings; }
+  // The poller may have more buses than before, and the table of nodes more records.
+  void update_settings(const PollSettings& settings);
 
   // There is another snapshot, and the mesh has not changed since it was taken.
   void take_snapshot();

@@ -74,7 +74,8 @@ constexpr auto reading_head_table = in_sequence(std::to_array<RegisterRow<Readin
      }},
     {"quantity_block_first", 2, "number of the first block of quantities",
      [](const ReadingHeadSource& source) { return source.layout.quantities.first; }},
-    {"quantity_blocks", 2, "blocks of quantities there are; fixed by the configuration",
+    {"quantity_blocks", 2,
+     "blocks of quantities there are; only a reload that adds quantities changes it",
      [](const ReadingHeadSource& source) { return source.layout.quantities.count; }},
     {"readings_per_block", 1, "{}", [](const ReadingHeadSource&) { return block_readings; }},
     {"reading_entries", 2, "entries of the list of readings in use",
@@ -83,7 +84,8 @@ constexpr auto reading_head_table = in_sequence(std::to_array<RegisterRow<Readin
      }},
     {"reading_block_first", 2, "number of the first block of readings",
      [](const ReadingHeadSource& source) { return source.layout.readings.first; }},
-    {"reading_blocks", 2, "blocks of readings there are; fixed by the configuration",
+    {"reading_blocks", 2,
+     "blocks of readings there are; only a reload that adds devices changes it",
      [](const ReadingHeadSource& source) { return source.layout.readings.count; }},
 }));
 

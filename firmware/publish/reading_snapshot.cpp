@@ -21,8 +21,10 @@ std::uint32_t count_disagreeing(const ReadingSnapshot& snapshot) {
 }
 
 void reserve(ReadingSnapshot& snapshot, const Settings& settings) {
-  snapshot.quantities = quantities_of(settings);
-  for (const Quantity& quantity : snapshot.quantities) {
+  const std::size_t known = snapshot.quantities.size();
+  add_quantities(settings, snapshot.quantities);
+  for (std::size_t i = known; i < snapshot.quantities.size(); ++i) {
+    const Quantity& quantity = snapshot.quantities[i];
     const std::string name =
         "reading " + quantity.name + (quantity.unit.empty() ? "" : " (" + quantity.unit + ")");
     snapshot.properties.push_back(name);

@@ -34,8 +34,8 @@ struct ReadingSnapshot {
   std::uint32_t value_sequence = 0;  // the last one that differs in more than times
   std::uint32_t generation = 0;      // of the mesh that the rows are of
   port::Instant taken_at{};
-  std::vector<Quantity> quantities;        // always the same, as their names as properties:
-  std::vector<std::string> properties;     // see property_of()
+  std::vector<Quantity> quantities;        // those of the devices (polling/device.h)
+  std::vector<std::string> properties;     // their names as properties: see property_of()
   std::vector<PublishedReading> readings;  // by serial, and of each node by quantity
 };
 
@@ -52,7 +52,8 @@ std::span<const PublishedReading> readings_of(const ReadingSnapshot& snapshot, S
 // Readings that disagree with what is expected.
 std::uint32_t count_disagreeing(const ReadingSnapshot& snapshot);
 
-// Takes the memory for all that the snapshots of these settings have.
+// Takes the memory for all that the snapshots of these settings have, and adds the quantities that
+// are new.
 void reserve(ReadingSnapshot& snapshot, const Settings& settings);
 
 }  // namespace etcm::firmware

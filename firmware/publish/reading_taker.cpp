@@ -18,8 +18,6 @@ std::uint32_t row_of(const NodeRecord& node, const Snapshot& mesh) {
 
 }  // namespace
 
-ReadingTaker::ReadingTaker(const Settings& settings) { reserve(snapshot_, settings); }
-
 ReadingSnapshot& ReadingTaker::take(ReadingTable& table, const NodeTable& nodes,
                                     const Snapshot& mesh, port::Instant now) {
   const std::size_t count_before = snapshot_.readings.size();

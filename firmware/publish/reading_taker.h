@@ -14,8 +14,11 @@ namespace etcm::firmware {
 
 class ReadingTaker {
  public:
-  // All the memory it ever needs is taken here.
-  explicit ReadingTaker(const Settings& settings);
+  // All the memory that it needs for these settings is taken here.
+  explicit ReadingTaker(const Settings& settings) { update_settings(settings); }
+
+  // There may be more devices, and quantities, than before.
+  void update_settings(const Settings& settings) { reserve(snapshot_, settings); }
 
   // The readings of all nodes that are known. `mesh` is what was published last. Clears the news of
   // the table. O(n log n) of the readings. Good until the next call; what is expected of them is to

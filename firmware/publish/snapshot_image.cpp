@@ -34,9 +34,7 @@ SnapshotImager::SnapshotImager(const Settings& settings)
   image_->attribute_count = 1;
   ReadingSnapshot readings;
   reserve(readings, settings);
-  image_->value_names = readings.properties;
-  serial_name_ = static_cast<std::uint32_t>(image_->value_names.size());
-  image_->value_names.emplace_back("serial");
+  take_names(readings);
   image_->values.reserve(readings.readings.capacity() + vertices);
   index_of_.reserve(vertices);
   row_of_.reserve(vertices);
@@ -52,6 +50,7 @@ std::shared_ptr<const files::MeshImage> SnapshotImager::make(const Snapshot& sna
   image_->subsegments.clear();
   image_->attributes.clear();
   row_of_.clear();
+  if (serial_name_ != readings.properties.size()) take_names(readings);
   index_of_.assign(snapshot.vertices.size(), no_row);
   for (std::uint32_t row = 0; row < snapshot.vertices.size(); ++row) {
     if (snapshot.vertices[row].kind == VertexKind::node) add_vertex(snapshot, row);
@@ -64,6 +63,12 @@ std::shared_ptr<const files::MeshImage> SnapshotImager::make(const Snapshot& sna
   domain_.label(snapshot);
   for (std::uint32_t i = 0; i < image_->vertices.size(); ++i) add_edges_and_triangles(snapshot, i);
   return image_;
+}
+
+void SnapshotImager::take_names(const ReadingSnapshot& readings) {
+  image_->value_names = readings.properties;
+  serial_name_ = static_cast<std::uint32_t>(image_->value_names.size());
+  image_->value_names.emplace_back("serial");
 }
 
 void SnapshotImager::add_vertex(const Snapshot& snapshot, std::uint32_t row) {

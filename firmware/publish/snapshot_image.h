@@ -18,7 +18,7 @@ namespace etcm::firmware {
 // Makes images of snapshots, one after the other into the same memory.
 class SnapshotImager {
  public:
-  // All the memory it ever needs is taken here.
+  // All the memory that it needs for these settings is taken here.
   explicit SnapshotImager(const Settings& settings);
 
   // The nodes by row, each with its serial (an anchor with -1), and then the Steiner vertices along
@@ -30,6 +30,7 @@ class SnapshotImager {
                                                const SitePlane& plane);
 
  private:
+  void take_names(const ReadingSnapshot& readings);
   void add_vertex(const Snapshot& snapshot, std::uint32_t row);
   void add_values(const Snapshot& snapshot, const ReadingSnapshot& readings);
   void add_degrees(const SitePlane& plane);

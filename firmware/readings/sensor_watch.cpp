@@ -29,22 +29,26 @@ std::string text_of(double value, const Quantity& quantity) {
   return digits + (quantity.unit.empty() ? "" : " " + quantity.unit);
 }
 
-std::uint32_t rows_of(const Settings& settings) {
-  return quantities_of(settings).empty() ? 0 : settings.mesh.vertices_max;
-}
-
 }  // namespace
 
-SensorWatch::SensorWatch(const Settings& settings)
-    : nodes_(rows_of(settings)),
-      values_(rows_of(settings)),
-      disagreed_(rows_of(settings)),
-      due_(values_.empty() ? port::never : port::Instant{}) {
-  const std::size_t quantity_count = quantities_of(settings).size();
-  watches_.reserve(quantity_count);
-  for (std::size_t i = 0; i < quantity_count; ++i) {
+SensorWatch::SensorWatch(const Settings& settings) : nodes_(0), due_(port::never) {
+  update_settings(settings, Snapshot{});
+}
+
+void SensorWatch::update_settings(const Settings& settings, const Snapshot& snapshot) {
+  add_quantities(settings, quantities_);
+  if (watches_.size() == quantities_.size()) return;
+  if (watches_.empty()) {
+    nodes_ = NearestNodes(settings.mesh.vertices_max);
+    values_.resize(settings.mesh.vertices_max);
+    disagreed_.resize(settings.mesh.vertices_max);
+    due_ = {};
+  }
+  watches_.reserve(quantities_.size());
+  while (watches_.size() < quantities_.size()) {
     watches_.emplace_back(nodes_, settings.mesh.vertices_max);
   }
+  take(snapshot);
 }
 
 void SensorWatch::take(const Snapshot& snapshot) {

@@ -19,9 +19,12 @@ inline constexpr port::Duration sample_interval = std::chrono::minutes(1);
 
 class SensorWatch {
  public:
-  // All the memory it ever needs is taken here: none where nothing is measured, else about 1.7 KB
+  // All the memory it needs is taken here: none where nothing is measured, else about 1.7 KB
   // for each vertex that there may be and each quantity.
   explicit SensorWatch(const Settings& settings);
+
+  // There may be more quantities than before, behind the others. `snapshot` is the one taken last.
+  void update_settings(const Settings& settings, const Snapshot& snapshot);
 
   // Another generation. O(n) where something is measured, else nothing.
   void take(const Snapshot& snapshot);
@@ -38,6 +41,7 @@ class SensorWatch {
   void log_change(const PublishedReading& reading, const Quantity& quantity,
                   const Agreement& agreement, port::Log& log) const;
 
+  std::vector<Quantity> quantities_;
   NearestNodes nodes_;
   std::vector<DisagreementWatch> watches_;  // by quantity
   std::vector<double> values_;              // by row

@@ -1,33 +1,28 @@
 #include "firmware/records/node_table.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace etcm::firmware {
 
-std::uint32_t count_units(const Settings& settings) {
-  std::uint32_t count = 0;
-  for (const BusSettings& bus : settings.buses) {
-    std::array<bool, 256> is_unit{};
-    for (const std::vector<UnitRange>* const ranges : {&bus.units, &bus.assign, &bus.scan}) {
-      for (const UnitRange range : *ranges) {
-        for (const ModbusAddress address : range) is_unit[address.value] = true;
-      }
-    }
-    if (!bus.assign.empty()) is_unit[default_unit.value] = true;
-    count += static_cast<std::uint32_t>(std::count(is_unit.begin(), is_unit.end(), true));
-  }
-  return count;
+NodeTable::NodeTable(std::uint32_t unit_count, std::uint32_t unit_room) {
+  const std::uint32_t room = std::max(unit_count, unit_room);
+  records_.reserve(roster_capacity(room));
+  by_serial_.reserve(roster_capacity(room));
+  free_.reserve(roster_capacity(room));
+  by_unit_.reserve(room);
+  released_heard_at_.reserve(room);
+  add_units(unit_count);
 }
 
-NodeTable::NodeTable(std::uint32_t unit_count)
-    : records_(roster_capacity(unit_count)),
-      by_unit_(unit_count, no_slot),
-      released_heard_at_(unit_count) {
-  by_serial_.reserve(records_.size());
-  free_.reserve(records_.size());
-  for (auto slot = static_cast<std::uint32_t>(records_.size()); slot-- > 0;) free_.push_back(slot);
+void NodeTable::add_units(std::uint32_t unit_count) {
+  const std::size_t before = records_.size();
+  records_.resize(roster_capacity(unit_count));
+  for (std::size_t slot = records_.size(); slot-- > before;) {
+    free_.push_back(static_cast<std::uint32_t>(slot));
+  }
+  by_unit_.resize(unit_count, no_slot);
+  released_heard_at_.resize(unit_count);
 }
 
 NodeRecord* NodeTable::at(UnitIndex unit) {

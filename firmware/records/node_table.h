@@ -52,18 +52,19 @@ struct NodeRecord {
 };
 
 // A node keeps its record when it changes its unit, its port or its bus, and while it is missing.
-// The memory is fixed: one record for each unit, and some for nodes whose unit another one has now
-// and for those that are missing.
+// One record for each unit, and some for nodes whose unit another one has now and for those that
+// are missing. The memory for all units that there may ever be is taken at the start.
 constexpr std::uint32_t roster_capacity(std::uint32_t unit_count) {
   return unit_count + unit_count / 4 + 16;
 }
 
-// As many units as the poller has for these settings.
-std::uint32_t count_units(const Settings& settings);
-
 class NodeTable {
  public:
-  explicit NodeTable(std::uint32_t unit_count);
+  // `unit_room`: so many there may be in the end.
+  NodeTable(std::uint32_t unit_count, std::uint32_t unit_room);
+
+  // There are so many units now: not fewer than before, nor more than there is room for.
+  void add_units(std::uint32_t unit_count);
 
   // The node that answers at a unit, or null.
   NodeRecord* at(UnitIndex unit);

@@ -2,9 +2,10 @@
 
 namespace etcm::firmware {
 
-ReadingTable::ReadingTable(const Poller& poller) {
+void ReadingTable::add_units(const Poller& poller) {
   first_of_.reserve(poller.unit_count());
-  for (UnitIndex unit{0}; unit.value < poller.unit_count(); ++unit.value) {
+  const auto known = static_cast<std::uint32_t>(first_of_.size());
+  for (UnitIndex unit{known}; unit.value < poller.unit_count(); ++unit.value) {
     first_of_.push_back(static_cast<std::uint32_t>(records_.size()));
     for (const QuantityIndex quantity : poller.quantities(unit)) {
       ReadingRecord record;

@@ -22,12 +22,15 @@ struct ReadingRecord {
   bool is_stale = false;             // no sweep lately
 };
 
-// One record for each reading of the device of each unit: fixed with the configuration, in the
-// order of the units. A record is of its node for as long as that node is known and answered at
-// this unit last (NodeRecord::last_unit).
+// One record for each reading of the device of each unit, in the order of the units: memory is
+// taken with the configuration. A record is of its node for as long as that node is known and
+// answered at this unit last (NodeRecord::last_unit).
 class ReadingTable {
  public:
-  explicit ReadingTable(const Poller& poller);
+  explicit ReadingTable(const Poller& poller) { add_units(poller); }
+
+  // The poller may have more units than before. Other records keep their numbers.
+  void add_units(const Poller& poller);
 
   // The readings of a sweep of this unit that is believed.
   // REQUIRES: one for each quantity of the unit, in that order.

@@ -15,6 +15,7 @@ double ratio(port::Duration part, port::Duration whole) {
 }  // namespace
 
 void BusMeter::advance(port::Instant now) {
+  buses_.resize(poller_.bus_count());
   if (now < due_) return;
   const bool is_first = looked_at_ == port::Instant{};
   const port::Duration passed = now - looked_at_;

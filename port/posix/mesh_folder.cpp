@@ -19,14 +19,17 @@ namespace etcm::port {
 // What the thread uses, and keeps should it hang.
 struct MeshFolder::Writing {
   Writing(const std::string& where, const std::string& base, std::string title,
-          std::uint32_t vertices_max, bool has_values)
+          std::uint32_t vertices_max)
       : folder(where), words{.title = std::move(title)} {
     room.reserve(vertices_max);
     files.add(base + ".node", [this](files::TextSink& out) { files::write_node(out, *image); });
     files.add(base + ".ele", [this](files::TextSink& out) { files::write_ele(out, *image); });
     files.add(base + ".svg",
               [this](files::TextSink& out) { files::write_svg(out, *image, words, {}, room); });
-    if (!has_values) return;
+  }
+
+  void add_values(const std::string& base) {
+    if (std::exchange(has_values, true)) return;
     files.add(base + ".geojson",
               [this](files::TextSink& out) { files::write_geojson(out, *image); });
   }
@@ -57,8 +60,9 @@ struct MeshFolder::Writing {
   }
 
   const std::string folder;
-  bool is_made = false;                           // as far as is known
-  bool is_clean = false;                          // of what a crash left
+  bool is_made = false;   // as far as is known
+  bool is_clean = false;  // of what a crash left
+  bool has_values = false;
   std::shared_ptr<const files::MeshImage> image;  // null: check only
   files::PictureText words;
   files::PictureRoom room;
@@ -70,8 +74,11 @@ struct MeshFolder::Writing {
 MeshFolder::MeshFolder(const std::string& folder, const std::string& name,
                        std::uint32_t vertices_max, bool has_values)
     : base_(std::filesystem::path(folder) / name),
-      writing_(std::make_shared<Writing>(folder, base_, name, vertices_max, has_values)),
-      worker_("etcm-files", [writing = writing_] { writing->run(); }) {}
+      writing_(std::make_shared<Writing>(folder, base_, name, vertices_max)),
+      worker_("etcm-files", [writing = writing_] { writing->run(); }),
+      has_values_(has_values) {
+  if (has_values) writing_->add_values(base_);
+}
 
 void MeshFolder::start_check() {
   writing_->image.reset();
@@ -80,6 +87,7 @@ void MeshFolder::start_check() {
 }
 
 void MeshFolder::start_write(std::shared_ptr<const files::MeshImage> image) {
+  if (has_values_) writing_->add_values(base_);
   writing_->image = std::move(image);
   is_result_due_ = true;
   worker_.start();

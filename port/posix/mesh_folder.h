@@ -20,6 +20,9 @@ class MeshFolder final : public MeshFiles {
   MeshFolder(const std::string& folder, const std::string& name, std::uint32_t vertices_max,
              bool has_values = false);
 
+  // From the next write on NAME.geojson is written too. Takes its memory then.
+  void add_values() { has_values_ = true; }
+
   void start_check() override;
   void start_write(std::shared_ptr<const files::MeshImage> image) override;
   bool is_writing() const override { return worker_.is_busy(); }
@@ -38,6 +41,7 @@ class MeshFolder final : public MeshFiles {
   std::string base_;
   std::shared_ptr<Writing> writing_;
   Worker worker_;
+  bool has_values_;
   bool is_result_due_ = false;
   DiskFailure words_;
 };

@@ -192,8 +192,14 @@ void Rig::run(port::Duration duration) {
   }
 }
 
-void Rig::update_settings() {
-  gateway->update_settings(std::make_shared<const Settings>(settings), clock.now());
+void Rig::update_settings(const std::vector<port::NodeBus*>& added) {
+  const auto next = std::make_shared<const Settings>(settings);
+  std::vector<PolledBus> more;
+  for (port::NodeBus* const one : added) {
+    const std::size_t number = next->buses.size() - added.size() + more.size();
+    more.push_back({.bus = one, .settings = &next->buses[number]});
+  }
+  gateway->update_settings(next, more, clock.now());
 }
 
 void Rig::put(std::uint8_t unit, std::int32_t x, std::int32_t y, std::uint16_t status) {

@@ -157,7 +157,7 @@ struct Rig {
   // Runs the gateway for this long, a step every 10 ms.
   void run(port::Duration duration);
   // Gives the gateway the settings as they are here now.
-  void update_settings();
+  void update_settings(const std::vector<port::NodeBus*>& added = {});
   // Unit `unit` is the node with serial 1000 + unit.
   void put(std::uint8_t unit, std::int32_t x, std::int32_t y,
            std::uint16_t status = node_status::fix_valid);

@@ -237,15 +237,15 @@ TEST_F(SettingsKeys, AReloadTakesEachOverOrNamesIt) {
   });
 }
 
-TEST_F(SettingsKeys, AReloadNamesDevicesThatAreNew) {
+TEST_F(SettingsKeys, AReloadNamesDevicesThatAreOthersThanBefore) {
   for (const Key& key : key_table("node").keys) EXPECT_EQ(key.effect, Effect::restart);
   Settings current = read(joined(lines_in_use()));
   Settings next = current;
   next.buses[0].devices.push_back(next.buses[0].devices.front());
   next.nodes.front().address = 8;
   next.device_profiles.front().block_max = 7;
-  EXPECT_EQ(take_over(current, next),
-            (std::vector<std::string>{"[[bus.device]] units", "[[profile]]", "[[node]]"}));
+  const std::string profile = "[[profile]] name = \"" + next.device_profiles.front().name + "\"";
+  EXPECT_EQ(take_over(current, next), (std::vector<std::string>{profile, "[[node]]"}));
 }
 
 // One bus that has to wait holds all of them up, so each that differs is named.

@@ -410,7 +410,7 @@ TEST(SiteKeeping, RefusedFeaturesAreNotTriedAtEachMove) {
   ASSERT_EQ(mesh.open(memory, settings.mesh), Status::ok);
   BusyClock clock;
   RecordingLog log;
-  NodeTable nodes(100);
+  NodeTable nodes(100, 100);
   KeptMesh kept(mesh, settings);
   SiteKeeper site(kept, nodes, clock, log);
   NodePlacement placement(kept, site, nodes, settings.domain, clock, log);

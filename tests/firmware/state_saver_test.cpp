@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fakes.h"
+#include "firmware/config/unit_count.h"
 #include "firmware/records/node_table.h"
 #include "memory_store.h"
 #include "support/allocation_watch.h"

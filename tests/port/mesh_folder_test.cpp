@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "etcm/files/exchange.h"
 #include "etcm/files/mesh_text.h"
 #include "mounted_disk.h"
 #include "peer.h"
@@ -113,6 +114,18 @@ TEST_F(MeshFolderTest, HoldsTheMesh) {
   EXPECT_NE(read(".node").find("\n60 "), std::string::npos);
   EXPECT_NE(read(".node").find(" 4000000060 0\n"), std::string::npos);
   EXPECT_NE(read(".svg").find("60 nodes"), std::string::npos);
+}
+
+TEST_F(MeshFolderTest, HoldsValuesOnceThereAreAny) {
+  EXPECT_TRUE(write().ok);
+  EXPECT_FALSE(std::filesystem::exists(path_ + "/mesh.geojson"));
+  folder().add_values();
+  folder().add_values();
+  EXPECT_TRUE(write().ok);
+  EXPECT_EQ(file_count(), 4u);
+  EXPECT_EQ(read(".geojson"), files::text_of(files::write_geojson, *image()));
+  EXPECT_TRUE(write().ok);
+  EXPECT_EQ(file_count(), 4u);
 }
 
 TEST_F(MeshFolderTest, WhatACrashLeftIsRemoved) {

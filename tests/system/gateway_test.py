@@ -238,6 +238,29 @@ class AgainstNodes(GatewayCase):
         self.assertEqual(gateway.stop(), 0, gateway.log())
         self.assertIn("audit passed", gateway.log())
 
+    def test_units_and_buses_may_be_added_by_a_reload(self):
+        [(yard, _)] = self.start_nodes(["0,1,join,0,0", "0,2,join,70,60", "0,3,join,30,90"])
+        [(gate, _)] = self.start_nodes(["0,4,join,80,0", "0,5,join,-20,40"], name="gate")
+        gateway = self.start_gateway([(yard, "1-2")], '[http]\nlisten = "127.0.0.1:0"\n')
+        self.wait_for_header(nodes=2)
+        page = gateway.wait_for_line(r"shows the status page on (http://\S+)").group(1)
+        config = self.folder / "site.toml"
+        config.write_text(config.read_text().replace('"1-2"', '"1-3"')
+                          + f'[[bus]]\ntcp = "{gate}"\nunits = "1-2"\n')
+        gateway.process.send_signal(signal.SIGHUP)
+        gateway.wait_for_line("is read again: .*, 3 units more than before")
+        self.wait_for_header(nodes=5, state=0)
+        self.assertEqual(set(self.vertices()), {1, 2, 3, 4, 5})
+        for document in ("status.json", "metrics"):
+            with urllib.request.urlopen(f"{page.rstrip('/')}/{document}", timeout=60) as answer:
+                self.assertIn(gate, answer.read().decode())
+        self.assertEqual(gateway.log().count(f"connected to {yard}"), 1)
+        config.write_text(config.read_text().replace('"1-3"', '"2-3"'))
+        gateway.process.send_signal(signal.SIGHUP)
+        gateway.wait_for_line(r"needs a restart: \[\[bus\]\] units")
+        self.assertEqual(gateway.stop(), 0, gateway.log())
+        self.assertIn("audit passed", gateway.log())
+
     def test_each_reload_is_answered_in_the_log_however_many_there_were(self):
         gateway = self.start_gateway(self.start_nodes(["0,1,join,0,0"]))
         config = self.folder / "site.toml"

@@ -6,6 +6,7 @@ ETCM_BIN is the programs' folder; ETCM_SCREENSHOTS, where it is set, a folder fo
 import json
 import math
 import re
+import signal
 import struct
 import unittest
 
@@ -87,6 +88,51 @@ class ForPrograms(MeasuringCase):
         self.tanks.set({4: None})
         wait_for("a stale value, or none of a node that left",
                  lambda: "reading level (m)" not in nodes().get(104, {}))
+
+    def test_a_reload_adds_devices_and_what_they_measure(self):
+        """First a site that measures nothing, then one tank, then another bus with a quantity of its own."""
+        self.tanks = Tanks(self, SQUARE)
+        self.tanks.set({1: 1500, 2: -250, 3: 7, 4: 9})
+        [(nodes, _)] = self.start_nodes(["0,1,join,300,300"])
+        gateway = self.start_gateway([(nodes, "1")], self.HTTP, **SOON)
+        self.url = gateway.wait_for_line(r"status page on (http://\S+)").group(1)
+        self.wait_for_header(nodes=1)
+        self.assertEqual(self.json("/readings.json")["quantities"], [])
+        config = self.folder / "site.toml"
+        began = config.read_text()
+
+        def reread(text, expected):
+            seen = gateway.log().count(expected)
+            config.write_text(text)
+            gateway.process.send_signal(signal.SIGHUP)
+            wait_for(expected, lambda: gateway.log().count(expected) > seen)
+
+        one = PROFILE + began + self.tanks.settings.replace('"1-4"', '"1-3"').rsplit("[[node]]", 1)[0]
+        reread(one, "3 units more than before")
+        self.wait_for_levels({101: (1.5, False), 102: (-0.25, False), 103: (0.007, False)})
+        all_of_them = PROFILE + began + self.tanks.settings
+        reread(all_of_them, "1 units more than before")
+        self.wait_for_levels({101: (1.5, False), 102: (-0.25, False), 103: (0.007, False),
+                              104: (0.009, False)})
+        second = Tanks(self, [(500, 500)], name="second", first=200)
+        second.set({1: 12})
+        other = PROFILE.replace('"tank"', '"other"').replace("temperature", "warmth")
+        everything = all_of_them + second.settings.replace('"tank"', '"other"') + other
+        reread(everything, "1 units more than before")
+        self.wait_for_levels({101: (1.5, False), 102: (-0.25, False), 103: (0.007, False),
+                              104: (0.009, False), 201: (0.012, False)})
+        self.assertEqual([quantity["name"] for quantity in self.json("/readings.json")["quantities"]],
+                         ["level", "temperature", "warmth"])
+        self.assertEqual(self.metrics("etcm_reading")[201], 0.012)
+        path = self.folder / "out" / "mesh.geojson"
+        wait_for("the file", lambda: path.exists() and "reading warmth" in path.read_text())
+        reread(everything.replace('scale = "0.001"', 'scale = "0.01"'),
+               'needs a restart: [[profile]] name = "tank"')
+        self.tanks.set({1: 1501})
+        wait_for("the old scale", lambda: self.levels()[101] == (1.501, False))
+        self.assertEqual(gateway.log().count(f"connected to {nodes}"), 1)
+        self.assertEqual(gateway.stop(), 0, gateway.log())
+        self.assertIn("audit passed", gateway.log())
 
     def test_a_master_reads_them(self):
         self.start_tanks(SQUARE[:3], {1: 1500, 2: -250, 3: INVALID}, **SOON)
