@@ -98,7 +98,7 @@ void Gateway::step(port::Instant now) {
   changed_ = presence_.take_changed() || changed_;
   if (changed_ && publish_due_ <= now) publish(now);
   if (sensors_.next_deadline() <= now) {
-    sensors_.observe(readings(), now, ports_.log);
+    sensors_.observe(snapshot(), readings(), now, ports_.log);
     publish_readings(now);
   } else if (reading_table_.has_news() && readings_due_ <= now) {
     publish_readings(now);
@@ -128,7 +128,7 @@ void Gateway::update_settings(std::shared_ptr<const Settings> settings,
   reading_table_.add_units(poller_);
   reading_taker_.update_settings(*settings_);
   images_.set_capacity(register_capacity(*settings_), snapshot());
-  sensors_.update_settings(*settings_, snapshot());
+  sensors_.update_settings(*settings_);
   is_assigning_.resize(poller_.bus_count());
   presence_.update_settings(poll, is_faster ? heard_by : now, now);
   admission_.update_settings(poll);
@@ -275,7 +275,7 @@ void Gateway::publish(port::Instant now) {
   distributor_.take_snapshot();
   state_ = snapshot.state;
   ReadingSnapshot& readings = reading_taker_.take(reading_table_, nodes_, snapshot, now);
-  sensors_.take(snapshot);
+  sensors_.take(snapshot, readings);
   sensors_.mark(readings);
   ports_.server.publish(images_.encode(snapshot, readings));
   // A large mesh takes its time; polling must not wait for it often.

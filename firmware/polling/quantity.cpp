@@ -10,6 +10,19 @@ bool is_of(const Profile::Reading& reading, const Quantity& quantity) {
   return reading.name == quantity.name && reading.unit == quantity.unit;
 }
 
+// Calls visit() for the profile of each unit that has one.
+template <class Visit>
+void for_each_profile(const Settings& settings, Visit visit) {
+  for (const BusSettings& bus : settings.buses) {
+    for (const ModbusAddress address : UnitRange{.first = 1, .last = unit_max}) {
+      const DeviceSettings* const device = device_at(bus, address);
+      const Profile* const profile =
+          device == nullptr ? nullptr : find_profile(settings, device->profile);
+      if (profile != nullptr) visit(*profile);
+    }
+  }
+}
+
 }  // namespace
 
 void add_quantities(const Settings& settings, std::vector<Quantity>& known) {
@@ -41,15 +54,19 @@ QuantityIndex index_of(const Profile::Reading& reading, const std::vector<Quanti
 
 std::uint32_t count_readings(const Settings& settings) {
   std::size_t count = 0;
-  for (const BusSettings& bus : settings.buses) {
-    for (const ModbusAddress address : UnitRange{.first = 1, .last = unit_max}) {
-      const DeviceSettings* const device = device_at(bus, address);
-      const Profile* const profile =
-          device == nullptr ? nullptr : find_profile(settings, device->profile);
-      if (profile != nullptr) count += profile->readings.size();
-    }
-  }
+  for_each_profile(settings, [&](const Profile& profile) { count += profile.readings.size(); });
   return static_cast<std::uint32_t>(count);
+}
+
+SensorCounts count_sensors(const Settings& settings, const std::vector<Quantity>& quantities) {
+  SensorCounts counts{.units = 0, .by_quantity = std::vector<std::uint32_t>(quantities.size())};
+  for_each_profile(settings, [&](const Profile& profile) {
+    if (!profile.readings.empty()) ++counts.units;
+    for (const Profile::Reading& reading : profile.readings) {
+      ++counts.by_quantity[index_of(reading, quantities).value];
+    }
+  });
+  return counts;
 }
 
 }  // namespace etcm::firmware

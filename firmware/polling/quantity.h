@@ -31,6 +31,13 @@ QuantityIndex index_of(const Profile::Reading& reading, const std::vector<Quanti
 // The readings of all devices together.
 std::uint32_t count_readings(const Settings& settings);
 
+// How many units measure anything, and each of the quantities, which are those of the settings.
+struct SensorCounts {
+  std::uint32_t units = 0;
+  std::vector<std::uint32_t> by_quantity;
+};
+SensorCounts count_sensors(const Settings& settings, const std::vector<Quantity>& quantities);
+
 // One reading of a sweep.
 struct Measurement {
   QuantityIndex quantity;

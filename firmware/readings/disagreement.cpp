@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace etcm::firmware {
 
 namespace {
 
-constexpr double no_evidence = std::numeric_limits<double>::quiet_NaN();
 // Squares of values, and of the least deviation, neither overflow nor vanish.
 constexpr double value_max = 1e100;
 constexpr double least_deviation_of_all = 1e-100;
@@ -44,66 +42,91 @@ double distance_between(const Point& a, const Point& b) {
 }  // namespace
 
 DisagreementWatch::DisagreementWatch(const NearestNodes& nodes, std::uint32_t vertices_max,
-                                     double tolerance)
-    : nodes_(&nodes),
-      tolerance_(tolerance),
-      records_(vertices_max),
-      values_(vertices_max, no_evidence),
-      change_(vertices_max, no_evidence),
-      slow_change_(vertices_max, no_evidence) {
-  sorted_.reserve(vertices_max);
+                                     std::uint32_t sensors_max, double tolerance)
+    : nodes_(&nodes), tolerance_(tolerance), place_of_(vertices_max, no_place) {
+  set_room(sensors_max);
 }
 
-void DisagreementWatch::take(const Snapshot& snapshot) {
-  for (std::uint32_t row = 0; row < records_.size(); ++row) {
-    Record& record = records_[row];
-    record.is_surface_current = false;
-    const SnapshotVertex vertex =
-        row < snapshot.vertices.size() ? snapshot.vertices[row] : SnapshotVertex{};
-    const bool is_node = vertex.kind == VertexKind::node;
+void DisagreementWatch::set_room(std::uint32_t sensors_max) {
+  records_.reserve(sensors_max);
+  sorted_.reserve(sensors_max);
+}
+
+const Agreement& DisagreementWatch::of(std::uint32_t row) const {
+  static const Agreement unknown;
+  const Record* const record = record_at(row);
+  return record != nullptr ? record->agreement : unknown;
+}
+
+void DisagreementWatch::take(const Snapshot& snapshot, std::span<const std::uint32_t> rows) {
+  for (Record& record : records_) record.is_wanted = record.is_surface_current = false;
+  const auto node_in = [&](std::uint32_t row) -> const SnapshotVertex* {
+    if (row >= place_of_.size() || row >= snapshot.vertices.size()) return nullptr;
+    const SnapshotVertex& vertex = snapshot.vertices[row];
+    return vertex.kind == VertexKind::node ? &vertex : nullptr;
+  };
+  for (const std::uint32_t row : rows) {
+    const SnapshotVertex* const node = node_in(row);
+    if (node == nullptr || !has_sensor(row)) continue;
     const auto around = nodes_->around(row);
     const double room =
         around.empty() ? 0 : same_place_share * std::hypot(around[0].x, around[0].y);
-    if (is_node && record.is_node && record.serial == vertex.serial &&
-        distance_between(record.point, vertex.point) <= room) {
-      continue;
-    }
-    record = {};
-    record.is_node = is_node;
-    record.serial = vertex.serial;
-    record.point = vertex.point;
+    Record& record = records_[place_of_[row]];
+    record.is_wanted =
+        record.serial == node->serial && distance_between(record.point, node->point) <= room;
   }
+  for (auto place = static_cast<std::uint32_t>(records_.size()); place-- > 0;) {
+    if (!records_[place].is_wanted) remove(place);
+  }
+  for (const std::uint32_t row : rows) {
+    const SnapshotVertex* const node = node_in(row);
+    if (node == nullptr || has_sensor(row)) continue;
+    place_of_[row] = static_cast<std::uint32_t>(records_.size());
+    records_.emplace_back();
+    records_.back().row = row;
+    records_.back().serial = node->serial;
+    records_.back().point = node->point;
+  }
+}
+
+// The last one takes its place.
+void DisagreementWatch::remove(std::uint32_t place) {
+  place_of_[records_[place].row] = no_place;
+  if (place + 1 != records_.size()) {
+    records_[place] = records_.back();
+    place_of_[records_[place].row] = place;
+  }
+  records_.pop_back();
 }
 
 void DisagreementWatch::forget(std::uint32_t row) {
-  const Record old = records_[row];
-  records_[row] = {};
-  records_[row].serial = old.serial;
-  records_[row].point = old.point;
-  records_[row].is_node = old.is_node;
-}
-
-bool DisagreementWatch::has_value(std::uint32_t row) const {
-  return records_[row].is_node && is_value(values_[row]);
+  Record& record = records_[place_of_[row]];
+  const Record old = record;
+  record = {};
+  record.row = old.row;
+  record.serial = old.serial;
+  record.point = old.point;
 }
 
 void DisagreementWatch::observe(std::span<const double> values) {
-  const std::size_t given = std::min(values.size(), values_.size());
-  std::copy_n(values.begin(), given, values_.begin());
-  std::fill(values_.begin() + static_cast<std::ptrdiff_t>(given), values_.end(), no_evidence);
-  find_range();
-  for (std::uint32_t row = 0; row < records_.size(); ++row) {
-    const Record& record = records_[row];
-    const bool is_evidence =
-        has_value(row) && record.reference.has_begun() && !record.agreement.disagrees;
-    change_[row] = is_evidence ? values_[row] - record.reference.value() : no_evidence;
-    if (!is_evidence) continue;
-    double& slow = slow_change_[row];
-    slow = std::isnan(slow) ? change_[row] : slow + (change_[row] - slow) / slow_samples;
+  for (Record& record : records_) {
+    record.value = record.row < values.size() && is_value(values[record.row]) ? values[record.row]
+                                                                              : no_evidence;
   }
-  for (std::uint32_t row = 0; row < records_.size(); ++row) {
-    records_[row].strength = 0;
-    if (has_value(row)) judge(row);
+  find_range();
+  for (Record& record : records_) {
+    const bool is_evidence =
+        !std::isnan(record.value) && record.reference.has_begun() && !record.agreement.disagrees;
+    record.change = is_evidence ? record.value - record.reference.value() : no_evidence;
+    if (!is_evidence) continue;
+    double& slow = record.slow_change;
+    slow = std::isnan(slow) ? record.change : slow + (record.change - slow) / slow_samples;
+  }
+  // In the order of the rows: what one is judged to be is known to those behind it.
+  for (const std::uint32_t place : place_of_) {
+    if (place == no_place) continue;
+    records_[place].strength = 0;
+    if (!std::isnan(records_[place].value)) judge(records_[place]);
   }
   raise_alarms();
 }
@@ -113,7 +136,7 @@ void DisagreementWatch::find_range() {
   sorted_.clear();
   magnitude_ = 0;
   for (const Record& record : records_) {
-    if (record.is_node && record.reference.has_begun() && !record.agreement.disagrees) {
+    if (record.reference.has_begun() && !record.agreement.disagrees) {
       sorted_.push_back(record.reference.value());
     }
   }
@@ -136,20 +159,19 @@ double DisagreementWatch::least_deviation() const {
                    least_deviation_of_all});
 }
 
-void DisagreementWatch::judge(std::uint32_t row) {
-  Record& record = records_[row];
-  if (!record.reference.has_begun()) return begin_reference(record, row);
-  const auto prediction = predict(record, row);
+void DisagreementWatch::judge(Record& record) {
+  if (!record.reference.has_begun()) return begin_reference(record);
+  const auto prediction = predict(record);
   Agreement& agreement = record.agreement;
   agreement.is_judged = prediction && record.sample_count >= learning_samples;
   agreement.expected.reset();
   if (!prediction) return;
-  double residual = values_[row] - record.reference.value() - prediction->change;
+  double residual = record.value - record.reference.value() - prediction->change;
   if (record.takes_back) {
     residual = record.reference.take_back(residual);
     record.takes_back = false;
   }
-  agreement.expected = values_[row] - residual;
+  agreement.expected = record.value - residual;
 
   const double deviation = deviation_of(record, *prediction);
   agreement.deviation = deviation;
@@ -172,10 +194,10 @@ double DisagreementWatch::deviation_of(const Record& record, const Prediction& p
   return std::sqrt(own * own + slow * slow + excess_weight * std::max(0.0, excess));
 }
 
-void DisagreementWatch::begin_reference(Record& record, std::uint32_t row) {
-  const auto prediction = predict(record, row);
-  const double change = prediction ? prediction->change : mean_change_around(row);
-  record.reference.begin_with(values_[row] - change);
+void DisagreementWatch::begin_reference(Record& record) {
+  const auto prediction = predict(record);
+  const double change = prediction ? prediction->change : mean_change_around(record);
+  record.reference.begin_with(record.value - change);
   if (record.reference.has_begun()) record.residual.begin(record.reference.first_difference());
 }
 
@@ -200,21 +222,20 @@ void DisagreementWatch::learn(Record& record, double residual, double roughness)
   }
 }
 
-std::optional<DisagreementWatch::Prediction> DisagreementWatch::predict(Record& record,
-                                                                        std::uint32_t row) {
-  const auto around = nodes_->around(row);
+std::optional<DisagreementWatch::Prediction> DisagreementWatch::predict(Record& record) {
+  const auto around = nodes_->around(record.row);
   std::array<double, thin_plate_max> changes{};
   std::array<double, thin_plate_max> slow_changes{};
   std::size_t count = 0;
   std::uint32_t used = 0;
   std::uint32_t disbelieved = 0;
   for (std::size_t i = 0; i < around.size(); ++i) {
-    const std::uint32_t other = around[i].row;
-    if (other >= records_.size()) continue;
-    if (records_[other].agreement.disagrees) disbelieved |= 1u << i;
-    if (count == thin_plate_max || std::isnan(change_[other])) continue;
-    changes[count] = change_[other];
-    slow_changes[count++] = slow_change_[other];
+    const Record* const other = record_at(around[i].row);
+    if (other == nullptr) continue;
+    if (other->agreement.disagrees) disbelieved |= 1u << i;
+    if (count == thin_plate_max || std::isnan(other->change)) continue;
+    changes[count] = other->change;
+    slow_changes[count++] = other->slow_change;
     used |= 1u << i;
   }
   if (record.is_surface_current && (disbelieved & ~record.disbelieved) != 0) {
@@ -238,12 +259,13 @@ std::optional<DisagreementWatch::Prediction> DisagreementWatch::predict(Record& 
                     record.surface.deviation(std::span(slow_changes).first(count))};
 }
 
-double DisagreementWatch::mean_change_around(std::uint32_t row) const {
+double DisagreementWatch::mean_change_around(const Record& record) const {
   double sum = 0;
   int count = 0;
-  for (const NearNode& near : nodes_->around(row)) {
-    if (near.row >= change_.size() || std::isnan(change_[near.row])) continue;
-    sum += change_[near.row];
+  for (const NearNode& near : nodes_->around(record.row)) {
+    const Record* const other = record_at(near.row);
+    if (other == nullptr || std::isnan(other->change)) continue;
+    sum += other->change;
     ++count;
   }
   return count > 0 ? sum / count : 0;
@@ -251,12 +273,12 @@ double DisagreementWatch::mean_change_around(std::uint32_t row) const {
 
 // One at a time among neighbours: the others are judged again without the worst.
 void DisagreementWatch::raise_alarms() {
-  for (std::uint32_t row = 0; row < records_.size(); ++row) {
-    Record& record = records_[row];
+  for (Record& record : records_) {
     if (record.strength == 0) continue;
-    const auto around = nodes_->around(row);
+    const auto around = nodes_->around(record.row);
     const bool is_worst = std::none_of(around.begin(), around.end(), [&](const NearNode& near) {
-      return near.row < records_.size() && records_[near.row].strength > record.strength;
+      const Record* const other = record_at(near.row);
+      return other != nullptr && other->strength > record.strength;
     });
     if (is_worst) record.agreement.disagrees = true;
   }

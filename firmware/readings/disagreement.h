@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -32,32 +33,51 @@ struct Agreement {
 
 class DisagreementWatch {
  public:
-  // For sites of so many rows; all the memory it needs is taken here, about 1.5 KB a row. Several
-  // watches may share `nodes`, which must outlive them. Differences of up to `tolerance`, in the
-  // unit of the quantity, mean nothing: the resolution of the sensors, or 0.
-  DisagreementWatch(const NearestNodes& nodes, std::uint32_t vertices_max, double tolerance = 0);
+  // For sites of so many rows, and so many sensors; all the memory it needs is taken here: 4 bytes
+  // a row, and about 1.5 KB a sensor. Several watches may share `nodes`, which must outlive them.
+  // Differences of up to `tolerance`, in the unit of the quantity, mean nothing: the resolution of
+  // the sensors, or 0.
+  DisagreementWatch(const NearestNodes& nodes, std::uint32_t vertices_max,
+                    std::uint32_t sensors_max, double tolerance = 0);
+  // Room for more sensors.
+  void set_room(std::uint32_t sensors_max);
 
-  // Another generation, which `nodes` has taken. A row forgets what it knows where another node is
-  // in it, or its node has moved by a tenth of the way to the nearest one. O(n).
-  void take(const Snapshot& snapshot);
+  // Another generation, which `nodes` has taken, and the rows whose nodes have a sensor. A sensor
+  // is forgotten where its row is not among them any more, or has another node, or its node has
+  // moved by a tenth of the way to the nearest one. Takes no memory for as many as there is room
+  // for. O(n).
+  void take(const Snapshot& snapshot, std::span<const std::uint32_t> rows);
 
-  // One sample of the site, one value a row. A value that is not finite, or beyond 1e100, is none;
-  // without one a row stays as it is, alarm included. Give a reading once: one that is repeated
-  // because the node was not asked again is none. O(n), and one ThinPlate::fit() for each row
-  // around which a value appears or disappears.
+  std::size_t sensor_count() const { return records_.size(); }
+  bool has_sensor(std::uint32_t row) const {
+    return row < place_of_.size() && place_of_[row] != no_place;
+  }
+
+  // One sample of the site, one value a row; without a sensor a row has none. A value that is not
+  // finite, or beyond 1e100, is none; without one a row stays as it is, alarm included. Give a
+  // reading once: one that is repeated because the node was not asked again is none. O(n), and one
+  // ThinPlate::fit() for each row around which a value appears or disappears.
   void observe(std::span<const double> values);
 
-  // REQUIRES: row < vertices_max.
-  const Agreement& of(std::uint32_t row) const { return records_[row].agreement; }
+  // Nothing is known of a row without a sensor.
+  const Agreement& of(std::uint32_t row) const;
 
   // The sensor of a row is another one, or the field has changed for good: learn it anew.
+  // REQUIRES: has_sensor().
   void forget(std::uint32_t row);
 
  private:
+  static constexpr std::uint32_t no_place = 0xffffffff;
+  static constexpr double no_evidence = std::numeric_limits<double>::quiet_NaN();
+
   struct Record {
+    std::uint32_t row = 0;
     Serial serial{};
     Point point;
-    bool is_node = false;
+    bool is_wanted = true;             // while rows are taken
+    double value = no_evidence;        // in this sample
+    double change = no_evidence;       // of it since its reference; NaN: no evidence
+    double slow_change = no_evidence;  // mean of the last of them
     Reference reference;
     MedianTracker residual;          // its magnitude
     MedianTracker roughness;         // of the readings around: ThinPlate::deviation()
@@ -79,25 +99,27 @@ class DisagreementWatch {
     double slow_roughness = 0;  // and of their means over the last samples
   };
 
-  bool has_value(std::uint32_t row) const;
+  void remove(std::uint32_t place);
+  // Null: there is no sensor.
+  const Record* record_at(std::uint32_t row) const {
+    return has_sensor(row) ? &records_[place_of_[row]] : nullptr;
+  }
   void find_range();
-  void judge(std::uint32_t row);
+  void judge(Record& record);
   double deviation_of(const Record& record, const Prediction& prediction) const;
-  void begin_reference(Record& record, std::uint32_t row);
+  void begin_reference(Record& record);
   void learn(Record& record, double residual, double roughness);
-  std::optional<Prediction> predict(Record& record, std::uint32_t row);
-  double mean_change_around(std::uint32_t row) const;
+  std::optional<Prediction> predict(Record& record);
+  double mean_change_around(const Record& record) const;
   double least_deviation() const;
   void raise_alarms();
 
   const NearestNodes* nodes_;
   double tolerance_;
-  double range_ = 0;      // of the field over the site
-  double magnitude_ = 0;  // of its greatest value
-  std::vector<Record> records_;
-  std::vector<double> values_;
-  std::vector<double> change_;       // by row: of its value since its reference; NaN: no evidence
-  std::vector<double> slow_change_;  // by row: mean of the last of them
+  double range_ = 0;                     // of the field over the site
+  double magnitude_ = 0;                 // of its greatest value
+  std::vector<std::uint32_t> place_of_;  // by row: in records_
+  std::vector<Record> records_;          // by sensor
   std::vector<double> sorted_;
 };
 

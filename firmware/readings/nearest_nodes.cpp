@@ -31,33 +31,43 @@ void look_around(const Snapshot& snapshot, std::uint32_t row, std::size_t looks_
 
 }  // namespace
 
-NearestNodes::NearestNodes(std::uint32_t vertices_max)
-    : near_(std::size_t{vertices_max} * nearest_nodes_max),
-      count_(vertices_max),
-      ends_(vertices_max),
-      seen_(vertices_max) {}
-
-std::span<const NearNode> NearestNodes::around(std::uint32_t row) const {
-  if (row >= row_count_) return {};
-  return std::span(near_).subspan(std::size_t{row} * nearest_nodes_max, count_[row]);
+NearestNodes::NearestNodes(std::uint32_t vertices_max, std::uint32_t nodes_max)
+    : place_of_(vertices_max, no_place), ends_(vertices_max), seen_(vertices_max) {
+  set_room(nodes_max);
 }
 
-void NearestNodes::take(const Snapshot& snapshot) {
-  row_count_ = static_cast<std::uint32_t>(std::min(snapshot.vertices.size(), count_.size()));
+void NearestNodes::set_room(std::uint32_t nodes_max) {
+  near_.resize(std::size_t{nodes_max} * nearest_nodes_max);
+  count_.resize(nodes_max);
+}
+
+std::span<const NearNode> NearestNodes::around(std::uint32_t row) const {
+  if (row >= row_count_ || place_of_[row] == no_place) return {};
+  const std::size_t place = place_of_[row];
+  return std::span(near_).subspan(place * nearest_nodes_max, count_[place]);
+}
+
+void NearestNodes::take(const Snapshot& snapshot, std::span<const std::uint32_t> rows) {
+  row_count_ = static_cast<std::uint32_t>(std::min(snapshot.vertices.size(), place_of_.size()));
   find_ends(snapshot);
   std::fill(seen_.begin(), seen_.end(), 0u);
+  std::fill(place_of_.begin(), place_of_.end(), no_place);
   search_ = 0;
-  for (std::uint32_t row = 0; row < row_count_; ++row) {
-    count_[row] = 0;
+  std::uint32_t place = 0;
+  for (const std::uint32_t row : rows) {
+    if (place == count_.size()) break;
+    if (row >= row_count_ || place_of_[row] != no_place) continue;
     if (snapshot.vertices[row].kind != VertexKind::node) continue;
+    place_of_[row] = place;
     begin_search(snapshot, row);
     add_neighbours(snapshot, row);
     // The second edge leads on from the nodes that the first one found.
     const auto first_ring = found_;
     const std::size_t first_count = found_count_;
     for (std::size_t i = 0; i < first_count; ++i) add_neighbours(snapshot, first_ring[i].row);
-    std::copy_n(found_.begin(), found_count_, near_.data() + std::size_t{row} * nearest_nodes_max);
-    count_[row] = static_cast<std::uint8_t>(found_count_);
+    std::copy_n(found_.begin(), found_count_,
+                near_.data() + std::size_t{place} * nearest_nodes_max);
+    count_[place++] = static_cast<std::uint8_t>(found_count_);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -31,33 +32,58 @@ std::string text_of(double value, const Quantity& quantity) {
 
 }  // namespace
 
-SensorWatch::SensorWatch(const Settings& settings) : nodes_(0), due_(port::never) {
-  update_settings(settings, Snapshot{});
-}
-
-void SensorWatch::update_settings(const Settings& settings, const Snapshot& snapshot) {
+void SensorWatch::update_settings(const Settings& settings) {
   add_quantities(settings, quantities_);
-  if (watches_.size() == quantities_.size()) return;
+  if (quantities_.empty()) return;
+  const SensorCounts counts = count_sensors(settings, quantities_);
+  const std::uint32_t vertices = settings.mesh.vertices_max;
   if (watches_.empty()) {
-    nodes_ = NearestNodes(settings.mesh.vertices_max);
-    values_.resize(settings.mesh.vertices_max);
-    disagreed_.resize(settings.mesh.vertices_max);
+    nodes_ = NearestNodes(vertices, counts.units);
+    values_.resize(vertices);
+    disagreed_.resize(vertices);
     due_ = {};
   }
+  nodes_.set_room(counts.units);
+  rows_.reserve(count_readings(settings));
   watches_.reserve(quantities_.size());
-  while (watches_.size() < quantities_.size()) {
-    watches_.emplace_back(nodes_, settings.mesh.vertices_max);
+  for (std::size_t i = 0; i < quantities_.size(); ++i) {
+    if (i == watches_.size()) watches_.emplace_back(nodes_, vertices, counts.by_quantity[i]);
+    watches_[i].set_room(counts.by_quantity[i]);
   }
-  take(snapshot);
 }
 
-void SensorWatch::take(const Snapshot& snapshot) {
+void SensorWatch::take(const Snapshot& snapshot, const ReadingSnapshot& readings) {
   if (watches_.empty()) return;
-  nodes_.take(snapshot);
-  for (DisagreementWatch& watch : watches_) watch.take(snapshot);
+  const auto find_rows = [&](auto is_wanted) {
+    rows_.clear();
+    for (const PublishedReading& reading : readings.readings) {
+      if (reading.row != no_row && is_wanted(reading)) rows_.push_back(reading.row);
+    }
+  };
+  find_rows([](const PublishedReading&) { return true; });
+  nodes_.take(snapshot, rows_);
+  for (std::uint32_t number = 0; number < watches_.size(); ++number) {
+    find_rows([&](const PublishedReading& reading) { return reading.quantity.value == number; });
+    watches_[number].take(snapshot, rows_);
+  }
 }
 
-void SensorWatch::observe(const ReadingSnapshot& readings, port::Instant now, port::Log& log) {
+bool SensorWatch::has_sensors_of(const ReadingSnapshot& readings) const {
+  std::size_t count = 0;
+  for (const PublishedReading& reading : readings.readings) {
+    if (reading.row == no_row) continue;
+    if (!watches_[reading.quantity.value].has_sensor(reading.row)) return false;
+    ++count;
+  }
+  return std::accumulate(watches_.begin(), watches_.end(), std::size_t{0},
+                         [](std::size_t sum, const DisagreementWatch& watch) {
+                           return sum + watch.sensor_count();
+                         }) == count;
+}
+
+void SensorWatch::observe(const Snapshot& snapshot, const ReadingSnapshot& readings,
+                          port::Instant now, port::Log& log) {
+  if (!has_sensors_of(readings)) take(snapshot, readings);
   for (std::uint32_t number = 0; number < watches_.size(); ++number) {
     DisagreementWatch& watch = watches_[number];
     std::fill(values_.begin(), values_.end(), std::numeric_limits<double>::quiet_NaN());

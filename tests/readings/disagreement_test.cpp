@@ -26,16 +26,17 @@ class WatchedSite {
   WatchedSite(const std::vector<Position>& positions, const test::FieldManner& manner,
               std::uint64_t seed)
       : snapshot_(test::snapshot_of({"", positions, {}})),
-        nodes_(row_count()),
+        nodes_(row_count(), row_count()),
         field_(snapshot_, manner, seed),
-        watch_(taken(nodes_, snapshot_), row_count()),
+        watch_(taken(nodes_, snapshot_), row_count(), row_count()),
         disagreed_(row_count()) {
-    watch_.take(snapshot_);
+    take(snapshot_);
   }
 
   std::uint32_t row_count() const { return static_cast<std::uint32_t>(snapshot_.vertices.size()); }
   const Agreement& of(std::uint32_t row) const { return watch_.of(row); }
   DisagreementWatch& watch() { return watch_; }
+  void take(const Snapshot& snapshot) { watch_.take(snapshot, test::rows_of(snapshot)); }
   const Snapshot& snapshot() const { return snapshot_; }
   int begun_alarms() const { return begun_alarms_; }
 
@@ -86,7 +87,7 @@ class WatchedSite {
 
  private:
   static const NearestNodes& taken(NearestNodes& nodes, const Snapshot& snapshot) {
-    nodes.take(snapshot);
+    nodes.take(snapshot, test::rows_of(snapshot));
     return nodes;
   }
 
@@ -220,8 +221,8 @@ TEST(Disagreement, OfTwoNeighboursIsFoundOfBoth) {
   WatchedSite site(hundred_nodes(11), calm, 11);
   site.run(learned_after);
   const std::uint32_t row = site.inner_row();
-  NearestNodes nodes(site.row_count());
-  nodes.take(site.snapshot());
+  NearestNodes nodes(site.row_count(), site.row_count());
+  nodes.take(site.snapshot(), test::rows_of(site.snapshot()));
   const std::uint32_t other = nodes.around(row)[0].row;
   site.run(60, [&](std::vector<double>& values, int) {
     values[row] += 2 * drift;
@@ -344,10 +345,10 @@ TEST(Disagreement, OfEqualReadingsWithoutNoiseIsNone) {
 
 TEST(Disagreement, OfLessThanTheToleranceIsNone) {
   const Snapshot snapshot = test::snapshot_of({"", hundred_nodes(19), {}});
-  NearestNodes nodes(100);
-  nodes.take(snapshot);
-  DisagreementWatch watch(nodes, 100, 0.1);
-  watch.take(snapshot);
+  NearestNodes nodes(100, 100);
+  nodes.take(snapshot, test::rows_of(snapshot));
+  DisagreementWatch watch(nodes, 100, 100, 0.1);
+  watch.take(snapshot, test::rows_of(snapshot));
   std::vector<double> values(100, 20.0);
   for (int sample = 0; sample < learned_after; ++sample) watch.observe(values);
   values[50] = 20.1;
@@ -403,11 +404,11 @@ TEST(Disagreement, BeginsAnewForAnotherNode) {
   site.run(learned_after);
   site.run(60, offset_of(row, 1));
   ASSERT_TRUE(site.of(row).disagrees);
-  site.watch().take(site.snapshot());
+  site.take(site.snapshot());
   EXPECT_TRUE(site.of(row).disagrees);
   Snapshot other = site.snapshot();
   other.vertices[row].serial = Serial{4711};
-  site.watch().take(other);
+  site.take(other);
   EXPECT_FALSE(site.of(row).disagrees);
   EXPECT_FALSE(site.of(row).is_judged);
   site.run(learned_after, offset_of(row, 1));
@@ -420,18 +421,64 @@ TEST(Disagreement, BeginsAnewForAnotherNode) {
   EXPECT_EQ(site.begun_alarms(), 1);
   // A few units are jitter; a step to where the next one stands is another place.
   other.vertices[row].point.x += 5 * subunits_per_unit;
-  site.watch().take(other);
+  site.take(other);
   EXPECT_TRUE(site.of(row).is_judged);
   other.vertices[row].point.x += 100'000 * subunits_per_unit;
-  site.watch().take(other);
+  site.take(other);
   EXPECT_FALSE(site.of(row).is_judged);
-  site.watch().take(Snapshot{});
+  site.take(Snapshot{});
   site.run(10);
   EXPECT_EQ(site.begun_alarms(), 1);
 }
 
+// Of the nodes every third has a sensor: the others are no evidence, whatever is given for them,
+// and a sensor that comes or goes leaves those that stay alone.
+TEST(Disagreement, IsOfNodesThatHaveASensor) {
+  const Snapshot snapshot = test::snapshot_of({"", hundred_nodes(24), {}});
+  std::vector<std::uint32_t> rows;
+  for (std::uint32_t row = 0; row < 100; row += 3) rows.push_back(row);
+  const auto room = static_cast<std::uint32_t>(rows.size());
+  NearestNodes nodes(100, room);
+  nodes.take(snapshot, rows);
+  EXPECT_TRUE(nodes.around(1).empty());
+  EXPECT_FALSE(nodes.around(3).empty());
+  DisagreementWatch watch(nodes, 100, room);
+  watch.take(snapshot, rows);
+  EXPECT_EQ(watch.sensor_count(), rows.size());
+  std::vector<double> values(100, 20.0);
+  for (std::uint32_t row = 1; row < 100; row += 3) values[row] = 1000.0 * row;
+  for (int sample = 0; sample < learned_after; ++sample) watch.observe(values);
+  EXPECT_TRUE(watch.of(30).is_judged);
+  EXPECT_NEAR(*watch.of(30).expected, 20.0, 1e-6);
+  EXPECT_FALSE(watch.of(31).expected);
+  values[30] = 25;
+  for (int sample = 0; sample < found_within; ++sample) watch.observe(values);
+  EXPECT_TRUE(watch.of(30).disagrees);
+  // The first goes, 31 comes in its place.
+  rows.front() = 31;
+  const test::AllocationWatch allocations;
+  nodes.take(snapshot, rows);
+  watch.take(snapshot, rows);
+  EXPECT_EQ(allocations.allocations(), 0u);
+  EXPECT_FALSE(watch.has_sensor(0));
+  EXPECT_TRUE(watch.has_sensor(31));
+  EXPECT_FALSE(watch.of(31).is_judged);
+  EXPECT_TRUE(watch.of(30).disagrees);
+  EXPECT_TRUE(watch.of(33).is_judged);
+  // A row twice, one beyond the site, and one of no node.
+  Snapshot other = snapshot;
+  other.vertices[60].kind = VertexKind::none;
+  const std::vector<std::uint32_t> odd = {30, 30, 60, 100, 4'000'000'000u};
+  nodes.take(other, odd);
+  watch.take(other, odd);
+  EXPECT_EQ(watch.sensor_count(), 1u);
+  EXPECT_TRUE(watch.of(30).disagrees);
+  watch.observe(values);
+}
+
 TEST(Disagreement, TakesNoMemoryLater) {
   WatchedSite site(hundred_nodes(23), calm, 23);
+  const std::vector<std::uint32_t> rows = test::rows_of(site.snapshot());
   std::vector<double> values(100, 1.0);
   values[3] = test::no_value;
   const test::AllocationWatch watch;
@@ -439,7 +486,7 @@ TEST(Disagreement, TakesNoMemoryLater) {
     values[static_cast<std::size_t>(sample) % 100] += 1;
     site.watch().observe(values);
   }
-  site.watch().take(site.snapshot());
+  site.watch().take(site.snapshot(), rows);
   EXPECT_EQ(watch.allocations(), 0u);
 }
 

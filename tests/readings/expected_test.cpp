@@ -19,8 +19,9 @@ namespace {
 struct ExpectedSite {
   explicit ExpectedSite(const inputs::Graph& graph)
       : snapshot(test::snapshot_of(graph)),
-        nodes(static_cast<std::uint32_t>(snapshot.vertices.size())) {
-    nodes.take(snapshot);
+        nodes(static_cast<std::uint32_t>(snapshot.vertices.size()),
+              static_cast<std::uint32_t>(snapshot.vertices.size())) {
+    nodes.take(snapshot, test::rows_of(snapshot));
   }
   std::uint32_t row_count() const { return nodes.row_count(); }
   std::vector<double> linear(double a, double b, double c) const {

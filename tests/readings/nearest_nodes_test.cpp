@@ -21,8 +21,9 @@ std::set<std::uint32_t> rows_around(const NearestNodes& nodes, std::uint32_t row
 }
 
 NearestNodes nearest_of(const Snapshot& snapshot) {
-  NearestNodes nodes(static_cast<std::uint32_t>(snapshot.vertices.size()));
-  nodes.take(snapshot);
+  const auto count = static_cast<std::uint32_t>(snapshot.vertices.size());
+  NearestNodes nodes(count, count);
+  nodes.take(snapshot, test::rows_of(snapshot));
   return nodes;
 }
 
@@ -95,8 +96,8 @@ TEST(NearestNodes, OfAHubAreManyAndBounded) {
 }
 
 TEST(NearestNodes, OfSitesTooSmallAreFew) {
-  EXPECT_TRUE(NearestNodes(0).around(0).empty());
-  EXPECT_TRUE(NearestNodes(5).around(0).empty());
+  EXPECT_TRUE(NearestNodes(0, 0).around(0).empty());
+  EXPECT_TRUE(NearestNodes(5, 5).around(0).empty());
   const NearestNodes none = nearest_of(Snapshot{});
   EXPECT_TRUE(none.around(0).empty());
   EXPECT_TRUE(nearest_of(test::snapshot_of({"", {{3, 3}}, {}})).around(0).empty());
@@ -105,8 +106,8 @@ TEST(NearestNodes, OfSitesTooSmallAreFew) {
 
 TEST(NearestNodes, RowsBeyondTheRoomAreLeftOut) {
   const Snapshot snapshot = test::snapshot_of({"", test::scattered(50, 1000, 2), {}});
-  NearestNodes nodes(20);
-  nodes.take(snapshot);
+  NearestNodes nodes(20, 50);
+  nodes.take(snapshot, test::rows_of(snapshot));
   EXPECT_EQ(nodes.row_count(), 20u);
   for (std::uint32_t row = 0; row < 60; ++row) {
     for (const std::uint32_t other : rows_around(nodes, row)) EXPECT_LT(other, 20u);
@@ -116,14 +117,32 @@ TEST(NearestNodes, RowsBeyondTheRoomAreLeftOut) {
   }
 }
 
+TEST(NearestNodes, AreOfThoseThatAreAskedAbout) {
+  const Snapshot snapshot = test::snapshot_of({"", test::scattered(50, 1000, 2), {}});
+  const NearestNodes all = nearest_of(snapshot);
+  NearestNodes nodes(50, 3);
+  nodes.take(snapshot, std::vector<std::uint32_t>{40, 7, 7, 99, 11, 12});
+  for (const std::uint32_t row : {40u, 7u, 11u}) {
+    EXPECT_EQ(rows_around(nodes, row), rows_around(all, row));
+  }
+  EXPECT_TRUE(nodes.around(12).empty()) << "there is no room for it";
+  EXPECT_TRUE(nodes.around(8).empty());
+  nodes.set_room(4);
+  nodes.take(snapshot, std::vector<std::uint32_t>{12, 8, 7, 40});
+  EXPECT_EQ(rows_around(nodes, 40), rows_around(all, 40));
+  EXPECT_TRUE(nodes.around(11).empty());
+}
+
 TEST(NearestNodes, TakeNoMemoryLater) {
   const Snapshot large = test::snapshot_of({"", test::scattered(200, 100'000, 3), {}});
   const Snapshot small = test::snapshot_of({"", test::scattered(20, 100'000, 4), {}});
-  NearestNodes nodes(200);
+  const std::vector<std::uint32_t> rows = test::rows_of(large);
+  const std::span few = std::span(rows).first(20);
+  NearestNodes nodes(200, 200);
   const test::AllocationWatch watch;
-  nodes.take(small);
-  nodes.take(large);
-  nodes.take(small);
+  nodes.take(small, few);
+  nodes.take(large, rows);
+  nodes.take(small, few);
   EXPECT_EQ(watch.allocations(), 0u);
   EXPECT_EQ(nodes.row_count(), 20u);
 }

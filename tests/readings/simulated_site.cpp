@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -45,6 +46,12 @@ std::vector<Position> scattered(std::size_t count, std::int32_t side, std::uint6
     if (taken.emplace(x, y).second) positions.push_back({x, y});
   }
   return positions;
+}
+
+std::vector<std::uint32_t> rows_of(const Snapshot& snapshot) {
+  std::vector<std::uint32_t> rows(snapshot.vertices.size());
+  std::iota(rows.begin(), rows.end(), 0u);
+  return rows;
 }
 
 double x_of(const Snapshot& snapshot, std::uint32_t row) {

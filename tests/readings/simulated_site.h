@@ -18,6 +18,9 @@ firmware::Snapshot snapshot_of(const inputs::Graph& graph);
 // So many nodes, evenly at random in a square of this side; no two equal.
 std::vector<Position> scattered(std::size_t count, std::int32_t side, std::uint64_t seed);
 
+// All of them.
+std::vector<std::uint32_t> rows_of(const firmware::Snapshot& snapshot);
+
 // In units of the site.
 double x_of(const firmware::Snapshot& snapshot, std::uint32_t row);
 double y_of(const firmware::Snapshot& snapshot, std::uint32_t row);
