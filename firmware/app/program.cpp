@@ -137,6 +137,7 @@ void Program::make_gateway(std::span<const PolledBus> buses) {
                                 .files = folder_.get(),
                                 .store = store_.get(),
                                 .clock = clock_,
+                                .wall_clock = &wall_clock_,
                                 .log = log_});
   if (board_.io() != nullptr) {
     board_io_.emplace(*board_.io(), board_.lines_of(settings_->gpio), *gateway_);

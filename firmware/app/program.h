@@ -29,6 +29,7 @@
 #include "posix/mesh_folder.h"
 #include "posix/signal_watch.h"
 #include "posix/stop_signal.h"
+#include "posix/system_wall_clock.h"
 #include "posix/systemd_notify.h"
 
 namespace etcm::firmware {
@@ -61,6 +62,7 @@ class Program {
   std::shared_ptr<const Settings> settings_;
   port::ProjectionSource* const projections_;
   const port::Clock& clock_;
+  const port::SystemWallClock wall_clock_;
   port::Log& log_;
   RecentEvents& events_;
   port::EventLoop loop_;

@@ -14,6 +14,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
+// Between two saves of what was learned of the sensors.
+constexpr port::Duration learned_pause = 10min;
+// Beyond it nothing that was saved counts; and it fits a duration.
+constexpr std::int64_t forever_s = std::chrono::seconds(24h * 366 * 100).count();
+
 // The published one, the next, and what a client that reads slowly is pinned to.
 constexpr std::size_t images_ready = 3;
 
@@ -63,6 +68,7 @@ void Gateway::restore(port::Instant now) {
   const bool is_same = state_transfer_.restore(*saved, generation_ + 1, now);
   // Before the first mesh only a promise about generations is saved.
   if (saved->generation > 0) log_restored(*saved, is_same);
+  sensors_.restore(saved->sensors, saved->quantities, time_since(*saved), now);
   presence_.tell_missing(now);
   static_cast<void>(kept_.take_changed());
   // Units where a node was are asked at once, before their turn.
@@ -110,6 +116,7 @@ void Gateway::step(port::Instant now) {
   }
   if (state_saver_) {
     keep_silences(now);
+    keep_learned(now);
     state_saver_->step(now);
     // What is saved is a generation that was published.
     if (!changed_ && state_saver_->is_due(now)) save_state(now);
@@ -138,6 +145,7 @@ void Gateway::update_settings(std::shared_ptr<const Settings> settings,
   presence_.dismiss_missing();
   snapshots_.update_site(settings_->domain);
   if (file_publisher_) file_publisher_->update_settings(*settings_->files);
+  if (state_saver_) state_saver_->update_settings(*settings_);
   quarantine_.reserve(quarantine_max(nodes_, kept_.features(), kept_.anchors(), admission_));
 }
 
@@ -162,6 +170,7 @@ void Gateway::finish(port::Instant now) {
   if (state_saver_ && !ports_.store->is_saving()) {
     state_saver_->step(now);
     state_saver_->finish();
+    if (sensors_.take_learned()) ++learned_edition_;
     save_state(now);
   }
   const Mesh& mesh = kept_.mesh();
@@ -189,9 +198,33 @@ void Gateway::keep_silences(port::Instant now) {
   state_saver_->mark_dirty();
 }
 
+// What was learned of the sensors changes with each sample.
+void Gateway::keep_learned(port::Instant now) {
+  if (learned_saved_at_ == port::Instant{}) learned_saved_at_ = now;
+  if (now - learned_saved_at_ < learned_pause || !sensors_.take_learned()) return;
+  learned_saved_at_ = now;
+  ++learned_edition_;
+  state_saver_->mark_dirty();
+}
+
 void Gateway::save_state(port::Instant now) {
-  state_transfer_.write(state_saver_->begin(generation_, kept_.mesh().hash()), now);
+  StateWriter& writer = state_saver_->begin(generation_, kept_.mesh().hash(), time_of_day_s());
+  state_transfer_.write(writer, now);
+  for (const Quantity& quantity : readings().quantities) writer.add(quantity);
+  sensors_.for_each_learned(now, [&](const LearnedSensor& sensor) { writer.add(sensor); });
+  writer.set_edition(learned_edition_);
   state_saver_->save(now);
+}
+
+std::int64_t Gateway::time_of_day_s() const {
+  return ports_.wall_clock != nullptr ? ports_.wall_clock->seconds() : 0;
+}
+
+// None where a clock was not set, then or now.
+port::Duration Gateway::time_since(const SavedState& saved) const {
+  const std::int64_t now_s = time_of_day_s();
+  if (saved.saved_at_s <= 0 || now_s <= saved.saved_at_s) return {};
+  return std::chrono::seconds(std::min<std::int64_t>(now_s - saved.saved_at_s, forever_s));
 }
 
 bool Gateway::on_reading(UnitIndex unit, const NodeReading& reading,

@@ -19,6 +19,7 @@
 #include "etcm/port/mesh_files.h"
 #include "etcm/port/mesh_server.h"
 #include "etcm/port/store.h"
+#include "etcm/port/wall_clock.h"
 #include "firmware/config/settings.h"
 #include "firmware/mesh/kept_mesh.h"
 #include "firmware/mesh/node_placement.h"
@@ -52,6 +53,7 @@ struct GatewayPorts {
   port::MeshFiles* files = nullptr;  // null: no files are wanted
   port::Store* store = nullptr;      // null: nothing outlives a restart
   const port::Clock& clock;
+  const port::WallClock* wall_clock = nullptr;  // null: no restart tells how long it took
   port::Log& log;
 };
 
@@ -123,6 +125,9 @@ class Gateway final : private ReadingListener, private RequestSource {
   void forget_history();
   void save_state(port::Instant now);
   void keep_silences(port::Instant now);
+  void keep_learned(port::Instant now);
+  std::int64_t time_of_day_s() const;
+  port::Duration time_since(const SavedState& saved) const;
   void log_restored(const SavedState& saved, bool is_same);
 
   std::shared_ptr<const Settings> settings_;
@@ -154,6 +159,8 @@ class Gateway final : private ReadingListener, private RequestSource {
   bool changed_ = false;        // since then
   bool keeps_history_ = false;  // there is no room to forget it
   port::Instant missing_saved_at_{};
+  port::Instant learned_saved_at_{};
+  std::uint32_t learned_edition_ = 0;
 };
 
 // The image a server has before the first generation.

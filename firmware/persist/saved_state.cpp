@@ -1,7 +1,12 @@
 #include "firmware/persist/saved_state.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <functional>
 #include <type_traits>
+#include <utility>
 
 #include "firmware/config/unit_count.h"
 #include "firmware/records/node_table.h"
@@ -10,19 +15,36 @@ namespace etcm::firmware {
 
 namespace {
 
-enum Section : std::size_t { buses, nodes, anchors, features, steiner, missing, kinds };
+enum Section : std::size_t {
+  buses,
+  nodes,
+  anchors,
+  features,
+  steiner,
+  missing,
+  quantities,
+  sensors,
+  kinds
+};
 
 constexpr std::size_t counts_at = 20;
-constexpr std::size_t head_size = counts_at + kinds * 4;
-// Form 1 has no missing nodes.
+constexpr std::size_t head_size = counts_at + kinds * 4 + 8;
 constexpr std::uint32_t oldest_version = 1;
-constexpr std::size_t kinds_of_oldest = missing;
+// How many kinds of records a form has.
+constexpr std::size_t kinds_of(std::uint32_t version) {
+  return version == 1 ? missing : version == 2 ? quantities : kinds;
+}
 constexpr std::size_t node_size = 20;
 constexpr std::size_t anchor_size = 8;
 constexpr std::size_t feature_size = 8;
 constexpr std::size_t steiner_size = 20;
 constexpr std::size_t missing_size = node_size + 4;
+constexpr std::size_t quantity_size_least = 2;
+constexpr std::size_t quantity_size_max = quantity_size_least + reading_name_max + reading_unit_max;
+constexpr std::size_t sensor_size = 96;
 constexpr std::uint8_t flag_position = 1;
+constexpr std::uint8_t flag_disagrees = 1;
+constexpr std::uint8_t flag_slow_change = 2;
 // A silence that goes on is as good as another one each hour.
 constexpr std::uint32_t seconds_per_hour = 3600;
 
@@ -41,6 +63,11 @@ class Reader {
                                std::to_integer<std::uint64_t>(taken[i]));
     }
     return static_cast<Value>(bits);
+  }
+  double take_real() { return std::bit_cast<double>(take<std::uint64_t>()); }
+  std::string take_text() {
+    const auto text = take_bytes(take<std::uint8_t>());
+    return {reinterpret_cast<const char*>(text.data()), text.size()};
   }
   std::span<const std::byte> take_bytes(std::size_t size) {
     if (size > bytes_.size()) {
@@ -64,6 +91,12 @@ class Reader {
   bool is_cut_off_ = false;
 };
 
+// In the order in which they are saved.
+std::array<double*, 7> numbers_of(LearnedSensor& sensor) {
+  return {&sensor.reference, &sensor.followed, &sensor.slow_change, &sensor.residual,
+          &sensor.roughness, &sensor.rise,     &sensor.fall};
+}
+
 Position take_position(Reader& reader) {
   Position position;
   position.x = reader.take<std::int32_t>();
@@ -80,6 +113,24 @@ SavedNode take_node(Reader& reader, std::uint8_t& flags) {
   node.address = reader.take<std::uint8_t>();
   flags = reader.take<std::uint8_t>();
   return node;
+}
+
+LearnedSensor take_sensor(Reader& reader) {
+  LearnedSensor sensor;
+  sensor.serial = Serial{reader.take<std::uint32_t>()};
+  sensor.quantity = QuantityIndex{reader.take<std::uint16_t>()};
+  const auto flags = reader.take<std::uint8_t>();
+  sensor.disagrees = (flags & flag_disagrees) != 0;
+  sensor.has_slow_change = (flags & flag_slow_change) != 0;
+  sensor.sample_count = reader.take<std::uint8_t>();
+  sensor.definition = reader.take<std::uint64_t>();
+  sensor.point.x = reader.take<std::int64_t>();
+  sensor.point.y = reader.take<std::int64_t>();
+  sensor.age_s = reader.take<std::uint32_t>();
+  for (double* const number : numbers_of(sensor)) *number = reader.take_real();
+  sensor.residual_count = reader.take<std::uint16_t>();
+  sensor.roughness_count = reader.take<std::uint16_t>();
+  return sensor;
 }
 
 template <class Value, class Key>
@@ -110,6 +161,16 @@ std::string judge(const SavedState& state) {
   for (const SavedFeature& feature : state.features) {
     if (feature.from >= ends || feature.to >= ends) return "a feature ends at no node";
   }
+  for (LearnedSensor sensor : state.sensors) {
+    if (sensor.quantity.value >= state.quantities.size()) {
+      return "a sensor measures what it does not name";
+    }
+    const auto numbers = numbers_of(sensor);
+    if (std::any_of(numbers.begin(), numbers.end(),
+                    [](const double* number) { return !std::isfinite(*number); })) {
+      return "what it says of a sensor is no number";
+    }
+  }
   return "";
 }
 
@@ -129,8 +190,10 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
   state.next_generation = reader.take<std::uint32_t>();
   state.mesh_hash = reader.take<std::uint64_t>();
   std::uint32_t counts[kinds] = {};
-  const std::size_t counted = version == oldest_version ? kinds_of_oldest : kinds;
-  for (std::size_t kind = 0; kind < counted; ++kind) counts[kind] = reader.take<std::uint32_t>();
+  for (std::size_t kind = 0; kind < kinds_of(version); ++kind) {
+    counts[kind] = reader.take<std::uint32_t>();
+  }
+  if (kinds_of(version) == kinds) state.saved_at_s = reader.take<std::int64_t>();
 
   const auto each = [&](Section section, std::size_t size_least, auto take) {
     if (!reader.has(counts[section], size_least)) {
@@ -139,10 +202,7 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
     }
     for (std::uint32_t i = 0; i < counts[section] && !reader.is_cut_off(); ++i) take();
   };
-  each(buses, 1, [&] {
-    const auto name = reader.take_bytes(reader.take<std::uint8_t>());
-    state.buses.emplace_back(reinterpret_cast<const char*>(name.data()), name.size());
-  });
+  each(buses, 1, [&] { state.buses.push_back(reader.take_text()); });
   each(nodes, node_size, [&] {
     std::uint8_t flags = 0;
     state.nodes.push_back(take_node(reader, flags));
@@ -168,6 +228,13 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
                              .has_position = (flags & flag_position) != 0,
                              .silence_s = reader.take<std::uint32_t>()});
   });
+  each(quantities, quantity_size_least, [&] {
+    Quantity quantity;
+    quantity.name = reader.take_text();
+    quantity.unit = reader.take_text();
+    state.quantities.push_back(std::move(quantity));
+  });
+  each(sensors, sensor_size, [&] { state.sensors.push_back(take_sensor(reader)); });
   if (reader.is_cut_off()) return "it is cut off";
   if (reader.left() != 0) return "it is too long";
   return judge(state);
@@ -181,6 +248,8 @@ std::size_t saved_state_size_max(const Settings& settings) {
   // A vertex is a node, an anchor or a Steiner vertex; a feature in the mesh takes a place of its.
   size += settings.mesh.vertices_max * std::max({node_size, anchor_size, steiner_size});
   size += settings.mesh.features_max * feature_size;
+  size += quantities_of(settings).size() * quantity_size_max;
+  size += count_readings(settings) * sensor_size;
   return size +
          roster_capacity(std::max(count_units(settings), settings.room.units)) * missing_size;
 }
@@ -206,7 +275,7 @@ void StateWriter::mix(std::uint64_t value) {
 }
 
 void StateWriter::begin(std::uint32_t generation, std::uint32_t next_generation,
-                        std::uint64_t mesh_hash) {
+                        std::uint64_t mesh_hash, std::int64_t time_of_day_s) {
   bytes_.clear();
   content_ = 0;
   std::fill(std::begin(counts_), std::end(counts_), 0u);
@@ -214,7 +283,8 @@ void StateWriter::begin(std::uint32_t generation, std::uint32_t next_generation,
   put(generation);
   put(next_generation);
   put_content(mesh_hash);
-  bytes_.resize(head_size);  // the counts come in finish()
+  bytes_.resize(head_size - 8);  // the counts come in finish()
+  put(time_of_day_s);
 }
 
 void StateWriter::add_bus(std::string_view name) {
@@ -263,6 +333,33 @@ void StateWriter::add(const SavedMissing& each) {
   put_node(each.node, each.has_position ? flag_position : std::uint8_t{0});
   put(each.silence_s);
   mix(each.silence_s / seconds_per_hour);
+}
+
+void StateWriter::add(const Quantity& quantity) {
+  count(quantities);
+  for (const std::string& text : {std::cref(quantity.name), std::cref(quantity.unit)}) {
+    put(static_cast<std::uint8_t>(text.size()));
+    for (const char c : text) put(static_cast<std::uint8_t>(c));
+  }
+}
+
+void StateWriter::add(const LearnedSensor& sensor) {
+  count(sensors);
+  put(sensor.serial.value);
+  put(static_cast<std::uint16_t>(sensor.quantity.value));
+  put(static_cast<std::uint8_t>((sensor.disagrees ? flag_disagrees : 0) |
+                                (sensor.has_slow_change ? flag_slow_change : 0)));
+  put(static_cast<std::uint8_t>(sensor.sample_count));
+  put(sensor.definition);
+  put(sensor.point.x);
+  put(sensor.point.y);
+  put(sensor.age_s);
+  LearnedSensor numbers = sensor;
+  for (const double* const number : numbers_of(numbers)) {
+    put(std::bit_cast<std::uint64_t>(*number));
+  }
+  put(static_cast<std::uint16_t>(sensor.residual_count));
+  put(static_cast<std::uint16_t>(sensor.roughness_count));
 }
 
 std::span<const std::byte> StateWriter::finish() {

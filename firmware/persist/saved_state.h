@@ -1,18 +1,27 @@
-// What outlives a restart: the mesh as it was published last, which node answered where, and who
-// is missing. Its form in bytes is here; how they get to the disk is the store's business.
+// What outlives a restart: the mesh as it was published last, which node answered where, who is
+// missing, and what was learned of the sensors. Its form in bytes is here; how they get to the disk
+// is the store's business.
 //
 // All numbers are little-endian, and everything follows the one before without gaps:
-//   u32 version of this form, 2
+//   u32 version of this form, 3
 //   u32 generation, u32 the first one that a restart may give out
 //   u64 mesh hash
-//   u32 counts of buses, nodes, anchors, features, Steiner vertices, missing nodes
+//   u32 counts of buses, nodes, anchors, features, Steiner vertices, missing nodes, quantities,
+//       sensors
+//   i64 time of day when it was saved, in s since 1970 (UTC); 0: it was not known
 //   bus:     u8 length, name (at most 255 bytes of it)
 //   node:    u32 serial, i32 x, i32 y, u32 age of the position in ms, u16 bus, u8 unit, u8 0
 //   anchor:  i32 x, i32 y
 //   feature: u32 from, u32 to; nodes and after them anchors, counted from 0
 //   Steiner: u32 feature, counted from 0, i64 x, i64 y in 2^-28 units
 //   missing: as a node, but the last u8 is 1 where it has a position; u32 silence in s
-// Form 1, which is read too, has neither the last count nor missing nodes.
+//   quantity: u8 length, name, u8 length, unit
+//   sensor:  u32 serial, u16 quantity, counted from 0, u8 flags (1 disagrees, 2 has a slow change),
+//            u8 samples, u64 definition, i64 x, i64 y in 2^-28 units, u32 age of its last reading
+//            in s, f64 (IEEE 754) reference, followed, slow change, residual, roughness, rise,
+//            fall, u16 samples of the residual, of the roughness (records/learned_sensor.h)
+// Forms 1 and 2 are read too: neither has quantities, sensors, their counts and the time, and form
+// 1 no missing nodes either.
 #pragma once
 
 #include <cstddef>
@@ -24,10 +33,12 @@
 
 #include "etcm/mesh.h"
 #include "firmware/config/settings.h"
+#include "firmware/polling/quantity.h"
+#include "firmware/records/learned_sensor.h"
 
 namespace etcm::firmware {
 
-inline constexpr std::uint32_t saved_state_version = 2;
+inline constexpr std::uint32_t saved_state_version = 3;
 // The bus of a node that answers nowhere at the moment.
 inline constexpr std::uint16_t no_saved_bus = 0xffff;
 
@@ -67,10 +78,14 @@ struct SavedState {
   std::vector<SavedFeature> features;  // those in the mesh
   std::vector<SteinerPlace> steiner;
   std::vector<SavedMissing> missing{};
+  std::int64_t saved_at_s = 0;  // time of day; 0: not known
+  std::vector<Quantity> quantities{};
+  std::vector<LearnedSensor> sensors{};  // of these quantities
 };
 
 // Reads it. Returns what is wrong with it, as in "it is cut off"; empty where nothing is. What it
-// then says makes sense: indices name something, no serial or place of a node comes twice.
+// then says makes sense: indices name something, no serial or place of a node comes twice, numbers
+// are finite.
 std::string decode_state(std::span<const std::byte> bytes, SavedState& state);
 
 // The most bytes that a gateway with these settings needs.
@@ -81,19 +96,27 @@ class StateWriter {
  public:
   explicit StateWriter(std::size_t size_max);
 
-  void begin(std::uint32_t generation, std::uint32_t next_generation, std::uint64_t mesh_hash);
+  // `time_of_day_s` may be 0: not known.
+  void begin(std::uint32_t generation, std::uint32_t next_generation, std::uint64_t mesh_hash,
+             std::int64_t time_of_day_s = 0);
+  // More room: takes memory.
+  void set_room(std::size_t size_max) { bytes_.reserve(size_max); }
   void add_bus(std::string_view name);
   void add(const SavedNode& node);
   void add(Position anchor);
   void add(const SavedFeature& feature);
   void add(const SteinerPlace& place);
   void add(const SavedMissing& missing);
+  void add(const Quantity& quantity);
+  void add(const LearnedSensor& sensor);
+  // What is learned changes all the time: it is content when this number is another one.
+  void set_edition(std::uint32_t edition) { mix(edition); }
 
   // Good until begin().
   std::span<const std::byte> finish();
 
-  // The same for the same content; ages and generations are left out, of a silence all but the
-  // whole hours. After finish().
+  // The same for the same content; ages, generations and what was learned are left out, of a
+  // silence all but the whole hours. After finish().
   std::uint64_t content() const { return content_; }
 
  private:
@@ -106,7 +129,7 @@ class StateWriter {
   void count(std::size_t kind) { ++counts_[kind]; }
 
   std::vector<std::byte> bytes_;
-  std::uint32_t counts_[6] = {};
+  std::uint32_t counts_[8] = {};
   std::uint64_t content_ = 0;
 };
 

@@ -69,13 +69,14 @@ void StateSaver::step(port::Instant now) {
   saved_next_ = saving_next_;
 }
 
-StateWriter& StateSaver::begin(std::uint32_t generation, std::uint64_t mesh_hash) {
+StateWriter& StateSaver::begin(std::uint32_t generation, std::uint64_t mesh_hash,
+                               std::int64_t time_of_day_s) {
   constexpr std::uint32_t last = std::numeric_limits<std::uint32_t>::max();
   // Saves come one interval apart, and one may fail or be under way while the power does.
   const std::uint32_t ahead = is_ending_ ? 1 : 2 * generations_between_;
   written_generation_ = generation;
   written_next_ = generation < last - ahead ? generation + ahead : last;
-  writer_.begin(generation, written_next_, mesh_hash);
+  writer_.begin(generation, written_next_, mesh_hash, time_of_day_s);
   return writer_;
 }
 

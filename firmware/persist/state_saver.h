@@ -31,13 +31,19 @@ class StateSaver {
   // There is a generation that is not saved.
   void mark_dirty() { disk_.mark_dirty(); }
 
+  // There may be more to save than before.
+  void update_settings(const Settings& settings) {
+    writer_.set_room(saved_state_size_max(settings));
+  }
+
   // Hears how the last save went. The caller then writes a state where is_due().
   void step(port::Instant now);
   bool is_due(port::Instant now) const { return disk_.is_due(now); }
   port::Instant next_deadline() const { return disk_.next_deadline(); }
 
-  // To write with: begin(), then its add(), then save().
-  StateWriter& begin(std::uint32_t generation, std::uint64_t mesh_hash);
+  // To write with: begin(), then its add(), then save(). `time_of_day_s` may be 0: not known.
+  StateWriter& begin(std::uint32_t generation, std::uint64_t mesh_hash,
+                     std::int64_t time_of_day_s = 0);
   // Starts to save what was written, where it is anything new.
   void save(port::Instant now);
 

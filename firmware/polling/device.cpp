@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware/profile/fingerprint.h"
 #include "firmware/site/site_plane.h"
 
 namespace etcm::firmware {
@@ -16,6 +17,7 @@ Device::Device(Profile profile, Serial serial, const DeviceSettings& settings,
   for (const RegisterSpan block : blocks_) register_count_ += block.count;
   for (const Profile::Reading& reading : profile_.readings) {
     quantities_.push_back(index_of(reading, quantities));
+    definitions_.push_back(fingerprint(profile_, reading));
   }
 }
 

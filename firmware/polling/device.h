@@ -48,6 +48,8 @@ class Device {
 
   // The quantity of each reading, in the order of the profile.
   std::span<const QuantityIndex> quantities() const { return quantities_; }
+  // What each of them is by the profile (profile/fingerprint.h).
+  std::span<const std::uint64_t> definitions() const { return definitions_; }
   // What its readings are in these registers. Takes no memory where `out` has room for all.
   void measure(std::span<const std::uint16_t> registers, std::vector<Measurement>& out) const;
 
@@ -58,6 +60,7 @@ class Device {
   Profile profile_;
   std::vector<RegisterSpan> blocks_;
   std::vector<QuantityIndex> quantities_;
+  std::vector<std::uint64_t> definitions_;
   std::uint32_t register_count_ = 0;
   Serial serial_;  // of a device that tells none
   SitePlane plane_;

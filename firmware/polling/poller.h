@@ -94,6 +94,11 @@ class Poller {
     const Device* const device = units_[unit.value].device;
     return device == nullptr ? std::span<const QuantityIndex>{} : device->quantities();
   }
+  // What each of them is by the profile of the device (device.h).
+  std::span<const std::uint64_t> definitions(UnitIndex unit) const {
+    const Device* const device = units_[unit.value].device;
+    return device == nullptr ? std::span<const std::uint64_t>{} : device->definitions();
+  }
   // Else it is only looked for.
   bool is_listed(UnitIndex unit) const { return schedule_of(unit).is_listed(address_of(unit)); }
   // Whether a bus has had a unit to ask, or a question under way for longer than that may be, and

@@ -20,6 +20,7 @@ struct PublishedReading {
   Serial serial;
   UnitIndex unit_index;              // that it was read from
   QuantityIndex quantity;            // into ReadingSnapshot::quantities
+  std::uint64_t definition = 0;      // by the profile (polling/device.h)
   std::uint32_t row = no_row;        // of the node in the mesh of that generation
   std::optional<std::int64_t> nano;  // in 10^-9 of the quantity's unit; none: it was not valid
   port::Instant taken_at{};

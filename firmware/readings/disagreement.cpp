@@ -32,6 +32,9 @@ constexpr double excess_weight = 4;
 // A node that has moved farther than this share of the way to the nearest one stands elsewhere.
 constexpr double same_place_share = 0.1;
 
+constexpr auto seconds_per_sample =
+    static_cast<std::uint32_t>(sample_interval / std::chrono::seconds(1));
+
 bool is_value(double value) { return std::abs(value) <= value_max; }
 
 double distance_between(const Point& a, const Point& b) {
@@ -58,35 +61,86 @@ const Agreement& DisagreementWatch::of(std::uint32_t row) const {
   return record != nullptr ? record->agreement : unknown;
 }
 
-void DisagreementWatch::take(const Snapshot& snapshot, std::span<const std::uint32_t> rows) {
+void DisagreementWatch::take(const Snapshot& snapshot, std::span<const PlacedSensor> sensors) {
   for (Record& record : records_) record.is_wanted = record.is_surface_current = false;
   const auto node_in = [&](std::uint32_t row) -> const SnapshotVertex* {
     if (row >= place_of_.size() || row >= snapshot.vertices.size()) return nullptr;
     const SnapshotVertex& vertex = snapshot.vertices[row];
     return vertex.kind == VertexKind::node ? &vertex : nullptr;
   };
-  for (const std::uint32_t row : rows) {
+  for (const auto& [row, definition] : sensors) {
     const SnapshotVertex* const node = node_in(row);
     if (node == nullptr || !has_sensor(row)) continue;
-    const auto around = nodes_->around(row);
-    const double room =
-        around.empty() ? 0 : same_place_share * std::hypot(around[0].x, around[0].y);
     Record& record = records_[place_of_[row]];
-    record.is_wanted =
-        record.serial == node->serial && distance_between(record.point, node->point) <= room;
+    record.is_wanted = record.serial == node->serial && record.definition == definition &&
+                       is_same_place(row, record.point, node->point);
   }
   for (auto place = static_cast<std::uint32_t>(records_.size()); place-- > 0;) {
     if (!records_[place].is_wanted) remove(place);
   }
-  for (const std::uint32_t row : rows) {
+  for (const auto& [row, definition] : sensors) {
     const SnapshotVertex* const node = node_in(row);
     if (node == nullptr || has_sensor(row)) continue;
     place_of_[row] = static_cast<std::uint32_t>(records_.size());
     records_.emplace_back();
     records_.back().row = row;
     records_.back().serial = node->serial;
+    records_.back().definition = definition;
     records_.back().point = node->point;
   }
+}
+
+bool DisagreementWatch::is_same_place(std::uint32_t row, const Point& stood,
+                                      const Point& point) const {
+  const auto around = nodes_->around(row);
+  const double room = around.empty() ? 0 : same_place_share * std::hypot(around[0].x, around[0].y);
+  return distance_between(stood, point) <= room;
+}
+
+LearnedSensor DisagreementWatch::learned_of(const Record& record) {
+  LearnedSensor learned;
+  learned.serial = record.serial;
+  learned.definition = record.definition;
+  learned.point = record.point;
+  learned.age_s = record.silent_samples * seconds_per_sample;
+  learned.sample_count = record.sample_count;
+  learned.reference = record.reference.value();
+  learned.followed = record.reference.followed();
+  learned.has_slow_change = !std::isnan(record.slow_change);
+  if (learned.has_slow_change) learned.slow_change = record.slow_change;
+  learned.residual = record.residual.median();
+  learned.residual_count = record.residual.count();
+  learned.roughness = record.roughness.median();
+  learned.roughness_count = record.roughness.count();
+  learned.rise = record.cusum.rise();
+  learned.fall = record.cusum.fall();
+  learned.disagrees = record.agreement.disagrees;
+  return learned;
+}
+
+bool DisagreementWatch::restore(std::uint32_t row, const LearnedSensor& learned) {
+  Record& record = records_[place_of_[row]];
+  const bool is_new = record.sample_count == 0 && !record.agreement.disagrees;
+  const bool makes_sense = is_value(learned.reference) && is_value(learned.followed) &&
+                           is_value(learned.slow_change) && is_value(learned.residual) &&
+                           learned.residual >= 0 && learned.residual_count > 0 &&
+                           is_value(learned.roughness) && learned.roughness >= 0 &&
+                           (learned.roughness_count > 0 || learned.sample_count == 0) &&
+                           is_value(learned.rise) && is_value(learned.fall);
+  const bool is_same = learned.serial == record.serial && learned.definition == record.definition &&
+                       is_same_place(row, learned.point, record.point);
+  if (!is_new || !makes_sense || !is_same) return false;
+  record.silent_samples = learned.age_s / seconds_per_sample;
+  record.sample_count = std::min(learned.sample_count, learning_samples);
+  record.reference = Reference(learned.reference, learned.followed);
+  record.slow_change = learned.has_slow_change ? learned.slow_change : no_evidence;
+  record.residual = MedianTracker(learned.residual, learned.residual_count);
+  record.roughness = MedianTracker(learned.roughness, learned.roughness_count);
+  record.cusum = TwoSidedCusum(learned.rise, learned.fall);
+  record.agreement = {};
+  // An alarm stands on a sum that is not clear; else it would end only when one has begun again.
+  record.agreement.disagrees = learned.disagrees && !record.cusum.is_clear();
+  return true;
 }
 
 // The last one takes its place.
@@ -105,6 +159,7 @@ void DisagreementWatch::forget(std::uint32_t row) {
   record = {};
   record.row = old.row;
   record.serial = old.serial;
+  record.definition = old.definition;
   record.point = old.point;
 }
 
@@ -112,6 +167,7 @@ void DisagreementWatch::observe(std::span<const double> values) {
   for (Record& record : records_) {
     record.value = record.row < values.size() && is_value(values[record.row]) ? values[record.row]
                                                                               : no_evidence;
+    record.silent_samples = std::isnan(record.value) ? record.silent_samples + 1 : 0;
   }
   find_range();
   for (Record& record : records_) {

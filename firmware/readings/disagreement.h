@@ -1,7 +1,6 @@
 // Which sensors of one quantity disagree persistently with what the nodes around them predict.
 //
-// README.md has the method, its figures and what it cannot tell. Times are counted in samples; the
-// thresholds are meant for one a minute.
+// README.md has the method, its figures and what it cannot tell. Times are counted in samples.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +10,17 @@
 #include <span>
 #include <vector>
 
+#include "etcm/port/clock.h"
 #include "firmware/readings/nearest_nodes.h"
 #include "firmware/readings/reference.h"
 #include "firmware/readings/sequential.h"
 #include "firmware/readings/thin_plate.h"
+#include "firmware/records/learned_sensor.h"
 
 namespace etcm::firmware {
+
+// The time between two samples of the site: what the thresholds are meant for.
+inline constexpr port::Duration sample_interval = std::chrono::minutes(1);
 
 // Samples with a prediction before a sensor is judged.
 inline constexpr std::uint32_t learning_samples = 240;
@@ -31,6 +35,12 @@ struct Agreement {
   double suspicion = 0;  // the greater cumulative sum; the alarm begins above 1 and ends at 0
 };
 
+// A sensor, by the row of its node.
+struct PlacedSensor {
+  std::uint32_t row = 0;
+  std::uint64_t definition = 0;  // of what it measures (profile/fingerprint.h)
+};
+
 class DisagreementWatch {
  public:
   // For sites of so many rows, and so many sensors; all the memory it needs is taken here: 4 bytes
@@ -42,16 +52,28 @@ class DisagreementWatch {
   // Room for more sensors.
   void set_room(std::uint32_t sensors_max);
 
-  // Another generation, which `nodes` has taken, and the rows whose nodes have a sensor. A sensor
-  // is forgotten where its row is not among them any more, or has another node, or its node has
-  // moved by a tenth of the way to the nearest one. Takes no memory for as many as there is room
-  // for. O(n).
-  void take(const Snapshot& snapshot, std::span<const std::uint32_t> rows);
+  // Another generation, which `nodes` has taken, and its sensors. One is forgotten where its row
+  // has none any more, or one with another definition, or another node, or its node has moved by a
+  // tenth of the way to the nearest one. Takes no memory for as many as there is room for. O(n).
+  void take(const Snapshot& snapshot, std::span<const PlacedSensor> sensors);
 
   std::size_t sensor_count() const { return records_.size(); }
   bool has_sensor(std::uint32_t row) const {
     return row < place_of_.size() && place_of_[row] != no_place;
   }
+
+  // What was learned of each sensor, without its quantity, in any order. Of one that was read a few
+  // times only it is nothing yet.
+  template <class Visit>
+  void for_each_learned(Visit visit) const {
+    for (const Record& record : records_) {
+      if (record.reference.has_begun()) visit(learned_of(record));
+    }
+  }
+  // Goes on with what was learned before. False, and nothing changes, where something has been
+  // learned here since, it is another sensor or stands elsewhere, or the numbers make no sense.
+  // REQUIRES: has_sensor().
+  bool restore(std::uint32_t row, const LearnedSensor& learned);
 
   // One sample of the site, one value a row; without a sensor a row has none. A value that is not
   // finite, or beyond 1e100, is none; without one a row stays as it is, alarm included. Give a
@@ -73,8 +95,10 @@ class DisagreementWatch {
   struct Record {
     std::uint32_t row = 0;
     Serial serial{};
+    std::uint64_t definition = 0;
     Point point;
     bool is_wanted = true;             // while rows are taken
+    std::uint32_t silent_samples = 0;  // since it had a value
     double value = no_evidence;        // in this sample
     double change = no_evidence;       // of it since its reference; NaN: no evidence
     double slow_change = no_evidence;  // mean of the last of them
@@ -99,6 +123,9 @@ class DisagreementWatch {
     double slow_roughness = 0;  // and of their means over the last samples
   };
 
+  static LearnedSensor learned_of(const Record& record);
+  // A node at `point` stands where the node in this row stood.
+  bool is_same_place(std::uint32_t row, const Point& stood, const Point& point) const;
   void remove(std::uint32_t place);
   // Null: there is no sensor.
   const Record* record_at(std::uint32_t row) const {

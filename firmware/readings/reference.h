@@ -17,9 +17,16 @@ class Reference {
   // It begins with the median of so many values, of which two may be anything.
   static constexpr std::size_t first_count = 5;
 
+  Reference() = default;
+  // One that was learned before: value() and followed() of it.
+  Reference(double value, double followed)
+      : count_(first_count), value_(value), followed_(followed) {}
+
   bool has_begun() const { return count_ == first_count; }
   // REQUIRES: has_begun().
   double value() const { return value_; }
+  // How far it has gone from where it was learned.
+  double followed() const { return followed_; }
 
   // REQUIRES: not has_begun().
   void begin_with(double value) {

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "firmware/polling/quantity.h"
 
@@ -30,6 +31,10 @@ std::string text_of(double value, const Quantity& quantity) {
   return digits + (quantity.unit.empty() ? "" : " " + quantity.unit);
 }
 
+std::pair<QuantityIndex, Serial> key_of(const LearnedSensor& learned) {
+  return {learned.quantity, learned.serial};
+}
+
 }  // namespace
 
 void SensorWatch::update_settings(const Settings& settings) {
@@ -44,7 +49,9 @@ void SensorWatch::update_settings(const Settings& settings) {
     due_ = {};
   }
   nodes_.set_room(counts.units);
-  rows_.reserve(count_readings(settings));
+  learned_max_ = count_readings(settings);
+  rows_.reserve(learned_max_);
+  sensors_.reserve(learned_max_);
   watches_.reserve(quantities_.size());
   for (std::size_t i = 0; i < quantities_.size(); ++i) {
     if (i == watches_.size()) watches_.emplace_back(nodes_, vertices, counts.by_quantity[i]);
@@ -54,17 +61,59 @@ void SensorWatch::update_settings(const Settings& settings) {
 
 void SensorWatch::take(const Snapshot& snapshot, const ReadingSnapshot& readings) {
   if (watches_.empty()) return;
-  const auto find_rows = [&](auto is_wanted) {
-    rows_.clear();
-    for (const PublishedReading& reading : readings.readings) {
-      if (reading.row != no_row && is_wanted(reading)) rows_.push_back(reading.row);
-    }
-  };
-  find_rows([](const PublishedReading&) { return true; });
+  rows_.clear();
+  for (const PublishedReading& reading : readings.readings) {
+    if (reading.row != no_row) rows_.push_back(reading.row);
+  }
   nodes_.take(snapshot, rows_);
   for (std::uint32_t number = 0; number < watches_.size(); ++number) {
-    find_rows([&](const PublishedReading& reading) { return reading.quantity.value == number; });
-    watches_[number].take(snapshot, rows_);
+    sensors_.clear();
+    for (const PublishedReading& reading : readings.readings) {
+      if (reading.quantity.value != number || reading.row == no_row) continue;
+      sensors_.push_back({.row = reading.row, .definition = reading.definition});
+    }
+    watches_[number].take(snapshot, sensors_);
+  }
+}
+
+void SensorWatch::restore(std::span<const LearnedSensor> learned,
+                          std::span<const Quantity> quantities, port::Duration passed,
+                          port::Instant now) {
+  restored_at_ = now;
+  for (const LearnedSensor& each : learned) {
+    if (waiting_.size() == learned_max_) break;
+    const Quantity& quantity = quantities[each.quantity.value];
+    const auto known = std::find(quantities_.begin(), quantities_.end(), quantity);
+    const port::Duration age =
+        std::chrono::seconds(each.age_s) + std::max<port::Duration>(passed, {});
+    if (known == quantities_.end() || age > learned_age_max) continue;
+    waiting_.push_back({.learned = each});
+    LearnedSensor& kept = waiting_.back().learned;
+    kept.quantity = QuantityIndex{static_cast<std::uint32_t>(known - quantities_.begin())};
+    kept.age_s = static_cast<std::uint32_t>(age / std::chrono::seconds(1));
+  }
+  std::stable_sort(waiting_.begin(), waiting_.end(), [](const Waiting& a, const Waiting& b) {
+    return key_of(a.learned) < key_of(b.learned);
+  });
+}
+
+port::Duration SensorWatch::age_of(const Waiting& waiting, port::Instant now) const {
+  return std::chrono::seconds(waiting.learned.age_s) + (now - restored_at_);
+}
+
+// Each is tried once, as soon as its sensor is there.
+void SensorWatch::take_waiting(const ReadingSnapshot& readings, port::Instant now) {
+  for (const PublishedReading& reading : readings.readings) {
+    if (reading.row == no_row || reading.is_stale) continue;
+    const std::pair key(reading.quantity, reading.serial);
+    const auto found = std::lower_bound(waiting_.begin(), waiting_.end(), key,
+                                        [](const Waiting& waiting, const auto& wanted) {
+                                          return key_of(waiting.learned) < wanted;
+                                        });
+    if (found == waiting_.end() || key_of(found->learned) != key || found->is_taken) continue;
+    found->is_taken = true;
+    if (age_of(*found, now) > learned_age_max) continue;
+    static_cast<void>(watches_[reading.quantity.value].restore(reading.row, found->learned));
   }
 }
 
@@ -84,6 +133,7 @@ bool SensorWatch::has_sensors_of(const ReadingSnapshot& readings) const {
 void SensorWatch::observe(const Snapshot& snapshot, const ReadingSnapshot& readings,
                           port::Instant now, port::Log& log) {
   if (!has_sensors_of(readings)) take(snapshot, readings);
+  take_waiting(readings, now);
   for (std::uint32_t number = 0; number < watches_.size(); ++number) {
     DisagreementWatch& watch = watches_[number];
     std::fill(values_.begin(), values_.end(), std::numeric_limits<double>::quiet_NaN());
@@ -101,6 +151,7 @@ void SensorWatch::observe(const Snapshot& snapshot, const ReadingSnapshot& readi
       log_change(reading, readings.quantities[number], agreement, log);
     }
   }
+  has_learned_ = has_learned_ || !readings.readings.empty();
   sampled_at_ = now;
   due_ = now + sample_interval;
   is_news_ = true;

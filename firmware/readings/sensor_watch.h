@@ -1,7 +1,10 @@
 // Watches the sensors of all quantities of a site.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "etcm/port/clock.h"
@@ -14,8 +17,9 @@
 
 namespace etcm::firmware {
 
-// The time between two samples of the site: what the thresholds are meant for.
-inline constexpr port::Duration sample_interval = std::chrono::minutes(1);
+// What was learned of a sensor that has not been read for so long is forgotten: the shape of a
+// field changes with the seasons.
+inline constexpr port::Duration learned_age_max = std::chrono::hours(24 * 7);
 
 class SensorWatch {
  public:
@@ -39,21 +43,64 @@ class SensorWatch {
   // Sets what is expected of each reading. REQUIRES: as above.
   void mark(ReadingSnapshot& readings);
 
+  // Goes on with what an earlier run has learned, which ended so long before: of each sensor once
+  // it is read again, where its node stands there still and the profile has it the same. Their
+  // quantities are these. Before the first sample; takes memory.
+  void restore(std::span<const LearnedSensor> learned, std::span<const Quantity> quantities,
+               port::Duration passed, port::Instant now);
+
+  // Visits what is known of the sensors, those of an earlier run included that have not been read
+  // again. No more than there are readings in the settings.
+  template <class Visit>
+  void for_each_learned(port::Instant now, Visit visit) const;
+  // Whether there has been a sample since this was asked last.
+  bool take_learned() { return std::exchange(has_learned_, false); }
+
  private:
   // Whether the sensors are those that were taken last.
   bool has_sensors_of(const ReadingSnapshot& readings) const;
+  // One of an earlier run.
+  struct Waiting {
+    LearnedSensor learned;
+    bool is_taken = false;
+  };
+  // How long ago the sensor was read, by now.
+  port::Duration age_of(const Waiting& waiting, port::Instant now) const;
+  void take_waiting(const ReadingSnapshot& readings, port::Instant now);
   void log_change(const PublishedReading& reading, const Quantity& quantity,
                   const Agreement& agreement, port::Log& log) const;
 
   std::vector<Quantity> quantities_;
   NearestNodes nodes_{0, 0};
   std::vector<DisagreementWatch> watches_;  // by quantity
-  std::vector<std::uint32_t> rows_;         // with a sensor: scratch
-  std::vector<double> values_;              // by row
-  std::vector<std::uint8_t> disagreed_;     // by row, before the sample
+  std::vector<std::uint32_t> rows_;         // with a sensor: scratch, as the next
+  std::vector<PlacedSensor> sensors_;
+  std::vector<double> values_;           // by row
+  std::vector<std::uint8_t> disagreed_;  // by row, before the sample
+  std::uint32_t learned_max_ = 0;
+  std::vector<Waiting> waiting_;  // by quantity and serial
+  port::Instant restored_at_{};
+  bool has_learned_ = false;
   port::Instant sampled_at_{};
   port::Instant due_ = port::never;
   bool is_news_ = false;
 };
+
+template <class Visit>
+void SensorWatch::for_each_learned(port::Instant now, Visit visit) const {
+  std::uint32_t count = 0;
+  for (std::uint32_t number = 0; number < watches_.size(); ++number) {
+    watches_[number].for_each_learned([&](LearnedSensor learned) {
+      learned.quantity = QuantityIndex{number};
+      if (count++ < learned_max_) visit(learned);
+    });
+  }
+  for (const Waiting& waiting : waiting_) {
+    if (waiting.is_taken || age_of(waiting, now) > learned_age_max) continue;
+    LearnedSensor learned = waiting.learned;
+    learned.age_s = static_cast<std::uint32_t>(age_of(waiting, now) / std::chrono::seconds(1));
+    if (count++ < learned_max_) visit(learned);
+  }
+}
 
 }  // namespace etcm::firmware

@@ -11,6 +11,10 @@ namespace etcm::firmware {
 // logarithm: each sample moves it by one step up or down, however far off the sample is.
 class MedianTracker {
  public:
+  MedianTracker() = default;
+  // One of before, of so many samples.
+  MedianTracker(double median, std::uint32_t count) : median_(median), count_(count) {}
+
   // REQUIRES: first >= 0.
   void begin(double first) {
     median_ = first;
@@ -23,6 +27,10 @@ class MedianTracker {
     median_ = std::max(least, median_ * std::exp(magnitude > median_ ? step : -step));
   }
   double median() const { return median_; }
+  // Samples, as far as they count.
+  std::uint32_t count() const {
+    return std::min(count_, static_cast<std::uint32_t>(memory_samples));
+  }
   // The standard deviation that belongs to it, were the distribution normal; larger by the doubt
   // that is left while few samples are in.
   double deviation() const {
@@ -49,11 +57,18 @@ class TwoSidedCusum {
   // A sum grows no farther, so that a sensor which agrees again is clear after about ten samples.
   static constexpr double sum_max = threshold + 3.0;
 
+  TwoSidedCusum() = default;
+  // One of before.
+  TwoSidedCusum(double rise, double fall)
+      : rise_(std::clamp(rise, 0.0, sum_max)), fall_(std::clamp(fall, 0.0, sum_max)) {}
+
   void add(double residual) {
     const double z = std::clamp(residual, -residual_max, residual_max);
     rise_ = std::clamp(rise_ + z - allowance, 0.0, sum_max);
     fall_ = std::clamp(fall_ - z - allowance, 0.0, sum_max);
   }
+  double rise() const { return rise_; }
+  double fall() const { return fall_; }
   double sum() const { return std::max(rise_, fall_); }
   bool is_beyond() const { return sum() > threshold; }
   bool is_suspicious() const { return sum() > threshold / 2; }

@@ -7,10 +7,11 @@ void ReadingTable::add_units(const Poller& poller) {
   const auto known = static_cast<std::uint32_t>(first_of_.size());
   for (UnitIndex unit{known}; unit.value < poller.unit_count(); ++unit.value) {
     first_of_.push_back(static_cast<std::uint32_t>(records_.size()));
-    for (const QuantityIndex quantity : poller.quantities(unit)) {
+    for (std::size_t i = 0; i < poller.quantities(unit).size(); ++i) {
       ReadingRecord record;
       record.unit_index = unit;
-      record.quantity = quantity;
+      record.quantity = poller.quantities(unit)[i];
+      record.definition = poller.definitions(unit)[i];
       records_.push_back(record);
     }
   }

@@ -16,6 +16,7 @@ namespace etcm::firmware {
 struct ReadingRecord {
   UnitIndex unit_index;
   QuantityIndex quantity;
+  std::uint64_t definition = 0;      // by the profile (polling/device.h)
   Serial serial;                     // of the node that measured it; none: nothing was read yet
   std::optional<std::int64_t> nano;  // in 10^-9 of the quantity's unit; none: it was not valid
   port::Instant taken_at{};          // the end of the sweep

@@ -180,6 +180,7 @@ void Rig::start_with(const std::vector<port::NodeBus*>& buses) {
                                                    .files = &files,
                                                    .store = store,
                                                    .clock = clock,
+                                                   .wall_clock = wall_clock,
                                                    .log = log});
 }
 

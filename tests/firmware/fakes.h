@@ -171,6 +171,7 @@ struct Rig {
   RecordingServer server;
   RecordingFiles files;
   port::Store* store = nullptr;
+  const port::WallClock* wall_clock = nullptr;
   std::vector<std::byte> memory;
   Mesh mesh;
   std::vector<PolledBus> polled;

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -47,10 +49,42 @@ void write_all(StateWriter& writer) {
   writer.add(SavedMissing{.node = {.serial = Serial{18}}, .silence_s = 31});
 }
 
+constexpr std::int64_t saved_at_s = 1'800'000'000;
+constexpr std::size_t quantities_size = 9 + 5;
+constexpr std::size_t sensor_size_saved = 96;
+
+// Each number differs from the others.
+LearnedSensor learned_sensor() {
+  return {.serial = Serial{1001},
+          .quantity = QuantityIndex{1},
+          .definition = 0xfedcba9876543210,
+          .point = {-(std::int64_t{1} << 51), 78},
+          .age_s = 61,
+          .sample_count = 240,
+          .reference = -1.5e99,
+          .followed = 0.1,
+          .has_slow_change = true,
+          .slow_change = -3e-99,
+          .residual = 4,
+          .roughness = 5,
+          .residual_count = 1440,
+          .roughness_count = 7,
+          .rise = 8,
+          .fall = 9,
+          .disagrees = true};
+}
+
+void write_learned(StateWriter& writer) {
+  writer.add(Quantity{"level", "cm"});
+  writer.add(Quantity{"wet", ""});
+  writer.add(learned_sensor());
+}
+
 std::vector<std::byte> example() {
   StateWriter writer(1000);
-  writer.begin(41, 99, 0x0123456789abcdef);
+  writer.begin(41, 99, 0x0123456789abcdef, saved_at_s);
   write_all(writer);
+  write_learned(writer);
   const auto bytes = writer.finish();
   return {bytes.begin(), bytes.end()};
 }
@@ -83,11 +117,38 @@ TEST(SavedStateForm, SaysAgainWhatWasWritten) {
   EXPECT_TRUE(state.missing[0].has_position);
   EXPECT_EQ(state.missing[0].silence_s, 5'000'000u);
   EXPECT_FALSE(state.missing[1].has_position);
+  EXPECT_EQ(state.saved_at_s, saved_at_s);
+  EXPECT_EQ(state.quantities, (std::vector<Quantity>{{"level", "cm"}, {"wet", ""}}));
+  EXPECT_EQ(state.sensors, std::vector{learned_sensor()});
+}
+
+// What a gateway that learned nothing of sensors has left on the disk.
+std::vector<std::byte> form_2() {
+  auto bytes = example();
+  bytes[0] = std::byte{2};
+  bytes.erase(bytes.begin() + 44, bytes.begin() + 60);  // two counts and the time
+  bytes.resize(bytes.size() - quantities_size - sensor_size_saved);
+  return bytes;
+}
+
+TEST(SavedStateForm, ReadsForm2) {
+  const auto bytes = form_2();
+  SavedState state;
+  ASSERT_EQ(decode_state(bytes, state), "");
+  ASSERT_EQ(state.nodes.size(), 3u);
+  EXPECT_EQ(state.nodes[0].serial, Serial{1001u});
+  ASSERT_EQ(state.missing.size(), 2u);
+  EXPECT_EQ(state.missing[0].silence_s, 5'000'000u);
+  EXPECT_TRUE(state.sensors.empty());
+  EXPECT_EQ(state.saved_at_s, 0);
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_EQ(decode_state(std::span(bytes).first(size), state), "it is cut off") << size;
+  }
 }
 
 // What a gateway of the time before nodes could be missing has left on the disk.
 TEST(SavedStateForm, ReadsForm1) {
-  auto bytes = example();
+  auto bytes = form_2();
   bytes[0] = std::byte{1};
   bytes.erase(bytes.begin() + 40, bytes.begin() + 44);  // the count of missing nodes
   bytes.resize(bytes.size() - 2 * 24);
@@ -106,18 +167,29 @@ TEST(SavedStateForm, ReadsForm1) {
 
 TEST(SavedStateForm, IsTheOneItsHeaderDescribes) {
   const auto bytes = example();
-  EXPECT_EQ(bytes.size(), 44u + 5 + 5 + 3 * 20 + 8 + 8 + 20 + 2 * 24);
+  EXPECT_EQ(bytes.size(),
+            60u + 5 + 5 + 3 * 20 + 8 + 8 + 20 + 2 * 24 + quantities_size + sensor_size_saved);
   const auto at = [&](std::size_t i) { return std::to_integer<unsigned>(bytes[i]); };
-  EXPECT_EQ(at(0), 2u);
+  EXPECT_EQ(at(0), 3u);
   EXPECT_EQ(at(4), 41u);
   EXPECT_EQ(at(8), 99u);
   EXPECT_EQ(at(12), 0xefu);
   EXPECT_EQ(at(19), 0x01u);
-  EXPECT_EQ((std::vector{at(20), at(24), at(28), at(32), at(36), at(40)}),
-            (std::vector{2u, 3u, 1u, 1u, 1u, 2u}));
-  EXPECT_EQ(at(44), 4u);
-  EXPECT_EQ(at(45), unsigned{'y'});
-  EXPECT_EQ(at(54), 1001u & 0xff);
+  EXPECT_EQ((std::vector{at(20), at(24), at(28), at(32), at(36), at(40), at(44), at(48)}),
+            (std::vector{2u, 3u, 1u, 1u, 1u, 2u, 2u, 1u}));
+  EXPECT_EQ(at(52), saved_at_s & 0xff);
+  EXPECT_EQ(at(60), 4u);
+  EXPECT_EQ(at(61), unsigned{'y'});
+  EXPECT_EQ(at(70), 1001u & 0xff);
+  const std::size_t sensor = bytes.size() - sensor_size_saved;
+  EXPECT_EQ(at(sensor), 1001u & 0xff);
+  EXPECT_EQ(at(sensor + 4), 1u);
+  EXPECT_EQ(at(sensor + 6), 3u);
+  EXPECT_EQ(at(sensor + 7), 240u);
+  EXPECT_EQ(at(sensor + 8), 0x10u);
+  EXPECT_EQ(at(sensor + 24), 78u);
+  EXPECT_EQ(at(sensor + 32), 61u);
+  EXPECT_EQ(at(bytes.size() - 2), 7u);
 }
 
 TEST(SavedStateForm, RefusesWhatIsCutOffOrTooLong) {
@@ -134,14 +206,14 @@ TEST(SavedStateForm, RefusesWhatIsCutOffOrTooLong) {
 TEST(SavedStateForm, RefusesOtherVersions) {
   auto bytes = example();
   SavedState state;
-  bytes[0] = std::byte{3};
-  EXPECT_EQ(decode_state(bytes, state), "it is from a newer gateway (form 3, this one knows 2)");
+  bytes[0] = std::byte{4};
+  EXPECT_EQ(decode_state(bytes, state), "it is from a newer gateway (form 4, this one knows 3)");
   bytes[0] = std::byte{0};
-  EXPECT_EQ(decode_state(bytes, state), "it is from an older gateway (form 0, this one knows 2)");
+  EXPECT_EQ(decode_state(bytes, state), "it is from an older gateway (form 0, this one knows 3)");
 }
 
 TEST(SavedStateForm, TakesNoMemoryForCountsThatCannotBe) {
-  for (std::size_t count = 20; count < 44; count += 4) {
+  for (std::size_t count = 20; count < 52; count += 4) {
     auto bytes = example();
     for (std::size_t i = 0; i < 4; ++i) bytes[count + i] = std::byte{0xff};
     SavedState state;
@@ -159,6 +231,10 @@ TEST(SavedStateForm, AnyByteChangedIsReadWithoutHarm) {
       if (!decode_state(changed, state).empty()) continue;
       for (const SavedFeature& feature : state.features) {
         ASSERT_LT(std::max(feature.from, feature.to), state.nodes.size() + state.anchors.size());
+      }
+      for (const LearnedSensor& sensor : state.sensors) {
+        ASSERT_LT(sensor.quantity.value, state.quantities.size());
+        ASSERT_TRUE(std::isfinite(sensor.reference + sensor.followed + sensor.residual));
       }
     }
   }
@@ -189,13 +265,49 @@ TEST(SavedStateForm, RefusesWhatContradictsItself) {
   writer.begin(7, 8, 0);
   writer.add(SavedFeature{.from = 0, .to = 0});
   EXPECT_EQ(decode_state(writer.finish(), state), "a feature ends at no node");
+  writer.begin(7, 8, 0);
+  writer.add(Quantity{"level", "m"});
+  writer.add(learned_sensor());
+  EXPECT_EQ(decode_state(writer.finish(), state), "a sensor measures what it does not name");
+  writer.begin(7, 8, 0);
+  write_learned(writer);
+  LearnedSensor sensor = learned_sensor();
+  sensor.roughness = std::numeric_limits<double>::quiet_NaN();
+  writer.add(sensor);
+  EXPECT_EQ(decode_state(writer.finish(), state), "what it says of a sensor is no number");
+}
+
+TEST(SavedStateForm, WhatIsLearnedIsContentOnceInAWhile) {
+  StateWriter writer(1000);
+  const auto content = [&](std::uint32_t edition, double reference, std::int64_t time) {
+    writer.begin(7, 8, 0, time);
+    writer.add(Quantity{"level", "m"});
+    LearnedSensor sensor = learned_sensor();
+    sensor.reference = reference;
+    writer.add(sensor);
+    writer.set_edition(edition);
+    static_cast<void>(writer.finish());
+    return writer.content();
+  };
+  EXPECT_EQ(content(1, 5, 100), content(1, 6, 200));
+  EXPECT_NE(content(1, 5, 100), content(2, 5, 100));
 }
 
 TEST(SavedStateForm, FitsWhatASettingAllows) {
   Settings settings = settings_with_state();
   settings.buses.front().name = std::string(300, 'n');
   settings.buses.front().units = {{.first = 1, .last = 200}, {.first = 150, .last = 210}};
-  StateWriter writer(saved_state_size_max(settings));
+  Profile profile;
+  profile.name = "meter";
+  profile.readings.push_back({.name = std::string(reading_name_max, 'n'),
+                              .unit = std::string(reading_unit_max, 'u'),
+                              .value = {},
+                              .valid = {}});
+  settings.device_profiles = {profile};
+  settings.buses.front().devices = {{.units = {{.first = 1, .last = 20}}, .profile = "meter"}};
+  const Quantity quantity{profile.readings[0].name, profile.readings[0].unit};
+  const std::size_t size_max = saved_state_size_max(settings);
+  StateWriter writer(size_max);
   const test::AllocationWatch watch;
   writer.begin(1, 2, 0);
   for (const BusSettings& bus : settings.buses) writer.add_bus(bus.name);
@@ -204,7 +316,9 @@ TEST(SavedStateForm, FitsWhatASettingAllows) {
   for (std::uint32_t i = 0; i < 50; ++i) writer.add(SteinerPlace{});
   const std::uint32_t known = roster_capacity(count_units(settings));
   for (std::uint32_t i = 0; i < known; ++i) writer.add(SavedMissing{});
-  EXPECT_LE(writer.finish().size(), saved_state_size_max(settings));
+  writer.add(quantity);
+  for (int i = 0; i < 20; ++i) writer.add(learned_sensor());
+  EXPECT_LE(writer.finish().size(), size_max);
   EXPECT_EQ(watch.allocations(), 0u);
 }
 
@@ -368,7 +482,7 @@ TEST_F(StateSaverTest, LoadsTheLastElseThePrevious) {
   EXPECT_EQ(log_.lines,
             (std::vector<std::string>{
                 "state: the last copy is not used, it is from a newer gateway (form 9, this one "
-                "knows 2); it is kept as /state/aside-1",
+                "knows 3); it is kept as /state/aside-1",
                 "state: takes the copy before the last"}));
   EXPECT_EQ(store_.aside.size(), 1u);
 }

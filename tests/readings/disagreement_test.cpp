@@ -36,7 +36,9 @@ class WatchedSite {
   std::uint32_t row_count() const { return static_cast<std::uint32_t>(snapshot_.vertices.size()); }
   const Agreement& of(std::uint32_t row) const { return watch_.of(row); }
   DisagreementWatch& watch() { return watch_; }
-  void take(const Snapshot& snapshot) { watch_.take(snapshot, test::rows_of(snapshot)); }
+  void take(const Snapshot& snapshot) {
+    watch_.take(snapshot, test::sensors_in(test::rows_of(snapshot)));
+  }
   const Snapshot& snapshot() const { return snapshot_; }
   int begun_alarms() const { return begun_alarms_; }
 
@@ -348,7 +350,7 @@ TEST(Disagreement, OfLessThanTheToleranceIsNone) {
   NearestNodes nodes(100, 100);
   nodes.take(snapshot, test::rows_of(snapshot));
   DisagreementWatch watch(nodes, 100, 100, 0.1);
-  watch.take(snapshot, test::rows_of(snapshot));
+  watch.take(snapshot, test::sensors_in(test::rows_of(snapshot)));
   std::vector<double> values(100, 20.0);
   for (int sample = 0; sample < learned_after; ++sample) watch.observe(values);
   values[50] = 20.1;
@@ -431,6 +433,74 @@ TEST(Disagreement, BeginsAnewForAnotherNode) {
   EXPECT_EQ(site.begun_alarms(), 1);
 }
 
+// A watch that goes on with what another one learned is as good as that.
+TEST(Disagreement, IsFoundByWhatWasLearnedBefore) {
+  WatchedSite site(hundred_nodes(25), calm, 25);
+  const std::uint32_t row = site.inner_row();
+  const std::uint32_t wrong = site.hull_row();
+  site.run(learned_after);
+  site.run(found_within, offset_of(wrong, drift));
+  ASSERT_TRUE(site.of(wrong).disagrees);
+  std::vector<LearnedSensor> learned;
+  site.watch().for_each_learned([&](const LearnedSensor& each) { learned.push_back(each); });
+  ASSERT_EQ(learned.size(), 100u);
+  site.take(Snapshot{});
+  site.take(site.snapshot());
+  EXPECT_FALSE(site.of(wrong).disagrees);
+  for (const LearnedSensor& each : learned) {
+    EXPECT_TRUE(site.watch().restore(each.serial.value - 1000, each));
+  }
+  EXPECT_TRUE(site.of(wrong).disagrees) << "the alarm stands";
+  site.run(1, offset_of(wrong, drift));
+  EXPECT_TRUE(site.of(row).is_judged);
+  EXPECT_GT(site.samples_until_alarm(row, found_within,
+                                     [&](std::vector<double>& values, int) {
+                                       values[row] += drift;
+                                       values[wrong] += drift;
+                                     }),
+            0);
+  site.run(60);
+  EXPECT_FALSE(site.of(row).disagrees);
+  EXPECT_FALSE(site.of(wrong).disagrees);
+}
+
+TEST(Disagreement, TakesNothingFromBeforeThatMakesNoSense) {
+  WatchedSite site(hundred_nodes(26), calm, 26);
+  site.run(10);
+  std::vector<LearnedSensor> learned;
+  site.watch().for_each_learned([&](const LearnedSensor& each) { learned.push_back(each); });
+  const LearnedSensor good = learned.front();
+  const std::uint32_t row = good.serial.value - 1000;
+  EXPECT_FALSE(site.watch().restore(row, good)) << "something is known already";
+  site.watch().forget(row);
+  const auto is_taken = [&](auto change) {
+    LearnedSensor bad = good;
+    change(bad);
+    site.watch().forget(row);
+    return site.watch().restore(row, bad);
+  };
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(is_taken([](LearnedSensor&) {}));
+  EXPECT_FALSE(is_taken([](LearnedSensor& bad) { bad.serial = Serial{4711}; }));
+  EXPECT_FALSE(is_taken([](LearnedSensor& bad) { ++bad.definition; }));
+  EXPECT_FALSE(is_taken([](LearnedSensor& bad) { bad.point.x += 200'000 * subunits_per_unit; }));
+  EXPECT_FALSE(is_taken([](LearnedSensor& bad) { bad.reference = 1e200; }));
+  EXPECT_FALSE(is_taken([](LearnedSensor& bad) { bad.followed = test::no_value; }));
+  EXPECT_FALSE(is_taken([](LearnedSensor& bad) { bad.slow_change = -infinity; }));
+  EXPECT_FALSE(is_taken([](LearnedSensor& bad) { bad.residual = -1; }));
+  EXPECT_FALSE(is_taken([](LearnedSensor& bad) { bad.residual_count = 0; }));
+  EXPECT_FALSE(is_taken([](LearnedSensor& bad) { bad.roughness = infinity; }));
+  EXPECT_FALSE(is_taken([](LearnedSensor& bad) { bad.rise = test::no_value; }));
+  // What is too large is as much as there may be.
+  EXPECT_TRUE(is_taken([](LearnedSensor& bad) {
+    bad.sample_count = bad.residual_count = bad.roughness_count = 4'000'000'000u;
+    bad.rise = bad.fall = 1e50;
+    bad.disagrees = true;
+  }));
+  site.run(60);
+  EXPECT_FALSE(site.of(row).disagrees) << "it ends as any other";
+}
+
 // Of the nodes every third has a sensor: the others are no evidence, whatever is given for them,
 // and a sensor that comes or goes leaves those that stay alone.
 TEST(Disagreement, IsOfNodesThatHaveASensor) {
@@ -443,7 +513,7 @@ TEST(Disagreement, IsOfNodesThatHaveASensor) {
   EXPECT_TRUE(nodes.around(1).empty());
   EXPECT_FALSE(nodes.around(3).empty());
   DisagreementWatch watch(nodes, 100, room);
-  watch.take(snapshot, rows);
+  watch.take(snapshot, test::sensors_in(rows));
   EXPECT_EQ(watch.sensor_count(), rows.size());
   std::vector<double> values(100, 20.0);
   for (std::uint32_t row = 1; row < 100; row += 3) values[row] = 1000.0 * row;
@@ -456,9 +526,10 @@ TEST(Disagreement, IsOfNodesThatHaveASensor) {
   EXPECT_TRUE(watch.of(30).disagrees);
   // The first goes, 31 comes in its place.
   rows.front() = 31;
+  const std::vector<PlacedSensor> sensors = test::sensors_in(rows);
   const test::AllocationWatch allocations;
   nodes.take(snapshot, rows);
-  watch.take(snapshot, rows);
+  watch.take(snapshot, sensors);
   EXPECT_EQ(allocations.allocations(), 0u);
   EXPECT_FALSE(watch.has_sensor(0));
   EXPECT_TRUE(watch.has_sensor(31));
@@ -470,7 +541,7 @@ TEST(Disagreement, IsOfNodesThatHaveASensor) {
   other.vertices[60].kind = VertexKind::none;
   const std::vector<std::uint32_t> odd = {30, 30, 60, 100, 4'000'000'000u};
   nodes.take(other, odd);
-  watch.take(other, odd);
+  watch.take(other, test::sensors_in(odd));
   EXPECT_EQ(watch.sensor_count(), 1u);
   EXPECT_TRUE(watch.of(30).disagrees);
   watch.observe(values);
@@ -478,7 +549,7 @@ TEST(Disagreement, IsOfNodesThatHaveASensor) {
 
 TEST(Disagreement, TakesNoMemoryLater) {
   WatchedSite site(hundred_nodes(23), calm, 23);
-  const std::vector<std::uint32_t> rows = test::rows_of(site.snapshot());
+  const std::vector<PlacedSensor> sensors = test::sensors_in(test::rows_of(site.snapshot()));
   std::vector<double> values(100, 1.0);
   values[3] = test::no_value;
   const test::AllocationWatch watch;
@@ -486,7 +557,7 @@ TEST(Disagreement, TakesNoMemoryLater) {
     values[static_cast<std::size_t>(sample) % 100] += 1;
     site.watch().observe(values);
   }
-  site.watch().take(site.snapshot(), rows);
+  site.watch().take(site.snapshot(), sensors);
   EXPECT_EQ(watch.allocations(), 0u);
 }
 

@@ -54,6 +54,12 @@ std::vector<std::uint32_t> rows_of(const Snapshot& snapshot) {
   return rows;
 }
 
+std::vector<firmware::PlacedSensor> sensors_in(const std::vector<std::uint32_t>& rows) {
+  std::vector<firmware::PlacedSensor> sensors;
+  for (const std::uint32_t row : rows) sensors.push_back({.row = row, .definition = 7});
+  return sensors;
+}
+
 double x_of(const Snapshot& snapshot, std::uint32_t row) {
   return static_cast<double>(snapshot.vertices[row].point.x) / double{subunits_per_unit};
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "firmware/publish/snapshot.h"
+#include "firmware/readings/disagreement.h"
 #include "inputs/graph.h"
 
 namespace etcm::test {
@@ -18,8 +19,9 @@ firmware::Snapshot snapshot_of(const inputs::Graph& graph);
 // So many nodes, evenly at random in a square of this side; no two equal.
 std::vector<Position> scattered(std::size_t count, std::int32_t side, std::uint64_t seed);
 
-// All of them.
+// All of them, and a sensor in each of some.
 std::vector<std::uint32_t> rows_of(const firmware::Snapshot& snapshot);
+std::vector<firmware::PlacedSensor> sensors_in(const std::vector<std::uint32_t>& rows);
 
 // In units of the site.
 double x_of(const firmware::Snapshot& snapshot, std::uint32_t row);

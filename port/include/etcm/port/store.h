@@ -29,7 +29,7 @@ class Store {
 
   // Starts to replace what is kept by a copy of `bytes`. After a crash at any moment load() gives
   // the old bytes or the new ones; the old ones also stay where saving fails. REQUIRES: no save
-  // under way, and no more bytes than the store was made for.
+  // under way. More bytes than the store was made for take memory.
   virtual void start_save(std::span<const std::byte> bytes) = 0;
   virtual bool is_saving() const = 0;
 

@@ -1,0 +1,36 @@
+// What was learned of one sensor by how it differs from the nodes around it (readings/README.md):
+// as much as it takes to go on after a restart.
+#pragma once
+
+#include <cstdint>
+
+#include "etcm/types.h"
+#include "firmware/polling/indices.h"
+#include "firmware/protocol/serial.h"
+
+namespace etcm::firmware {
+
+struct LearnedSensor {
+  Serial serial;  // of its node
+  QuantityIndex quantity;
+  std::uint64_t definition = 0;  // of what it measures: profile/fingerprint.h
+  Point point;                   // where the node stood
+  std::uint32_t age_s = 0;       // since it was read last
+  std::uint32_t sample_count = 0;
+  // In the unit of the quantity.
+  double reference = 0;
+  double followed = 0;  // of that, since it was learned
+  bool has_slow_change = false;
+  double slow_change = 0;
+  double residual = 0;  // medians, of so many samples
+  double roughness = 0;
+  std::uint32_t residual_count = 0;
+  std::uint32_t roughness_count = 0;
+  // The cumulative sums, and whether the alarm stands.
+  double rise = 0;
+  double fall = 0;
+  bool disagrees = false;
+  friend bool operator==(const LearnedSensor&, const LearnedSensor&) = default;
+};
+
+}  // namespace etcm::firmware

@@ -1,0 +1,19 @@
+// The system's time of day.
+#pragma once
+
+#include <chrono>
+
+#include "etcm/port/wall_clock.h"
+
+namespace etcm::port {
+
+class SystemWallClock final : public WallClock {
+ public:
+  std::int64_t seconds() const override {
+    return std::chrono::duration_cast<std::chrono::seconds>(
+               std::chrono::system_clock::now().time_since_epoch())
+        .count();
+  }
+};
+
+}  // namespace etcm::port
