@@ -227,7 +227,7 @@ void read_device(TomlTable& toml_table, const Settings& settings, BusSettings& b
   const toml::node* const name = toml_table.find("profile");
   if (profile != nullptr) {
     if (toml_table.find("pause") == nullptr) device.pause = profile->pause;
-  } else if (name != nullptr && device.profile != node_profile) {
+  } else if (name != nullptr && device.profile != node_profile && settings.has_all_profiles) {
     std::string known = node_profile;
     for (const Profile& other : settings.device_profiles) {
       if (!other.name.empty()) known += ", " + other.name;
@@ -324,6 +324,14 @@ void read_node(TomlTable& toml_table, Settings& settings) {
 
 // ---- The whole file.
 
+// Those of a file, or of a folder, whose names are not known yet.
+void add_profiles(const std::string& path, Settings& settings, std::vector<std::string>& mistakes) {
+  for (Profile& profile : read_profiles(path, mistakes)) {
+    if (find_profile(settings, profile.name) != nullptr) continue;
+    settings.device_profiles.push_back(std::move(profile));
+  }
+}
+
 // Those of the file itself come first: they take the place of others of their name.
 void read_all_profiles(TomlTable& file, const std::filesystem::path& folder, Settings& settings,
                        std::vector<std::string>& mistakes) {
@@ -340,18 +348,22 @@ void read_all_profiles(TomlTable& file, const std::filesystem::path& folder, Set
     }
     settings.device_profiles.push_back(std::move(profile));
   });
-  const toml::node* const named = file.find("profiles");
-  const std::string path = named != nullptr ? settings.profiles : ETCM_PROFILES;
+  const std::size_t before = mistakes.size();
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) {
-    if (named != nullptr && !path.empty()) {
-      file.mistake(*named, "there is no " + path + "; give a file with profiles, or a folder");
+  for (const std::string& path : settings.profiles) {
+    if (std::filesystem::exists(path, ignored)) {
+      add_profiles(path, settings, mistakes);
+    } else {
+      file.mistake(*file.find("profiles"),
+                   "there is no " + path +
+                       "; give a file with profiles, or a folder. Those of the package need no "
+                       "'profiles'");
     }
-    return;
   }
-  for (Profile& profile : read_profiles(path, mistakes)) {
-    settings.device_profiles.push_back(std::move(profile));
+  if (std::filesystem::exists(ETCM_PROFILES, ignored)) {
+    add_profiles(ETCM_PROFILES, settings, mistakes);
   }
+  settings.has_all_profiles = mistakes.size() == before;
 }
 
 void note_site(TomlTable& toml_table, Settings& settings) {

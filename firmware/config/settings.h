@@ -230,9 +230,10 @@ struct Settings {
   PollSettings poll;
   WriteBackSettings write_back;
   std::vector<BusSettings> buses;
-  UnitRoom room{};       // that of the start, whatever a reload adds
-  std::string profiles;  // a file or a folder; empty: those that are installed
+  UnitRoom room{};                    // that of the start, whatever a reload adds
+  std::vector<std::string> profiles;  // files and folders, beside what is installed
   std::vector<Profile> device_profiles;
+  bool has_all_profiles = true;  // else some could not be read, and that was told
   std::vector<NodeSettings> nodes;
   ServerSettings server;
   std::optional<HttpSettings> http;

@@ -42,9 +42,10 @@ constexpr Meaning<PolyNodes> poly_nodes[] = {{"serials", PolyNodes::serials},
                                              {"anchors", PolyNodes::anchors}};
 
 constexpr Key profile_keys[] = {
-    {"profiles", path_from_file<&Settings::profiles>(),
-     unset(R"("profiles.toml")", "`" ETCM_PROFILES "`"), restart,
-     "a file with [profiles of devices](profiles.md), or a folder of such; a `[[profile]]` may "
+    {"profiles", paths_from_file<&Settings::profiles>(), unset(R"(["profiles.toml"])", "none"),
+     at_once,
+     "files with [profiles of devices](profiles.md), or folders of such, looked through in this "
+     "order, and `" ETCM_PROFILES "` behind them; a `[[profile]]` may "
      "stand in this file too"},
 };
 

@@ -143,6 +143,22 @@ std::optional<std::string> read(const PathType&, const GivenKey& key, const toml
   return (key.folder / *found).string();
 }
 
+std::optional<std::vector<std::string>> read(const PathsType&, const GivenKey& key,
+                                             const toml::node& node) {
+  const toml::array* const list = node.as_array();
+  const std::size_t count = list != nullptr ? list->size() : 1;
+  std::vector<std::string> paths;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto text = (list != nullptr ? (*list)[i] : node).value_exact<std::string>();
+    if (!text || text->empty()) break;
+    paths.push_back((key.folder / *text).string());
+  }
+  if (paths.size() == count) return paths;
+  return wrong(key, node,
+               quoted(key) + " must be a path or a list of paths; write it as " + key.name + " = " +
+                   key.example);
+}
+
 std::optional<port::SocketAddress> read(const AddressType&, const GivenKey& key,
                                         const toml::node& node) {
   const auto text = node.value_exact<std::string>();
@@ -272,6 +288,7 @@ std::string range(const BaudType&) {
 std::string range(const FlagType&) { return "`true`, `false`"; }
 std::string range(const TextType&) { return "text"; }
 std::string range(const PathType&) { return "path"; }
+std::string range(const PathsType&) { return "path, or list of paths"; }
 std::string range(const AddressType&) { return "`\"ADDRESS:PORT\"`"; }
 std::string range(const OptionalAddressType&) { return range(AddressType{}); }
 std::string range(const EndpointType&) { return "`\"HOST:PORT\"`"; }

@@ -65,6 +65,10 @@ struct TextType {
 struct PathType {
   Access<std::string> field;
 };
+// One or several of these.
+struct PathsType {
+  Access<std::vector<std::string>> field;
+};
 struct AddressType {
   Access<port::SocketAddress> field;
 };
@@ -108,8 +112,9 @@ struct OriginType {
 
 using ValueType =
     std::variant<DurationType, OptionalDurationType, CountType, ChoiceType, BaudType, FlagType,
-                 TextType, PathType, AddressType, OptionalAddressType, EndpointType, NetworksType,
-                 UnitsType, BoardLineType, OptionalCountType, DecimalType, ScaleType, OriginType>;
+                 TextType, PathType, PathsType, AddressType, OptionalAddressType, EndpointType,
+                 NetworksType, UnitsType, BoardLineType, OptionalCountType, DecimalType, ScaleType,
+                 OriginType>;
 
 // A key as it stands in a file.
 struct GivenKey {
@@ -246,6 +251,10 @@ constexpr TextType text() {
 template <auto... path>
 constexpr PathType path_from_file() {
   return {detail::field<std::string, path...>()};
+}
+template <auto... path>
+constexpr PathsType paths_from_file() {
+  return {detail::field<std::vector<std::string>, path...>()};
 }
 template <auto... path>
 constexpr AddressType address() {

@@ -36,7 +36,7 @@ std::string joined(const std::vector<std::string>& lines) {
   std::string text;
   for (const std::string& line : lines) {
     const bool is_left_out =
-        line == R"(profiles = "profiles.toml")" || line == R"(rs485_line = "RS485_DE")";
+        line == R"(profiles = ["profiles.toml"])" || line == R"(rs485_line = "RS485_DE")";
     text += (is_left_out                     ? ""
              : line == R"(profile = "etcm")" ? R"(profile = "meter")"
              : line == R"(rs485 = "keep")"   ? R"(rs485 = "on")"
@@ -95,6 +95,7 @@ struct ChangeValue {
     ++value.port;
     type.field.set(target, value);
   }
+  void operator()(const PathsType& type) const { type.field.set(target, {"/elsewhere"}); }
   void operator()(const NetworksType& type) const { type.field.set(target, {port::everybody}); }
   void operator()(const UnitsType& type) const { type.field.set(target, {{200, 201}}); }
   void operator()(const BoardLineType& type) const {

@@ -23,6 +23,9 @@ class SettingsFile : public testing::Test {
   }
   ~SettingsFile() override { std::filesystem::remove_all(folder_); }
 
+  void write_beside(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+  }
   Settings read(const std::string& text) {
     std::ofstream(path_) << text;
     mistakes_.clear();
@@ -160,13 +163,74 @@ units = "1"
   EXPECT_EQ(settings.buses[1].quiet, 50ms);
 }
 
-TEST_F(SettingsFile, ProfilesThatAreNowhereAreAMistake) {
-  read("profiles = \"nowhere.toml\"\n[mesh]\nvertices_max = 10\n" + std::string(R"([[bus]]
-tcp = "127.0.0.1:1500"
-units = "1"
-)"));
-  ASSERT_EQ(mistakes_.size(), 1u);
-  EXPECT_TRUE(mistakes_[0].starts_with(path_ + ":1: there is no ")) << mistakes_[0];
+constexpr const char* float_at_7 =
+    "\n[mesh]\nvertices_max = 10\n[[bus]]\ntcp = \"127.0.0.1:1500\"\n"
+    "[[bus.device]]\nunits = \"7\"\nprofile = \"float\"\n";
+
+// That the device's profile is not there is no mistake of its own then.
+TEST_F(SettingsFile, ProfilesThatAreNowhereAreOneMistake) {
+  std::filesystem::create_directory(folder_ / "here");
+  for (const char* const profiles :
+       {"\"nowhere.toml\"", "[\"nowhere\"]", "[\"here\", \"no/where\"]"}) {
+    read("profiles = " + std::string(profiles) + float_at_7);
+    ASSERT_EQ(mistakes_.size(), 1u) << profiles;
+    EXPECT_TRUE(mistakes_[0].starts_with(path_ + ":1: there is no ")) << mistakes_[0];
+    EXPECT_TRUE(
+        mistakes_[0].ends_with("give a file with profiles, or a folder. Those of the "
+                               "package need no 'profiles'"))
+        << mistakes_[0];
+    mistakes_.clear();
+  }
+}
+
+TEST_F(SettingsFile, ProfilesThatAreWrongAreOneMistake) {
+  write_beside("float.toml", "[[profile]]\nname = \"float\"\n[[profile.reading]]\nname = 5\n");
+  read("profiles = \"float.toml\"" + std::string(float_at_7));
+  ASSERT_FALSE(mistakes_.empty());
+  for (const std::string& mistake : mistakes_) {
+    EXPECT_NE(mistake.find("float.toml:"), std::string::npos) << mistake;
+  }
+}
+
+TEST_F(SettingsFile, OfProfilesOfOneNameTheFirstCounts) {
+  const auto profile = [](const std::string& name, int pause) {
+    return "[[profile]]\nname = \"" + name + "\"\npause = \"" + std::to_string(pause) +
+           "ms\"\n[[profile.reading]]\nname = \"level\"\nvalue = { register = 0 }\n";
+  };
+  std::filesystem::create_directory(folder_ / "more");
+  write_beside("float.toml", profile("float", 1) + profile("other", 2));
+  write_beside("more/a.toml", profile("float", 3) + profile("own", 4));
+  write_beside("more/b.toml", profile("last", 5));
+  const auto pause_of = [&](const Settings& settings, const char* name) {
+    const Profile* const found = find_profile(settings, name);
+    return found == nullptr ? -1ms
+                            : std::chrono::duration_cast<std::chrono::milliseconds>(found->pause);
+  };
+  Settings settings =
+      read("profiles = [\"float.toml\", \"more\"]" + std::string(float_at_7) + profile("own", 6));
+  EXPECT_TRUE(mistakes_.empty()) << mistakes_.front();
+  EXPECT_EQ(pause_of(settings, "float"), 1ms);
+  EXPECT_EQ(pause_of(settings, "other"), 2ms);
+  EXPECT_EQ(pause_of(settings, "own"), 6ms);
+  EXPECT_EQ(pause_of(settings, "last"), 5ms);
+  settings = read("profiles = [\"more\", \"float.toml\"]" + std::string(float_at_7));
+  EXPECT_EQ(pause_of(settings, "float"), 3ms);
+  EXPECT_EQ(settings.profiles.size(), 2u);
+}
+
+TEST_F(SettingsFile, ProfilesAreAPathOrAListOfThem) {
+  for (const char* const profiles :
+       {"5", "\"\"", "[1]", "[\"float.toml\", \"\"]", "[[]]", "true"}) {
+    read("profiles = " + std::string(profiles) +
+         "\n[mesh]\nvertices_max = 10\n[[bus]]\n"
+         "tcp = \"127.0.0.1:1500\"\nunits = \"1\"\n");
+    ASSERT_EQ(mistakes_.size(), 1u) << profiles;
+    EXPECT_NE(mistakes_[0].find(":1: 'profiles' must be a path or a list of paths; write it as "
+                                "profiles = [\"profiles.toml\"]"),
+              std::string::npos)
+        << mistakes_[0];
+    mistakes_.clear();
+  }
 }
 
 TEST_F(SettingsFile, DevicesAndSurveyedNodesAreRead) {
