@@ -298,13 +298,13 @@ void Gateway::follow_position(NodeRecord& node) {
 void Gateway::publish(port::Instant now) {
   ++generation_;
   changed_ = false;
-  if (file_publisher_) file_publisher_->mark_dirty();
   if (state_saver_) state_saver_->mark_dirty();
   const port::Instant started = ports_.clock.now();
   forget_history();
   list_quarantine(nodes_, kept_.features(), kept_.anchors(), admission_, quarantine_);
   const Snapshot& snapshot =
       snapshots_.take(generation_, kept_, nodes_, poller_, presence_, quarantine_, now);
+  if (file_publisher_) file_publisher_->mark_dirty(snapshot);
   distributor_.take_snapshot();
   state_ = snapshot.state;
   ReadingSnapshot& readings = reading_taker_.take(reading_table_, nodes_, snapshot, now);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "firmware/nodes/silence_cause.h"
+
 namespace etcm::firmware {
 
 namespace {
@@ -43,8 +45,12 @@ void Presence::hear_unit(UnitIndex unit, port::Instant now) {
   if (!std::exchange(buses_[number.value].is_silent, false)) return;
   changed_ = true;
   TextLine line;
-  line << "bus " << poller_.bus(number).name << ": answers again";
-  if (heard_at != port::Instant{}) line << ", after " << whole_seconds(now - heard_at) << " s";
+  line << "bus " << poller_.bus(number).name;
+  if (heard_at == port::Instant{}) {
+    line << ": answers, for the first time since the start";
+  } else {
+    line << ": answers again, after " << whole_seconds(now - heard_at) << " s";
+  }
   log_.write(port::Level::info, line);
 }
 
@@ -182,10 +188,21 @@ void Presence::check_readings(port::Instant now) {
 void Presence::check_bus(BusIndex number, port::Instant now) {
   Bus& bus = buses_[number.value];
   // Once it is, only an answer ends that.
-  const bool is_silent = bus.nodes > 0 && (bus.is_silent || clock_.is_silent(number));
+  const bool is_silent =
+      (bus.nodes > 0 && (bus.is_silent || clock_.is_silent(number))) || has_never_answered(number);
   if (std::exchange(bus.is_silent, is_silent) == is_silent) return;
   changed_ = true;
-  if (!is_silent) return;
+  if (is_silent) tell_silent(number, now);
+}
+
+// One without units of its own may well have none.
+bool Presence::has_never_answered(BusIndex bus) const {
+  return clock_.heard_at(bus) == port::Instant{} && !poller_.bus(bus).units.empty() &&
+         clock_.silence_of(bus) > settings_.leave_after;
+}
+
+void Presence::tell_silent(BusIndex number, port::Instant now) {
+  const std::uint32_t nodes = buses_[number.value].nodes;
   TextLine line;
   line << "bus " << poller_.bus(number).name << ": silent";
   const port::Instant heard_at = clock_.heard_at(number);
@@ -194,8 +211,13 @@ void Presence::check_bus(BusIndex number, port::Instant now) {
   } else {
     line << " for " << whole_seconds(now - heard_at) << " s";
   }
-  line << ", none of its " << bus.nodes << (bus.nodes == 1 ? " node" : " nodes")
-       << " answers; nobody leaves the mesh for that, check its cable, converter and power";
+  if (nodes == 0) {
+    line << ", none of its units has answered; ";
+  } else {
+    line << ", none of its " << nodes << (nodes == 1 ? " node" : " nodes")
+         << " answers, and none leaves the mesh for that; ";
+  }
+  line << silence_cause(poller_, number, now, settings_.stale_after);
   log_.write(port::Level::warning, line);
 }
 

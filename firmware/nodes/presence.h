@@ -49,7 +49,8 @@ class Presence {
   // Those known from an earlier run: the log says how many, and one of them.
   void tell_missing(port::Instant now);
 
-  // No node of the bus answers, though some are known to be on it.
+  // No node of the bus answers, though some are known to be on it; or none of its `units` has
+  // answered since the start, and leave_after has passed.
   bool is_silent(BusIndex bus) const { return buses_[bus.value].is_silent; }
   std::uint32_t silent_bus_count() const;
   // Nodes that answered at the last sweep and had not told where they are.
@@ -75,6 +76,8 @@ class Presence {
   void check_freshness(NodeRecord& node, port::Instant now);
   void check_readings(port::Instant now);
   void check_bus(BusIndex bus, port::Instant now);
+  bool has_never_answered(BusIndex bus) const;
+  void tell_silent(BusIndex bus, port::Instant now);
 
   PollSettings settings_;
   const Poller& poller_;

@@ -21,13 +21,14 @@ FilePublisher::FilePublisher(const Settings& settings, int share, port::MeshFile
       clock_(clock),
       disk_(files_messages, settings.files->interval, log),
       imager_(settings) {
-  // The folder, as long as there is no generation.
+  // The folder, as long as there is no mesh.
   disk_.mark_dirty();
 }
 
-void FilePublisher::mark_dirty() {
+void FilePublisher::mark_dirty(const Snapshot& published) {
+  if (!has_mesh_ && published.vertices.empty()) return;
   // The first one is not to wait for an interval: there is nothing in the folder yet.
-  std::exchange(has_generation_, true) ? disk_.mark_dirty() : disk_.mark_urgent();
+  std::exchange(has_mesh_, true) ? disk_.mark_dirty() : disk_.mark_urgent();
 }
 
 port::Instant FilePublisher::next_deadline() const {
@@ -38,7 +39,7 @@ void FilePublisher::write(const Snapshot& published, const ReadingSnapshot& read
                           const SitePlane& plane, port::Instant now) {
   if (disk_.next_deadline() == port::never) return;
   disk_.start(now);
-  if (!has_generation_) return files_.start_check();
+  if (!has_mesh_) return files_.start_check();
   const port::Instant begin = clock_.now();
   files_.start_write(imager_.make(published, readings, plane));
   not_before_ = now + share_ * (clock_.now() - begin);

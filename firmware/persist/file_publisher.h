@@ -21,11 +21,12 @@ class FilePublisher {
   FilePublisher(const Settings& settings, int share, port::MeshFiles& files,
                 const port::Clock& clock, port::Log& log);
 
-  // There is a generation that the files do not show.
-  void mark_dirty();
+  // There is a generation that the files do not show. As long as no mesh has had a vertex, those of
+  // an earlier run stay.
+  void mark_dirty(const Snapshot& published);
   // There are readings of a generation that they do not show.
   void mark_readings_dirty() {
-    if (has_generation_) disk_.mark_dirty();
+    if (has_mesh_) disk_.mark_dirty();
   }
 
   // Hears how the last write went. The caller then calls write() where is_due().
@@ -35,7 +36,7 @@ class FilePublisher {
   void update_settings(const FileSettings& settings) { disk_.set_interval(settings.interval); }
 
   // Starts to write the generation that was published last, unless something is under way or they
-  // show it already. Only checks the folder where there is none yet.
+  // show it already. Only checks the folder as long as no mesh has had a vertex.
   void write(const Snapshot& published, const ReadingSnapshot& readings, const SitePlane& plane,
              port::Instant now);
 
@@ -47,7 +48,7 @@ class FilePublisher {
   const port::Clock& clock_;
   DiskWriter disk_;
   SnapshotImager imager_;
-  bool has_generation_ = false;
+  bool has_mesh_ = false;
   port::Instant not_before_{};
 };
 

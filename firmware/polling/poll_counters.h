@@ -31,8 +31,10 @@ struct UnitCounters {
 };
 
 struct BusCounters {
-  port::Instant answered_at{};  // last, by any of its units; the origin: never
-  port::Duration busy{};        // while at least one question was under way
+  port::Instant answered_at{};      // last, by any of its units; the origin: never
+  port::Instant heard_at{};         // anything else came last, sound or not
+  port::Instant absence_told_at{};  // a converter said last that nobody is there
+  port::Duration busy{};            // while at least one question was under way
   port::Duration floor{};  // least time the bytes and silences of the answered ones need on a line
 };
 

@@ -9,6 +9,15 @@ namespace {
 
 constexpr std::uint8_t torn_repeats_max = 3;
 
+void note_heard(BusCounters& counters, const port::BusAnswer& answer, port::Instant now) {
+  if (port::is_of_converter(answer.result, answer.exception)) {
+    counters.absence_told_at = now;
+  } else if (answer.result != port::BusResult::timeout &&
+             answer.result != port::BusResult::link_lost) {
+    counters.heard_at = now;
+  }
+}
+
 }  // namespace
 
 Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
@@ -187,6 +196,7 @@ TextLine Poller::name(UnitIndex unit) const {
 void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant now) {
   const bool is_absence = port::is_absence(answer);
   PolledUnit& unit = units_[index.value];
+  note_heard(buses_[unit.bus.value].counters, answer, now);
   count_answer(unit, is_absence ? port::BusResult::timeout : answer.result, now);
   pause_after(answer, index, now);
   // What is to be believed comes from one sweep.

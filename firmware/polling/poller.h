@@ -77,6 +77,8 @@ class Poller {
   const BusSettings& bus(BusIndex bus) const { return buses_[bus.value].schedule.settings(); }
   const BusCounters& bus_counters(BusIndex bus) const { return buses_[bus.value].counters; }
   const ClientRequests& client_requests(BusIndex bus) const { return buses_[bus.value].clients; }
+  // As the bus itself says (node_bus.h).
+  std::string_view why_down(BusIndex bus) const { return buses_[bus.value].bus->why_down(); }
   BusIndex bus_of(UnitIndex unit) const { return units_[unit.value].bus; }
   // None where there is none.
   UnitIndex unit_at(BusIndex bus, ModbusAddress address) const {

@@ -24,7 +24,7 @@ constexpr auto header_table = in_sequence(std::to_array<RegisterRow<HeaderSource
      "answered lately, or has no fix; bit 2 room or budget was too small; bit 3 missing: a node "
      "fell "
      "silent, left the mesh for that and has not come back; bit 4 bus silent: no node of a bus "
-     "answers",
+     "answers, or none of its units has since the start, for leave_after",
      [](const HeaderSource& source) { return std::uint32_t{source.snapshot.state}; }},
     {"block_registers", 1, "{}", [](const HeaderSource&) { return block_size; }},
     {"blocks_per_unit", 1, "{}", [](const HeaderSource&) { return unit_blocks; }},
@@ -157,7 +157,7 @@ constexpr auto header_table = in_sequence(std::to_array<RegisterRow<HeaderSource
      [](const HeaderSource&) { return 0x01020304u; }},
     {"missing_count", 2, "nodes that fell silent, left the mesh for that and have not come back",
      [](const HeaderSource& source) { return source.snapshot.missing_count; }},
-    {"silent_bus_count", 2, "buses of which no node answers, though some are known there",
+    {"silent_bus_count", 2, "buses that are silent, as bit 4 of the state has it",
      [](const HeaderSource& source) { return source.snapshot.silent_bus_count; }},
     {"waiting_count", 2, "nodes that answer and have not told yet where they are",
      [](const HeaderSource& source) { return source.snapshot.waiting_count; }},

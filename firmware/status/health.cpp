@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware/nodes/silence_cause.h"
 #include "firmware/status/document.h"
 
 namespace etcm::firmware {
@@ -15,17 +16,23 @@ std::int64_t whole_seconds(port::Duration duration) {
   return std::chrono::floor<std::chrono::seconds>(duration).count();
 }
 
+// The first of those that are silent is named.
 bool are_buses_heard(const StatusSources& sources, port::Instant now, TextWriter& reason) {
   const Poller& poller = sources.gateway.poller();
   const SilenceClock& clock = sources.gateway.presence().clock();
+  const PollSettings& poll = sources.gateway.settings().poll;
+  BusIndex first = BusIndex::none();
+  std::uint32_t count = 0;
   for (BusIndex bus{0}; bus.value < poller.bus_count(); ++bus.value) {
-    if (clock.silence_of(bus) <= sources.gateway.settings().poll.leave_after) continue;
-    const port::Duration silence = age_of(std::max(clock.heard_at(bus), sources.started_at), now);
-    reason << "bus " << bus_label(poller, bus) << ": no unit has answered for "
-           << whole_seconds(silence) << " s; check its cable and power";
-    return false;
+    if (clock.silence_of(bus) <= poll.leave_after) continue;
+    if (count++ == 0) first = bus;
   }
-  return true;
+  if (count == 0) return true;
+  const port::Duration silence = age_of(std::max(clock.heard_at(first), sources.started_at), now);
+  reason << "bus " << bus_label(poller, first) << ": no unit has answered for "
+         << whole_seconds(silence) << " s; " << silence_cause(poller, first, now, poll.stale_after);
+  if (count > 1) reason << "; and " << count - 1 << " more silent";
+  return false;
 }
 
 // The one that has been missing for longest is named.

@@ -364,6 +364,7 @@ void RtuBus::open(Instant now) {
 
 void RtuBus::become_open(Instant now) {
   reported_closed_ = false;
+  why_down_.clear();
   log_.write(Level::info, "bus " + options_.name + ": opened " + place());
   be_silent(now + silence_, now + silence_);
 }
@@ -376,9 +377,9 @@ void RtuBus::close(const std::string& why, Instant now) {
     complete(BusResult::link_lost);
   }
   phase_ = Phase::closed;
+  why_down_ = place() + ": " + why;
   if (std::exchange(reported_closed_, true)) return;
-  log_.write(Level::warning,
-             "bus " + options_.name + ": " + place() + ": " + why + "; trying again");
+  log_.write(Level::warning, "bus " + options_.name + ": " + why_down_ + "; trying again");
 }
 
 }  // namespace etcm::port

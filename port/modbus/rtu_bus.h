@@ -71,6 +71,7 @@ class RtuBus final : public NodeBus {
   RtuBus& operator=(const RtuBus&) = delete;
 
   bool ready() const override { return phase_ == Phase::idle && !has_answer_; }
+  std::string_view why_down() const override { return why_down_; }
   Instant read_free_at(const RegisterRead& read, Instant now) const override;
   Instant write_free_at(std::uint8_t address) const override {
     return units_[address].owed.owed_until(write_holding_registers);
@@ -169,6 +170,7 @@ class RtuBus final : public NodeBus {
   RtuLine& line_;
   Phase phase_ = Phase::closed;
   bool reported_closed_ = false;
+  std::string why_down_;
   bool is_sending_ = false;
   Instant next_attempt_{};
 

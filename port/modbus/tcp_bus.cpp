@@ -112,7 +112,10 @@ void TcpBus::give_up_silent(Instant now) {
   if (!is_silent_ || queue_.waiting_count() > 0) return;
   silence_max_ = std::min(2 * silence_max_, tcp_silence_longest);
   connection_.abort();
-  on_lost("connected, but nothing answers");
+  on_lost(
+      "connected, but nothing answers; check the line behind it, and the power and addresses of "
+      "its "
+      "units");
 }
 
 bool TcpBus::take_answer(BusAnswer& answer) {
@@ -143,6 +146,7 @@ void TcpBus::on_connected() {
 
 void TcpBus::note_up() {
   reported_down_ = false;
+  why_down_.clear();
   log_.write(Level::info, "bus " + options_.name + ": connected to " + to_string(options_.end));
 }
 
@@ -244,10 +248,9 @@ void TcpBus::on_lost(const char* why) {
   while (const auto request = queue_.abandon()) complete(*request, BusResult::link_lost);
   unheard_since_.reset();
   is_silent_ = false;
-  if (reported_down_) return;
-  reported_down_ = true;
-  log_.write(Level::warning, "bus " + options_.name + ": " + to_string(options_.end) + ": " + why +
-                                 "; trying again");
+  why_down_ = to_string(options_.end) + ": " + why;
+  if (std::exchange(reported_down_, true)) return;
+  log_.write(Level::warning, "bus " + options_.name + ": " + why_down_ + "; trying again");
 }
 
 }  // namespace etcm::port

@@ -48,6 +48,7 @@ class TcpBus final : public NodeBus, private FrameConnection::Listener {
   TcpBus(FrameConnection& connection, Log& log, const TcpBusOptions& options);
 
   bool ready() const override;
+  std::string_view why_down() const override { return why_down_; }
   void start_read(const RegisterRead& read, Instant now) override;
   void start_write(const RegisterWrite& write, Instant now) override;
   void start_request(const UnitRequest& request, Instant now) override;
@@ -88,6 +89,7 @@ class TcpBus final : public NodeBus, private FrameConnection::Listener {
   std::optional<TcpConnection> tcp_connection_;
   FrameConnection& connection_;
   bool reported_down_ = false;
+  std::string why_down_;
   Instant next_attempt_{};
 
   std::optional<Instant> unheard_since_;    // a request was sent, and nothing has come since then

@@ -9,6 +9,29 @@
 
 namespace etcm::port {
 
+namespace {
+
+constexpr const char* unreachable_cure =
+    "; check its address, cable and power, and the network between";
+
+std::string with_cure(int error) {
+  const std::string why = std::strerror(error);
+  switch (error) {
+    case ECONNREFUSED:
+      return why +
+             "; nothing listens there: check address and port, and that it takes one more "
+             "master";
+    case EHOSTUNREACH:
+    case ENETUNREACH:
+    case ETIMEDOUT:
+      return why + unreachable_cure;
+    default:
+      return why;
+  }
+}
+
+}  // namespace
+
 TcpConnector::~TcpConnector() { stop(); }
 
 void TcpConnector::start(const Endpoint& end, Instant now, Duration time_max) {
@@ -67,7 +90,7 @@ void TcpConnector::on_ready(bool, bool) {
   loop_.remove(socket_.get());
   FileDescriptor socket = std::move(socket_);
   if (error != 0) {
-    note_failure(std::strerror(error));
+    note_failure(with_cure(error));
     return try_hosts();
   }
   begins_ = false;
@@ -95,12 +118,12 @@ void TcpConnector::try_hosts() {
       deadline_ = Instant{};
       return;
     }
-    note_failure(std::strerror(errno));
+    note_failure(with_cure(errno));
   }
   fail(failure_);
 }
 
-void TcpConnector::note_failure(const char* why) {
+void TcpConnector::note_failure(const std::string& why) {
   failure_ = why;
   if (has_name(end_)) failure_ = host_text(hosts_.hosts[next_host_ - 1]) + ": " + failure_;
 }
@@ -127,7 +150,7 @@ void TcpConnector::advance(Instant now) {
                 " s; look at the name server: `getent hosts " + end_.host + "` asks it");
   }
   drop_socket();
-  note_failure("no answer to the attempt to connect");
+  note_failure(std::string("no answer to the attempt to connect") + unreachable_cure);
   try_hosts();
   if (std::exchange(begins_, false)) deadline_ = now + time_max_;
 }

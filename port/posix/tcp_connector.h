@@ -54,7 +54,7 @@ class TcpConnector final : private EventHandler {
   void take_hosts(const FoundHosts& found);
   void try_hosts();
   void drop_socket();
-  void note_failure(const char* why);
+  void note_failure(const std::string& why);
   void fail(std::string why);
   void watch_resolver(bool is_watched);
 

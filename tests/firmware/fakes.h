@@ -42,6 +42,7 @@ class ScriptedBus final : public port::NodeBus {
     return link_up && silent_until_ <= now_ &&
            waiting_.size() + done_.size() + timed_out_.size() < outstanding_max;
   }
+  std::string_view why_down() const override { return link_up ? std::string_view{} : why_no_link; }
   void start_read(const port::RegisterRead& read, port::Instant now) override;
   void start_write(const port::RegisterWrite& write, port::Instant now) override;
   void start_request(const port::UnitRequest& request, port::Instant now) override;
@@ -58,7 +59,8 @@ class ScriptedBus final : public port::NodeBus {
   void refuse_writes(std::uint8_t unit, port::BusResult how, std::uint8_t exception = 0);
 
   bool link_up = true;
-  bool is_stuck = false;  // neither answers nor lets time pass
+  std::string why_no_link;  // that is told while it is not up
+  bool is_stuck = false;    // neither answers nor lets time pass
   std::size_t outstanding_max = 100;
   port::Duration silence_after_timeout{};
   std::map<std::uint8_t, std::uint32_t> reads;      // by unit

@@ -167,11 +167,12 @@ TEST(Files, OfALargeMeshAreWrittenLessOften) {
   settings.mesh.vertices_max = 10;
   settings.files = FileSettings{.folder = "", .name = "", .interval = 1s};
   FilePublisher publisher(settings, 20, files, clock, log);
+  const Snapshot published{.vertices = {SnapshotVertex{}}, .neighbours = {}};
   const port::Instant end = clock.now() + 40s;
   while (clock.now() < end) {
-    publisher.mark_dirty();
+    publisher.mark_dirty(published);
     publisher.step(clock.now());
-    if (publisher.is_due(clock.now())) publisher.write(Snapshot{}, {}, {}, clock.now());
+    if (publisher.is_due(clock.now())) publisher.write(published, {}, {}, clock.now());
     clock.pass(10ms);
   }
   EXPECT_GE(files.attempts, 10);

@@ -322,7 +322,7 @@ TEST_F(MissingOverARestart, IsNobodyOfABusThatIsSilent) {
   EXPECT_EQ(after->log.count("node 1020 is missing: on no bus of this configuration"), 1u);
   after->put_square();
   after->run(1s);
-  EXPECT_EQ(after->log.count("bus yard: answers again"), 1u);
+  EXPECT_EQ(after->log.count("bus yard: answers, for the first time since the start"), 1u);
   EXPECT_EQ(after->server.header("state"), snapshot_state::missing);
 }
 

@@ -37,6 +37,69 @@ TEST(BusSilence, AnUnpluggedBusExpelsNobodyAndIsSaidOnce) {
   EXPECT_EQ(rig.log.count("bus yard: answers again, after 300 s"), 1u) << logged(rig);
 }
 
+TEST(BusSilence, ABusThatNeverAnsweredIsSilentAfterLeaveAfter) {
+  TwoBuses rig;
+  rig.put_square();
+  rig.run(2900ms);
+  EXPECT_EQ(rig.server.header("state"), 0u);
+  EXPECT_EQ(rig.log.count("silent"), 0u) << logged(rig);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("state"), snapshot_state::bus_silent);
+  EXPECT_EQ(rig.server.header("silent_bus_count"), 1u);
+  rig.run(long_silence);
+  EXPECT_EQ(rig.log.count("bus gate: silent since the start, none of its units has answered; "), 1u)
+      << logged(rig);
+  rig.put_other(7, 500, 500);
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("state"), 0u);
+  EXPECT_EQ(rig.log.count("bus gate: answers, for the first time since the start"), 1u)
+      << logged(rig);
+}
+
+TEST(BusSilence, ABusThatOnlyLooksForNodesMayHaveNone) {
+  Rig rig;
+  rig.settings.buses[0].scan = std::exchange(rig.settings.buses[0].units, {});
+  rig.settings.buses[0].assign = {{.first = 30, .last = 31}};
+  rig.run(long_silence);
+  EXPECT_EQ(rig.log.count("silent"), 0u) << logged(rig);
+  EXPECT_EQ(rig.gateway->presence().silent_bus_count(), 0u);
+}
+
+// What is said to be done about it fits what is known of the cause.
+TEST(BusSilence, TheCureFitsTheCause) {
+  const auto cure = [](auto&& break_it) {
+    Rig rig;
+    rig.settings.buses[0].link = *port::parse_endpoint("192.0.2.5:502");
+    break_it(rig);
+    rig.run(4s);
+    const auto line = std::find_if(rig.log.lines.begin(), rig.log.lines.end(), [](auto& text) {
+      return text.starts_with("bus yard: silent since the start");
+    });
+    return line == rig.log.lines.end() ? logged(rig) : line->substr(line->find(';') + 2);
+  };
+  EXPECT_EQ(cure([](Rig& rig) {
+              rig.bus.link_up = false;
+              rig.bus.why_no_link = "mill:502: Name or service not known; correct the name";
+            }),
+            "mill:502: Name or service not known; correct the name");
+  EXPECT_EQ(cure([](Rig&) {}),
+            "connected, but nothing answers; check the line behind it, and the power and addresses "
+            "of its units");
+  EXPECT_EQ(cure([](Rig& rig) { rig.settings.buses[0].link = port::SerialLine{}; }),
+            "check its cable, speed and parity, and the power and addresses of its units");
+  EXPECT_EQ(cure([](Rig& rig) { rig.bus.set_result(7, port::BusResult::exception, 2); }),
+            "what comes is no sound answer; the log says why, unit by unit");
+  EXPECT_EQ(cure([](Rig& rig) { rig.bus.set_result(7, port::BusResult::bad_answer); }),
+            "what comes is no sound answer; the log says why, unit by unit");
+  EXPECT_EQ(cure([](Rig& rig) {
+              for (std::uint8_t unit = 1; unit <= 20; ++unit) {
+                rig.bus.set_result(unit, port::BusResult::exception, 0x0b);
+              }
+            }),
+            "the converter says that nobody is there; check the line behind it, and the power and "
+            "addresses of its units");
+}
+
 TEST(BusSilence, NeitherDoesALinkThatIsLost) {
   Rig rig;
   rig.put_square();

@@ -321,6 +321,21 @@ TEST_F(StatusPageTest, ABusThatIsSilentIsSaidSinceWhen) {
   EXPECT_EQ(count(metrics, "\netcm_state{flag=\"bus_silent\"} 1\n"), 1u);
 }
 
+TEST_F(StatusPageTest, ABusThatNeverAnsweredIsNamedWithItsCause) {
+  rig_.bus.link_up = false;
+  rig_.bus.why_no_link = "mill:502: Name or service not known; correct the name";
+  open_page();
+  run(2900ms);
+  EXPECT_EQ(get("/healthz"), "ok\n");
+  run(1s);
+  EXPECT_EQ(get("/healthz"),
+            "bus yard: no unit has answered for 3 s; mill:502: Name or service not known; correct "
+            "the name\n");
+  const std::string status = get("/status.json");
+  EXPECT_EQ(count(status, "\"bus_silent\":true"), 1u) << status;
+  EXPECT_EQ(count(status, "\"silent_ms\":3"), 1u) << status;
+}
+
 TEST_F(StatusPageTest, APauseOfTheGatewayIsNoIllness) {
   open_page();
   put_square();

@@ -378,6 +378,7 @@ TEST_F(Bus, AConnectionThatNeverComesIsTriedAgain) {
   bus_->advance(now_);
   ASSERT_EQ(log_.lines.size(), 1u);
   EXPECT_NE(log_.lines[0].find("no answer to the attempt"), std::string::npos) << log_.lines[0];
+  EXPECT_TRUE(bus_->why_down().ends_with("and the network between")) << bus_->why_down();
   EXPECT_EQ(bus_->next_deadline(), now_ + TcpConnector::connect_time_max);
 }
 

@@ -83,7 +83,10 @@ TEST_F(Connector, ARefusalNamesTheAddressBehindAName) {
   listener.close();
   start(end);
   ASSERT_EQ(failures_.size(), 1u);
-  EXPECT_NE(failures_[0].find(": Connection refused"), std::string::npos) << failures_[0];
+  EXPECT_NE(
+      failures_[0].find(": Connection refused; nothing listens there: check address and port"),
+      std::string::npos)
+      << failures_[0];
   const auto hosts = find_hosts("localhost", false);
   EXPECT_TRUE(failures_[0].starts_with(host_text(hosts.all().back()))) << failures_[0];
 }
@@ -132,7 +135,9 @@ TEST_F(Connector, AnAddressThatDoesNotAnswerHasItsTime) {
   connector_.advance(now_ + TcpConnector::connect_time_max - 1ms);
   EXPECT_TRUE(failures_.empty());
   connector_.advance(now_ + TcpConnector::connect_time_max);
-  EXPECT_EQ(failures_, std::vector<std::string>{"no answer to the attempt to connect"});
+  EXPECT_EQ(failures_, std::vector<std::string>{
+                           "no answer to the attempt to connect; check its address, cable and "
+                           "power, and the network between"});
 }
 
 TEST_F(Connector, WhoStopsHearsNothingMore) {

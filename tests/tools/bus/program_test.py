@@ -251,7 +251,7 @@ class Refusals(BusCase):
 
     def test_hosts_that_cannot_be_reached_come_with_the_cure(self):
         refused = self.complaint("scan", f"127.0.0.1:{free_port()}")
-        self.assertIn("Connection refused; check address and port (-p)", refused)
+        self.assertIn("Connection refused; nothing listens there: check address and port", refused)
         self.assertIn("no host", self.complaint("scan", "127.0.0.1:x", code=2))
         self.assertIn("getent hosts", self.complaint("scan", "no-such-host.invalid"))
         for short in "127.1:502", "10.0.5", "10.0.0.256", "1":

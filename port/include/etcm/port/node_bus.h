@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include "etcm/port/clock.h"
 
@@ -92,6 +93,9 @@ class NodeBus {
  public:
   // Whether a request would be taken now: the link is up and has room for one more.
   virtual bool ready() const = 0;
+  // Why there is no link: where, what, and the cure. Empty while there is one, and before it is
+  // known. Valid until the next call that is not const.
+  virtual std::string_view why_down() const { return {}; }
 
   // From when on this may be asked, whatever else is: while a late answer may be under way that
   // would look like the answer to it, it is not. What is started earlier is not sent, and times out
