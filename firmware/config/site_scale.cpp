@@ -32,7 +32,7 @@ std::optional<double> stretch(const port::Projection& projection, const port::Ea
   if (!a || !b) return std::nullopt;
   const double in_plane = std::hypot(static_cast<double>(b->x) - static_cast<double>(a->x),
                                      static_cast<double>(b->y) - static_cast<double>(a->y)) /
-                          1e9;
+                          1e9 * projection.metres();
   constexpr double radian_per_nano = std::numbers::pi / 180 / 1e9;
   const double latitude = static_cast<double>(from.latitude) * radian_per_nano;
   const Radii radii = radii_at(latitude);
@@ -41,7 +41,7 @@ std::optional<double> stretch(const port::Projection& projection, const port::Ea
   return in_plane / std::hypot(north * radii.meridian, east * radii.normal * std::cos(latitude));
 }
 
-// The stretch of the two directions that is farther off. A plane may count in feet.
+// The stretch of the two directions that is farther off.
 std::optional<double> stretch_at(const port::Projection& projection,
                                  const port::EarthPoint& place) {
   constexpr std::int64_t step = site_nano / 1000;
@@ -50,14 +50,7 @@ std::optional<double> stretch_at(const port::Projection& projection,
   const auto east = stretch(
       projection, place, {place.longitude + (place.longitude > 0 ? -step : step), place.latitude});
   if (!north || !east) return std::nullopt;
-  const auto farther_off = [&](double unit) {
-    const double one = *north * unit, other = *east * unit;
-    return std::abs(one - 1) > std::abs(other - 1) ? one : other;
-  };
-  for (const double foot : {0.3048, 1200.0 / 3937.0}) {
-    if (std::abs(farther_off(foot) - 1) <= off_max) return farther_off(foot);
-  }
-  return farther_off(1);
+  return std::abs(*north - 1) > std::abs(*east - 1) ? *north : *east;
 }
 
 std::string text_of(const port::EarthPoint& place) {
@@ -87,7 +80,7 @@ bool check_at(Settings& settings, const std::string& source, const port::EarthPo
 
 void check_scale(Settings& settings) {
   const SitePlane plane = settings.site.plane();
-  if (plane.projection == nullptr) return;
+  if (metres_per_unit(plane) == 0) return;
   const auto check = [&](const std::string& source, const std::optional<Position>& position) {
     if (!position) return false;
     const auto place = earth_point(plane, to_point(*position));

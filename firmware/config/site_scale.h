@@ -7,7 +7,7 @@ namespace etcm::firmware {
 
 // Adds a warning where lengths at the first place of the site that is not so are off by more than
 // half a percent: the coordinate system is made for another part of the earth, or the place is not
-// meant. Only a plane with a projection that counts in metres or feet is looked at.
+// meant. Only a plane with a projection whose unit of length is known is looked at.
 void check_scale(Settings& settings);
 
 }  // namespace etcm::firmware

@@ -39,7 +39,7 @@ Gateway::Gateway(std::shared_ptr<const Settings> settings, Mesh& mesh, const Gat
       reading_table_(poller_),
       kept_(mesh, *settings_),
       site_(kept_, nodes_, ports.clock, ports.log),
-      placement_(kept_, site_, nodes_, settings_->domain, ports.clock, ports.log),
+      placement_(kept_, site_, nodes_, *settings_, ports.clock, ports.log),
       presence_(settings_->poll, poller_, nodes_, reading_table_, placement_, ports.log),
       admission_(settings_->poll, kept_.features(), nodes_, poller_, ports.log),
       assigner_(settings_->poll, poller_, nodes_, ports.log),

@@ -1,6 +1,7 @@
 #include "firmware/mesh/node_placement.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace etcm::firmware {
 
@@ -8,6 +9,15 @@ namespace {
 
 TextLine& operator<<(TextLine& text, Position position) {
   return text << "(" << position.x << ", " << position.y << ")";
+}
+
+// In millionths of a degree, some 11 cm: "63.430500".
+TextLine& write_angle(TextLine& text, std::int64_t nano) {
+  constexpr std::int64_t one = 1'000'000;
+  const std::int64_t angle = std::abs(nearest_unit(nano, site_nano / one));
+  text << angle / one << ".";
+  for (std::int64_t digit = one / 10; digit > angle % one && digit > 1; digit /= 10) text << "0";
+  return text << angle % one;
 }
 
 struct Counted {
@@ -23,14 +33,21 @@ TextLine& operator<<(TextLine& text, const Counted& counted) {
 }  // namespace
 
 NodePlacement::NodePlacement(KeptMesh& kept, SiteKeeper& site, NodeTable& nodes,
-                             const SiteDomain& domain, const port::Clock& clock, port::Log& log)
-    : kept_(kept), site_(site), nodes_(nodes), domain_(domain), clock_(clock), log_(log) {}
+                             const Settings& settings, const port::Clock& clock, port::Log& log)
+    : kept_(kept),
+      site_(site),
+      nodes_(nodes),
+      domain_(settings.domain),
+      plane_(settings.site.plane()),
+      clock_(clock),
+      log_(log) {}
 
 void NodePlacement::update_site(const Settings& settings, std::uint32_t generation) {
   kept_.begin_epoch();
   retried_epoch_ = kept_.epoch();
   kept_.mark_changed();
   domain_ = settings.domain;
+  plane_ = settings.site.plane();
   site_.replace_site(settings);
   expel_from_outside(generation);
   site_.place_anchors();
@@ -61,8 +78,9 @@ void NodePlacement::join(NodeRecord& node, std::uint32_t generation) {
   assign_vertex(node, id);
   site_.activate_features_at(node.serial);
   TextLine text;
-  text << "node " << node.serial.value << " joined at " << node.placed
-       << (is_vacant ? ", on the anchor" : "") << ": generation " << generation << ", "
+  text << "node " << node.serial.value << " joined at ";
+  tell_place(text, node.placed);
+  text << (is_vacant ? ", on the anchor" : "") << ": generation " << generation << ", "
        << Counted{kept_.mesh().neighbours(id, {}), "neighbour", "neighbours"};
   tell_difference(text, start);
   log_.write(port::Level::info, text);
@@ -88,8 +106,9 @@ void NodePlacement::move(NodeRecord& node, std::uint32_t generation) {
   assign_vertex(node, node.vertex);
   kept_.begin_epoch();
   TextLine text;
-  text << "node " << node.serial.value << " moved from " << from << " to " << node.placed
-       << ": generation " << generation;
+  text << "node " << node.serial.value << " moved from " << from << " to ";
+  tell_place(text, node.placed);
+  text << ": generation " << generation;
   tell_difference(text, start);
   log_.write(port::Level::info, text);
 }
@@ -177,6 +196,14 @@ void NodePlacement::tell_difference(TextLine& text, const Before& start) {
   text << ", " << tenths / 10 << "." << tenths % 10 << " us";
 }
 
+void NodePlacement::tell_place(TextLine& text, Position position) const {
+  text << position;
+  const auto place = earth_point(plane_, to_point(position));
+  if (!place) return;
+  write_angle(text << ", ", place->latitude) << (place->latitude < 0 ? "° S, " : "° N, ");
+  write_angle(text, place->longitude) << (place->longitude < 0 ? "° W" : "° E");
+}
+
 // Else it would be rejected again.
 bool NodePlacement::is_worth_a_try(const NodeRecord& node) const {
   return !node.is_quarantined() || node.rejected_at != node.position ||
@@ -194,7 +221,9 @@ void NodePlacement::reject(NodeRecord& node, const char* verb, const Rejection& 
   if (is_news) {
     kept_.mark_changed();
     TextLine text;
-    text << "node " << node.serial.value << " cannot " << verb << " at " << node.position << ": ";
+    text << "node " << node.serial.value << " cannot " << verb << " at ";
+    tell_place(text, node.position);
+    text << ": ";
     site_.report_error_detail(text, rejection);
     log_.write(port::Level::warning, text);
   }

@@ -34,8 +34,8 @@ inline constexpr int retry_share = 20;
 
 class NodePlacement {
  public:
-  // All arguments but `domain` must outlive this.
-  NodePlacement(KeptMesh& kept, SiteKeeper& site, NodeTable& nodes, const SiteDomain& domain,
+  // All arguments but `settings` must outlive this.
+  NodePlacement(KeptMesh& kept, SiteKeeper& site, NodeTable& nodes, const Settings& settings,
                 const port::Clock& clock, port::Log& log);
 
   // Another site: features and anchors that are no longer there are taken out, new ones come in,
@@ -72,6 +72,8 @@ class NodePlacement {
   Before before() const;
   port::Duration note_time(const Before& before);
   void tell_difference(TextLine& text, const Before& before);
+  // In units, and in degrees where the site has them.
+  void tell_place(TextLine& text, Position position) const;
 
   bool is_worth_a_try(const NodeRecord& node) const;
   void reject(NodeRecord& node, const char* verb, const Rejection& rejection, const Before& before);
@@ -88,6 +90,7 @@ class NodePlacement {
   SiteKeeper& site_;
   NodeTable& nodes_;
   SiteDomain domain_;
+  SitePlane plane_;
   const port::Clock& clock_;
   port::Log& log_;
   std::uint32_t retried_epoch_ = 0;

@@ -65,9 +65,9 @@ void Presence::hear_node(NodeRecord& node, const NodeReading& reading, port::Ins
   node.heard = clock_.shown(bus_of(node));
   node.status = reading.status;
   if ((reading.status & node_status::fix_valid) == 0) return;
+  if (std::exchange(node.lacks_fix, false)) tell_fix(node, now);
   node.position = reading.position;
   node.positioned_at = now;
-  node.lacks_fix = false;
   if (std::exchange(node.stale, false)) changed_ = true;
 }
 
@@ -171,9 +171,32 @@ void Presence::check_freshness(NodeRecord& node, port::Instant now) {
   const bool lacks_fix = is_stale && now - node.heard_at <= settings_.stale_after &&
                          (node.status & node_status::fix_valid) == 0;
   const bool is_news = is_stale != node.stale || lacks_fix != node.lacks_fix;
+  if (lacks_fix && !node.lacks_fix) tell_no_fix(node, now);
   node.stale = is_stale;
   node.lacks_fix = lacks_fix;
   changed_ = changed_ || (is_news && node.is_placed());
+}
+
+void Presence::tell_no_fix(const NodeRecord& node, port::Instant now) {
+  TextLine line;
+  line << "node " << node.serial.value << " has no fix: " << last_place_of(node, poller_)
+       << " answers, and has told no position ";
+  if (node.has_position()) {
+    line << "for " << whole_seconds(now - node.positioned_at) << " s";
+  } else {
+    line << "yet";
+  }
+  if (node.is_placed()) line << "; it stays where it was";
+  log_.write(port::Level::warning, line);
+}
+
+void Presence::tell_fix(const NodeRecord& node, port::Instant now) {
+  TextLine line;
+  line << "node " << node.serial.value << " has a fix";
+  if (node.has_position()) {
+    line << " again, after " << whole_seconds(now - node.positioned_at) << " s";
+  }
+  log_.write(port::Level::info, line);
 }
 
 void Presence::check_readings(port::Instant now) {

@@ -74,6 +74,8 @@ class Presence {
   void check_node(NodeRecord& node, port::Instant now, std::uint32_t generation);
   void lose(NodeRecord& node, port::Instant now, std::uint32_t generation);
   void check_freshness(NodeRecord& node, port::Instant now);
+  void tell_no_fix(const NodeRecord& node, port::Instant now);
+  void tell_fix(const NodeRecord& node, port::Instant now);
   void check_readings(port::Instant now);
   void check_bus(BusIndex bus, port::Instant now);
   bool has_never_answered(BusIndex bus) const;

@@ -47,6 +47,11 @@ std::optional<Position> nearest_position(const SitePlane& plane, port::EarthPoin
   return at ? nearest_position(plane, at->x, at->y) : std::nullopt;
 }
 
+double metres_per_unit(const SitePlane& plane) {
+  if (plane.projection == nullptr) return 0;
+  return plane.projection->metres() * static_cast<double>(plane.unit_length) / 1e9;
+}
+
 std::optional<port::EarthPoint> earth_point(const SitePlane& plane, const Point& place) {
   if (plane.projection == nullptr) return std::nullopt;
   const auto x = site_coordinate(place.x, plane.origin_x, plane.unit_length);

@@ -27,6 +27,9 @@ std::optional<Position> nearest_position(const SitePlane& plane, std::int64_t x,
 // None also where the plane does not show that place, and without a projection.
 std::optional<Position> nearest_position(const SitePlane& plane, port::EarthPoint place);
 
+// How many metres a unit of the mesh is; 0 where nobody has said.
+double metres_per_unit(const SitePlane& plane);
+
 // The degrees of a place in the mesh, which come back to it: within a hundredth of a millimetre
 // where the plane counts in metres. None where the earth has no such place, and without a
 // projection.

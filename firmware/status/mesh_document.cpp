@@ -26,6 +26,8 @@ enum : std::uint32_t {
 
 // Of a unit: what a person can still make use of.
 constexpr int coordinate_digits = 4;
+// Of metres in a unit, which is no less than 10^-9 of what the plane counts in.
+constexpr int metre_digits = 12;
 // Neighbours that are looked at in one piece of a list of edges.
 constexpr std::uint32_t looks_max = 1000;
 
@@ -108,8 +110,12 @@ void MeshDocument::write_head(TextWriter& piece) const {
   piece << "{\"type\":\"FeatureCollection\",\"generation\":" << snapshot_.generation
         << ",\"instance\":\"";
   piece.hex(instance_) << "\",\"radio_range\":" << snapshot_.analysis.radio_range
-                       << ",\"sensing_range\":" << snapshot_.analysis.sensing_range
-                       << ",\"features\":[";
+                       << ",\"sensing_range\":" << snapshot_.analysis.sensing_range;
+  if (const double metres = metres_per_unit(plane_); metres > 0) {
+    piece << ",\"metres_per_unit\":";
+    piece.decimal(metres, metre_digits);
+  }
+  piece << ",\"features\":[";
 }
 
 void MeshDocument::write_lines_head(const char* kind, const Cursor& cursor,

@@ -21,6 +21,8 @@ bool find_all(void* library, ProjLibrary& proj) {
          find(library, "proj_create_crs_to_crs_from_pj", proj.create_crs_to_crs_from_pj) &&
          find(library, "proj_normalize_for_visualization", proj.normalize_for_visualization) &&
          find(library, "proj_get_type", proj.get_type) &&
+         find(library, "proj_crs_get_coordinate_system", proj.crs_get_coordinate_system) &&
+         find(library, "proj_cs_get_axis_info", proj.cs_get_axis_info) &&
          find(library, "proj_destroy", proj.destroy) && find(library, "proj_trans", proj.trans) &&
          find(library, "proj_errno_reset", proj.errno_reset);
 }

@@ -16,6 +16,8 @@ struct ProjLibrary {
   decltype(&::proj_create_crs_to_crs_from_pj) create_crs_to_crs_from_pj = nullptr;
   decltype(&::proj_normalize_for_visualization) normalize_for_visualization = nullptr;
   decltype(&::proj_get_type) get_type = nullptr;
+  decltype(&::proj_crs_get_coordinate_system) crs_get_coordinate_system = nullptr;
+  decltype(&::proj_cs_get_axis_info) cs_get_axis_info = nullptr;
   decltype(&::proj_destroy) destroy = nullptr;
   decltype(&::proj_trans) trans = nullptr;
   decltype(&::proj_errno_reset) errno_reset = nullptr;

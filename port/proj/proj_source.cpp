@@ -37,11 +37,13 @@ bool is_geographic(PJ_TYPE type) {
 
 class ProjProjection final : public Projection {
  public:
-  ProjProjection(const ProjLibrary& proj, Context context, Made transformation, bool in_degrees)
+  ProjProjection(const ProjLibrary& proj, Context context, Made transformation, bool in_degrees,
+                 double metres)
       : proj_(proj),
         context_(std::move(context)),
         transformation_(std::move(transformation)),
-        in_degrees_(in_degrees) {}
+        in_degrees_(in_degrees),
+        metres_(metres) {}
 
   std::optional<PlanePoint> to_plane(EarthPoint point) const override {
     const auto found = go(PJ_FWD, point.longitude, point.latitude);
@@ -56,6 +58,7 @@ class ProjProjection final : public Projection {
   }
 
   bool counts_in_degrees() const override { return in_degrees_; }
+  double metres() const override { return metres_; }
 
  private:
   std::optional<std::pair<std::int64_t, std::int64_t>> go(PJ_DIRECTION direction, std::int64_t x,
@@ -78,7 +81,19 @@ class ProjProjection final : public Projection {
   Context context_;  // outlives the transformation
   Made transformation_;
   bool in_degrees_;
+  double metres_;
 };
+
+// Of the first axis; 0 where PROJ does not say.
+double metres_of(const ProjLibrary& proj, PJ_CONTEXT* context, const PJ* plane) {
+  const Made axes(proj.crs_get_coordinate_system(context, plane), Destroy{&proj});
+  double metres = 0;
+  if (axes == nullptr || proj.cs_get_axis_info(context, axes.get(), 0, nullptr, nullptr, nullptr,
+                                               &metres, nullptr, nullptr, nullptr) == 0) {
+    return 0;
+  }
+  return metres;
+}
 
 }  // namespace
 
@@ -111,7 +126,9 @@ std::shared_ptr<const Projection> ProjSource::of_crs(const std::string& crs, std
     return nullptr;
   }
   const bool in_degrees = is_geographic(proj->get_type(plane.get()));
-  return std::make_shared<ProjProjection>(*proj, std::move(context), std::move(usual), in_degrees);
+  const double metres = in_degrees ? 0 : metres_of(*proj, context.get(), plane.get());
+  return std::make_shared<ProjProjection>(*proj, std::move(context), std::move(usual), in_degrees,
+                                          metres);
 }
 
 std::shared_ptr<const Projection> ProjSource::about(EarthPoint center, std::string& why) {

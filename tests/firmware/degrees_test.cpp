@@ -332,6 +332,34 @@ TEST_F(DegreesOnThePage, AreThereBesideTheUnits) {
       << plane;
 }
 
+TEST_F(DegreesOnThePage, AreInTheLog) {
+  std::string why;
+  rig_.settings.site.projection = port::ProjSource().about(
+      {.longitude = -10 * site_nano - 5'000'000, .latitude = -60 * site_nano}, why);
+  start();
+  EXPECT_EQ(rig_.log.count("node 1001 joined at (0, 0), 60.000000° S, 10.005000° W: generation"),
+            1u)
+      << testing::PrintToString(rig_.log.lines);
+  rig_.put(1, 1113, 0);
+  rig_.run(1s);
+  EXPECT_EQ(rig_.log.count("node 1001 moved from (0, 0) to (1113, 0), 59.999998° S, 9.985054° W: "),
+            1u)
+      << testing::PrintToString(rig_.log.lines);
+  rig_.put(5, 0, 100);
+  rig_.run(1s);
+  EXPECT_EQ(rig_.log.count("node 1005 cannot join at (0, 100), 59.999"), 1u)
+      << testing::PrintToString(rig_.log.lines);
+}
+
+TEST_F(DegreesOnThePage, SayHowLongAUnitIs) {
+  std::string why;
+  rig_.settings.site.projection =
+      port::ProjSource().about({.longitude = 10 * site_nano, .latitude = 60 * site_nano}, why);
+  rig_.settings.site.unit_length = site_nano / 100;
+  start();
+  EXPECT_NE(get("/mesh.json").find(R"("metres_per_unit":0.01,)"), std::string::npos);
+}
+
 TEST_F(DegreesOnThePage, AreWrittenToFiles) {
   std::string why;
   rig_.settings.site.projection =
@@ -350,6 +378,8 @@ TEST_F(DegreesOnThePage, OfASiteWithoutAreNowhere) {
   start();
   EXPECT_EQ(get("/mesh.geojson"), get("/mesh.json"));
   EXPECT_EQ(get("/mesh.json").find("longitude"), std::string::npos);
+  EXPECT_EQ(get("/mesh.json").find("metres_per_unit"), std::string::npos);
+  EXPECT_EQ(rig_.log.count("node 1001 joined at (0, 0): generation"), 1u);
 }
 
 // A projection of a few thousand kilometres; a node of ours may say that it is farther away.

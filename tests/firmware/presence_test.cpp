@@ -349,6 +349,48 @@ TEST(WithoutAFix, APositionGrowsOldAndIsShownSo) {
   EXPECT_LE(rig.server.header("oldest_age_ms"), 500u);
 }
 
+TEST(WithoutAFix, ItsLossAndItsReturnAreALineEach) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  rig.put(1, 0, 0, 0);
+  rig.run(30s);
+  rig.put(1, 0, 0);
+  rig.run(5s);
+  EXPECT_EQ(rig.log.count("node 1001 has no fix: unit 1 of yard answers, and has told no position "
+                          "for 1 s; it stays where it was"),
+            1u)
+      << logged(rig);
+  EXPECT_EQ(rig.log.count("node 1001 has a fix again, after 30 s"), 1u) << logged(rig);
+  EXPECT_EQ(rig.log.count(" fix"), 2u) << logged(rig);
+}
+
+TEST(WithoutAFix, OneThatNeverHadOneIsSaidToo) {
+  Rig rig;
+  rig.put(1, 0, 0, 0);
+  rig.run(5s);
+  rig.put(1, 0, 0);
+  rig.run(1s);
+  EXPECT_EQ(rig.log.count("node 1001 has no fix: unit 1 of yard answers, and has told no position "
+                          "yet"),
+            1u)
+      << logged(rig);
+  EXPECT_EQ(rig.log.count("node 1001 has a fix"), 1u) << logged(rig);
+  EXPECT_EQ(rig.log.count(" again"), 0u) << logged(rig);
+}
+
+// One that falls silent has other troubles.
+TEST(WithoutAFix, ASilentNodeIsNotSaidToHaveNone) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  rig.bus.silence(1);
+  rig.run(2s);
+  rig.put(1, 0, 0);
+  rig.run(2s);
+  EXPECT_EQ(rig.log.count(" fix"), 0u) << logged(rig);
+}
+
 TEST(WithoutAFix, ASilentNodeThatAnswersIsNotFreshYet) {
   Rig rig;
   rig.put_square();

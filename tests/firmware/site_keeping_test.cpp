@@ -413,7 +413,7 @@ TEST(SiteKeeping, RefusedFeaturesAreNotTriedAtEachMove) {
   NodeTable nodes(100, 100);
   KeptMesh kept(mesh, settings);
   SiteKeeper site(kept, nodes, clock, log);
-  NodePlacement placement(kept, site, nodes, settings.domain, clock, log);
+  NodePlacement placement(kept, site, nodes, settings, clock, log);
   const auto join = [&](std::uint32_t serial, std::int32_t x, std::int32_t y) {
     NodeRecord* const node = nodes.add(Serial{serial}, clock.now());
     node->position = {x, y};

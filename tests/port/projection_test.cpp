@@ -63,6 +63,14 @@ TEST_P(LocalProjection, CountsInMetresAboutItsCenter) {
               step * radian * meridian_radius(site.latitude * radian), 0.001);
 }
 
+TEST(ProjectionUnit, IsThatOfTheSystem) {
+  std::string why;
+  EXPECT_EQ(about(degrees(10, 60))->metres(), 1);
+  EXPECT_EQ(ProjSource().of_crs("EPSG:25832", why)->metres(), 1);
+  EXPECT_NEAR(ProjSource().of_crs("EPSG:2263", why)->metres(), 1200.0 / 3937, 1e-9) << "US feet";
+  EXPECT_EQ(ProjSource().of_crs("EPSG:4326", why)->metres(), 0) << "degrees";
+}
+
 TEST_P(LocalProjection, RoundTripsWithinATenthOfAMillimetre) {
   const Site& site = GetParam();
   const auto plane = about(degrees(site.longitude, site.latitude));

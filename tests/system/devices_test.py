@@ -173,6 +173,7 @@ latitude = "63.4315"
             self.assertAlmostEqual(longitude, place[0], delta=1e-6, msg=serial)
             self.assertAlmostEqual(latitude, place[1], delta=1e-6, msg=serial)
         self.assertEqual(nodes[3005]["properties"]["x"], 0, "the first [[node]] is the middle")
+        gateway.wait_for_line(r"node 3005 joined at \(0, 0\), 63\.430000° N, 10\.394000° E: ")
 
     def test_that_tell_degrees_need_a_place_to_be_about(self):
         gateway = self.start_gateway([], head=f'profiles = "{PROFILES}"\n', wait=False, more="""

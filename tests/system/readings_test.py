@@ -237,6 +237,18 @@ class OnTheMap(BrowserCase, MeasuringCase):
         self.wait_for_text("#counts", r"Nodes\s*2")
         self.assertFalse(self.find("#measured").is_displayed())
 
+    # The same pixels are 100 units, and 100 m where a unit is a metre: the page's own words for both.
+    def test_lengths_are_in_metres_where_they_are_known(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0"])
+        self.browser.get(self.url)
+        texts = self.browser.execute_async_script("""
+            const done = arguments[arguments.length - 1];
+            import("./model.js").then(({ lengthText }) => done([
+              lengthText(200), lengthText(200, 1), lengthText(20000, 0.01), lengthText(2500, 1),
+              lengthText(50, 0.001), lengthText(500, 0.3048)]));""")
+        self.assertEqual(texts, ["200 units", "200 m", "200 m", "2.5 km", "50 mm", "152 m"])
+        wait_for("a scale", lambda: self.text("#scale").endswith(" units"))
+
     # Between the nodes of a feature values are linear along it, and corners without one are bare:
     # what the page works out is asked of its own modules.
     def test_values_between_nodes_are_linear_along_the_feature(self):

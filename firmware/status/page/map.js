@@ -1,5 +1,5 @@
 // Draws the mesh, and knows what is under the pointer.
-import { nameOf } from "./model.js";
+import { lengthText, nameOf } from "./model.js";
 import { isFresh, valueText } from "./readings.js";
 import { bandColours, rampNames } from "./shading.js";
 import { diamond, isOutline, nodeShape } from "./shapes.js";
@@ -302,11 +302,13 @@ export class MeshMap {
 
   // The roundest length with room for its text: at the most 160 pixels, or half of the width.
   drawScale() {
-    const longest = Math.min(160, this.view.width / 2) / this.view.scale;
+    const metres = this.mesh?.metresPerUnit;
+    const step = metres || 1;   // units are round where metres are not known
+    const longest = Math.min(160, this.view.width / 2) / this.view.scale * step;
     const power = 10 ** Math.floor(Math.log10(longest));
-    const length = [5, 2, 1].map((digit) => digit * power).find((value) => value <= longest) ?? power;
-    this.scaleBar.style.width = `${length * this.view.scale}px`;
-    this.scaleBar.firstElementChild.textContent = `${Number(length.toPrecision(3))} units`;
+    const round = [5, 2, 1].map((digit) => digit * power).find((value) => value <= longest) ?? power;
+    this.scaleBar.style.width = `${round / step * this.view.scale}px`;
+    this.scaleBar.firstElementChild.textContent = lengthText(round / step, metres);
   }
 
   setHover(at) {

@@ -20,6 +20,7 @@ export function readMesh(geojson) {
     relays: [],           // beside the Steiner vertices
     holes: [],            // places out of the sensing range
     sensingRange: geojson.sensing_range,
+    metresPerUnit: geojson.metres_per_unit,   // undefined where nobody has said
     inactive: [],         // features that are not in the mesh
     bounds: null,
   };
@@ -53,7 +54,6 @@ function addPoint(mesh, feature) {
     y: place?.[1],
     hasPlace: place !== undefined,
     neighbours: properties.neighbours ?? [],
-    degree: properties.neighbours?.length ?? 0,
     ageMs: undefined,
     state: "fresh",
   };
@@ -129,6 +129,15 @@ export function degreesText(point) {
   const angle = (value, positive, negative) =>
     `${Math.abs(value).toFixed(6)}° ${value < 0 ? negative : positive}`;
   return `${angle(point.latitude, "N", "S")}, ${angle(point.longitude, "E", "W")}`;
+}
+
+// A length in units: "250 units", or "2.5 km" where it is known how long they are.
+export function lengthText(units, metresPerUnit) {
+  const round = (value) => Number(value.toPrecision(3));
+  if (!metresPerUnit) return `${round(units)} units`;
+  const metres = units * metresPerUnit;
+  if (metres >= 1000) return `${round(metres / 1000)} km`;
+  return metres >= 1 ? `${round(metres)} m` : `${round(metres * 1000)} mm`;
 }
 
 function coordinate(value) {

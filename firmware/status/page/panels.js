@@ -149,7 +149,7 @@ export function showDetails(point, mesh, readings, go) {
   byId("details").hidden = !point;
   if (!point) return;
   byId("details-title").textContent = nameOf(point);
-  const facts = [["Place", placeText(point)], ["Degree", point.degree]];
+  const facts = [["Place", placeText(point)], ["Neighbours", point.neighbours.length]];
   const degrees = degreesText(point);
   if (degrees) facts.splice(1, 0, ["Degrees", degrees]);
   if (point.isNode) {
@@ -170,7 +170,7 @@ export function showDetails(point, mesh, readings, go) {
     content.append(value);
     return [element("dt", name), content];
   }));
-  byId("neighbours-title").hidden = point.degree === 0;
+  byId("neighbours-title").hidden = point.neighbours.length === 0;
   const shown = point.neighbours.join();
   const list = byId("neighbours");
   // Left alone while it is the same, so that a button keeps the focus.

@@ -13,7 +13,7 @@ const columns = [
   { name: "where", text: "Unit, bus", isLong: true, value: (node) => node.bus ?? "", then: (node) => node.unit },
   { name: "place", text: "Place", optional: true, value: (node) => node.x ?? Infinity,
     then: (node) => node.y },
-  { name: "degree", text: "Degree", number: true, value: (node) => node.degree },
+  { name: "neighbours", text: "Neighbours", number: true, value: (node) => node.neighbours.length },
 ];
 
 export class NodeTable {
@@ -141,7 +141,7 @@ export class NodeTable {
     setText(row.cells[2], ageText(node.ageMs));
     setText(row.cells[3], whereText(node));
     setText(row.cells[4], placeText(node));
-    setText(row.cells[5], String(node.degree));
+    setText(row.cells[5], String(node.neighbours.length));
   }
 }
 

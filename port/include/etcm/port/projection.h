@@ -30,6 +30,9 @@ class Projection {
 
   // Whether x and y are degrees too, of longitude and latitude: a plane for no mesh.
   virtual bool counts_in_degrees() const = 0;
+  // How many metres one of what the plane counts in is: 1, or 0.3048 of a plane in feet. 0 where
+  // that is not known, and of degrees.
+  virtual double metres() const = 0;
 
  protected:
   ~Projection() = default;
