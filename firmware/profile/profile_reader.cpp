@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include "etcm/files/error.h"
@@ -178,33 +179,48 @@ Profile read_profile(TomlTable& table) {
 
 namespace {
 
-void read_file(const std::string& path, std::vector<Profile>& profiles,
-               std::vector<std::string>& mistakes) {
-  toml::table parsed;
+bool has(const std::vector<Profile>& profiles, const std::string& name) {
+  return std::any_of(profiles.begin(), profiles.end(),
+                     [&](const Profile& profile) { return profile.name == name; });
+}
+
+// None after a mistake.
+std::optional<toml::table> parse(const std::string& path, std::vector<std::string>& mistakes) {
   try {
-    parsed = toml::parse(files::read_bytes(path, bytes_max), path);
+    return toml::parse(files::read_bytes(path, bytes_max), path);
   } catch (const files::InputError& error) {
     mistakes.push_back(std::string(error.what()) + "; give the path of the profiles");
-    return;
   } catch (const toml::parse_error& error) {
     mistakes.push_back(path + ":" + std::to_string(error.source().begin.line) + ": " +
                        std::string(error.description()) +
                        "; correct the TOML there (texts stand in quotes)");
-    return;
   }
-  TomlTable file(path, parsed, "", mistakes);
+  return std::nullopt;
+}
+
+void take_profiles(TomlTable& file, std::vector<Profile>& profiles) {
   file.each("profile", [&](TomlTable& table) {
     Profile profile = read_profile(table);
-    const bool is_known = std::any_of(profiles.begin(), profiles.end(), [&](const Profile& other) {
-      return other.name == profile.name;
-    });
-    if (is_known && !profile.name.empty()) {
+    if (!profile.name.empty() && has(profiles, profile.name)) {
       table.mistake(*table.find("name"),
                     "two profiles are named '" + profile.name + "'; give one another name");
     }
     profiles.push_back(std::move(profile));
   });
+}
+
+void read_file(const std::string& path, std::vector<Profile>& profiles,
+               std::vector<std::string>& mistakes) {
+  const std::optional<toml::table> parsed = parse(path, mistakes);
+  if (!parsed) return;
+  TomlTable file(path, *parsed, "", mistakes);
+  take_profiles(file, profiles);
   file.finish();
+}
+
+// A gateway has a mesh and buses; a file of profiles has neither.
+bool is_configuration(const toml::table& parsed) {
+  return parsed.contains("mesh") || parsed.contains("bus");
 }
 
 }  // namespace
@@ -224,6 +240,27 @@ std::vector<Profile> read_profiles(const std::string& path, std::vector<std::str
   if (error) mistakes.push_back(path + ": " + error.message() + "; give a folder that can be read");
   std::sort(paths.begin(), paths.end());
   for (const std::string& each : paths) read_file(each, profiles, mistakes);
+  return profiles;
+}
+
+std::vector<Profile> read_profiles_or_gateways(const std::string& path,
+                                               const std::string& installed,
+                                               std::vector<std::string>& mistakes) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return read_profiles(path, mistakes);
+  const std::optional<toml::table> parsed = parse(path, mistakes);
+  if (!parsed) return {};
+  if (!is_configuration(*parsed)) return read_profiles(path, mistakes);
+  std::vector<Profile> profiles;
+  // Its other keys are the gateway's business, which checks them.
+  TomlTable file(path, *parsed, "", mistakes);
+  take_profiles(file, profiles);
+  const auto named = (*parsed)["profiles"].value<std::string>();
+  const auto others = std::filesystem::path(path).parent_path() / named.value_or(installed);
+  if (!named && !std::filesystem::exists(others, error)) return profiles;
+  for (Profile& profile : read_profiles(others, mistakes)) {
+    if (!has(profiles, profile.name)) profiles.push_back(std::move(profile));
+  }
   return profiles;
 }
 

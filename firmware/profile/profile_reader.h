@@ -17,4 +17,11 @@ Profile read_profile(TomlTable& table);
 // Each mistake is one line "file:line: what is wrong; the cure".
 std::vector<Profile> read_profiles(const std::string& path, std::vector<std::string>& mistakes);
 
+// The same; of the configuration of a gateway (a file with [mesh] or [[bus]]) those that the
+// gateway has: its own, which take the place of others of their name, and those that its `profiles`
+// names, or else those in `installed`, where there are any.
+std::vector<Profile> read_profiles_or_gateways(const std::string& path,
+                                               const std::string& installed,
+                                               std::vector<std::string>& mistakes);
+
 }  // namespace etcm::firmware

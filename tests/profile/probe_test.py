@@ -159,6 +159,36 @@ class Networks(ProbeCase):
         self.assertEqual(done.stdout, shown)
 
 
+    def test_the_profiles_of_a_gateways_configuration(self):
+        config = self.folder / "gateway.toml"
+        config.write_text(f"""
+profiles = "{PROFILES}"
+[mesh]
+vertices_max = 100
+[[bus]]
+tcp = "127.0.0.1:1"
+[[bus.device]]
+units = "7"
+profile = "transmitter"
+[[profile]]
+name = "transmitter"
+[[profile.reading]]
+name = "depth"
+unit = "m"
+value = {{ register = 5, scale = "0.1" }}
+[no_key_of_a_gateway]
+""")
+        device = self.start_tcp({"7": {"3": {"5": 123}}, "1": teltonika(63.25, 10.5)})
+        self.assertEqual(self.fields("transmitter", device, 7, config)["depth"], "12.3 m",
+                         "its own takes the place of the other")
+        self.assertPosition(self.fields("teltonika-rut955", device, 1, config), 10.5, 63.25, 5)
+        (self.folder / "mine.toml").write_text(config.read_text().split("[no_key")[0]
+                                               .split("[[profile]]", 1)[1].join(["[[profile]]", ""]))
+        config.write_text('profiles = "mine.toml"\n[mesh]\n')
+        self.assertEqual(self.fields("transmitter", device, 7, config)["depth"], "12.3 m",
+                         "a path starts from the folder of the file")
+
+
 class Refusals(ProbeCase):
     def complaint(self, *arguments, code):
         done = self.probe(*arguments, code=code)
@@ -180,6 +210,20 @@ class Refusals(ProbeCase):
         self.assertEqual(len(said), 3)
         for line in said:
             self.assertRegex(line, r"p\.toml:\d: .*; .*")
+
+    def test_mistakes_in_a_gateways_profiles_are_told(self):
+        config = self.folder / "gateway.toml"
+        config.write_text("[mesh]\n[[bus]]\n[[profile]]\nname = \"p\"\nfunktion = 3\n")
+        said = self.complaint("--profiles", config, "--profile", "p", "/dev/null/x", code=2)
+        self.assertRegex(said, r"gateway\.toml:5: .*funktion")
+        config.write_text("profiles = \"none.toml\"\n[mesh]\n")
+        said = self.complaint("--profiles", config, "--profile", "p", "/dev/null/x", code=2)
+        self.assertIn("none.toml", said)
+
+    def test_a_misspelt_table_of_profiles_is_told(self):
+        (self.folder / "p.toml").write_text("[[profil]]\nname = \"p\"\n")
+        self.assertIn("profil", self.complaint("--profiles", self.folder / "p.toml", "--profile",
+                                               "p", "/dev/null/x", code=2))
 
     def test_profiles_that_are_not_there_are_asked_for(self):
         self.assertIn("give the path of the profiles",

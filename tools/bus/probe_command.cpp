@@ -42,7 +42,8 @@ const Profile& find_profile(const std::vector<Profile>& profiles, const std::str
 
 std::vector<Profile> read_profiles(const std::string& path) {
   std::vector<std::string> mistakes;
-  std::vector<Profile> profiles = firmware::read_profiles(path, mistakes);
+  std::vector<Profile> profiles =
+      firmware::read_profiles_or_gateways(path, installed_profiles(), mistakes);
   if (mistakes.empty()) return profiles;
   std::string text = mistakes.front();
   for (std::size_t i = 1; i < mistakes.size(); ++i) text += "\netcm-bus: " + mistakes[i];
@@ -226,7 +227,8 @@ void add_probe_command(CLI::App& program, Run& run) {
   options->bus.add_to(*command);
   command->add_option("--profile", options->profile, "name of the profile")->required();
   command->add_option("--profiles", options->path,
-                      "file or folder with profiles; without it those that were installed");
+                      "file or folder with profiles, or the configuration of a gateway; without it "
+                      "those that were installed");
   command->callback([options, &run] { run = [options] { return probe(*options); }; });
 }
 
