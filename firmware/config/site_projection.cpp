@@ -202,11 +202,30 @@ SiteFrame project_site(Settings& settings, const GeoJsonFrame* file, port::Proje
   return SiteProjector(settings, file, source, mistakes).run();
 }
 
+namespace {
+
+void warn_of_rounding(Settings& settings, const NodeSettings& node) {
+  const SitePlane plane = settings.site.plane();
+  const bool is_whole = (*node.x - plane.origin_x) % plane.unit_length == 0 &&
+                        (*node.y - plane.origin_y) % plane.unit_length == 0;
+  if (is_whole || settings.site.round) return;
+  settings.warnings.push_back(node.source +
+                              ": x and y are no whole numbers of units; it stands at "
+                              "the nearest, (" +
+                              std::to_string(node.position->x) + ", " +
+                              std::to_string(node.position->y) +
+                              ") to the mesh; set a smaller unit in [site], or round = true if "
+                              "that is meant");
+}
+
+}  // namespace
+
 void place_nodes(Settings& settings, std::vector<std::string>& mistakes) {
   const SitePlane plane = settings.site.plane();
   for (NodeSettings& node : settings.nodes) {
     if (node.x && node.y) {
       node.position = nearest_position(plane, *node.x, *node.y);
+      if (node.position) warn_of_rounding(settings, node);
     } else if (node.longitude && node.latitude) {
       node.position = nearest_position(
           plane, port::EarthPoint{.longitude = *node.longitude, .latitude = *node.latitude});

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "firmware/config/configuration.h"
 #include "firmware/config/settings.h"
 #include "support/scratch_folder.h"
 
@@ -192,6 +193,34 @@ TEST_F(CrossChecks, TwoNamesOfOneSerialPortAreAMistake) {
   std::filesystem::remove(port);
   read(two(link, second_link));
   EXPECT_TRUE(mistakes_.empty()) << testing::PrintToString(mistakes_);
+}
+
+// A [[node]] in the plane stands at a whole unit, and where that is not what it says, it is said.
+TEST(SurveyedPlace, ThatIsNoWholeUnitIsWarnedOf) {
+  const auto warnings = [](const std::string& site, const std::string& place) {
+    test::ScratchFolder folder;
+    std::vector<std::string> mistakes;
+    const std::string text =
+        "[mesh]\nvertices_max = 10\n[[profile]]\nname = \"meter\"\n[[profile.reading]]\n"
+        "name = \"level\"\nvalue = { register = 3 }\n[[bus]]\ntcp = \"127.0.0.1:502\"\n"
+        "[[bus.device]]\nunits = \"7\"\nprofile = \"meter\"\n[site]\n";
+    const Settings settings = read_configuration(
+        folder.write("site.toml", text + site + "[[node]]\nunit = 7\n" + place), nullptr, mistakes);
+    EXPECT_EQ(mistakes, std::vector<std::string>{});
+    return settings.warnings;
+  };
+  const std::string place = "x = \"2.6\"\ny = \"-400\"\n";
+  const auto found = warnings("", place);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(found[0].ends_with(
+      "site.toml:14: x and y are no whole numbers of units; it stands at the nearest, (3, -400) to "
+      "the mesh; set a smaller unit in [site], or round = true if that is meant"))
+      << found[0];
+  EXPECT_EQ(warnings("round = true\n", place), std::vector<std::string>{});
+  EXPECT_EQ(warnings("unit = \"0.2\"\n", place), std::vector<std::string>{});
+  EXPECT_EQ(warnings("unit = \"0.25\"\norigin = [\"2.35\", \"0\"]\n", place),
+            std::vector<std::string>{});
+  EXPECT_EQ(warnings("origin = [\"0.5\", \"0\"]\n", "x = \"2\"\ny = \"0\"\n").size(), 1u);
 }
 
 }  // namespace
