@@ -69,6 +69,7 @@ class Content(ProgramCase):
                      "usr/share/man/man8/etcm-gateway.8.gz",
                      "usr/share/man/man5/gateway.toml.5.gz",
                      "usr/share/doc/etcm-gateway/guide/README.md",
+                     "usr/share/doc/etcm-gateway/guide/devices.png",
                      "usr/share/doc/etcm-gateway/guide/page.png",
                      "usr/share/etcm/profiles/ebyte-e108.toml",
                      "usr/share/etcm/profiles/victron-gx.toml"]:

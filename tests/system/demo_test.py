@@ -1,11 +1,16 @@
 """tools/demo --live as a newcomer runs it, in the build of the preset release."""
+import json
+import os
 import pathlib
 import re
 import signal
 import unittest
 import urllib.request
 
-from programs import PATIENCE_S, ProgramCase
+from selenium.webdriver.support.ui import Select
+
+from browser import open_browser
+from programs import PATIENCE_S, ProgramCase, wait_for
 
 DEMO = pathlib.Path(__file__).resolve().parents[2] / "tools/demo"
 
@@ -30,6 +35,37 @@ class Live(ProgramCase):
         demo.wait_for_line("node 5 joined")
         self.assertEqual(demo.stop(signal.SIGINT), 0, demo.log())
         self.assertFalse(re.search("error|failed", demo.log(), re.I), demo.log())
+
+    def test_devices_are_on_a_map_in_degrees_with_what_they_measure(self):
+        demo = self.start("demo", [DEMO, "--devices"])
+        url = demo.wait_for_line(r"(?m)^live map +(.+)$").group(1)
+        nodes = wait_for("all readings", lambda: self.nodes_with_levels(url, 12))
+        self.assertEqual(len(nodes), 14)
+        for node in nodes:
+            longitude, latitude = node["geometry"]["coordinates"]
+            self.assertTrue(10.37 < longitude < 10.42 and 63.42 < latitude < 63.44, node)
+        folder = os.environ.get("ETCM_SCREENSHOTS")
+        if folder:
+            self.take_picture(url, pathlib.Path(folder))
+        self.assertEqual(demo.stop(signal.SIGINT), 0, demo.log())
+
+    def nodes_with_levels(self, url, count):
+        answer = urllib.request.urlopen(f"{url}/mesh.geojson", timeout=PATIENCE_S).read()
+        nodes = [feature for feature in json.loads(answer)["features"]
+                 if feature["properties"]["kind"] == "node"]
+        levels = ["reading level (m)" in node["properties"] for node in nodes]
+        return nodes if sum(levels) == count else None
+
+    def take_picture(self, url, folder):
+        browser = open_browser()
+        self.addCleanup(browser.quit)
+        browser.set_window_size(1280, 800)
+        browser.get(url)
+        choice = browser.find_element("id", "quantity")
+        wait_for("the quantities", lambda: "level (m)" in choice.text)
+        Select(choice).select_by_visible_text("level (m)")
+        wait_for("the levels", lambda: browser.find_element("id", "bands").text)
+        browser.save_screenshot(str(folder / "devices.png"))
 
 
 if __name__ == "__main__":

@@ -2,15 +2,17 @@
 with a transmitter that was surveyed. Read by mbpoll. The programs' folder is in ETCM_BIN."""
 import json
 import pathlib
+import re
 import struct
+import subprocess
 import sys
 import unittest
 import urllib.request
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "support"))
-from gateway_test import GatewayCase
-from programs import free_port, wait_for
+from gateway_test import PROGRAMS, GatewayCase
+from programs import PATIENCE_S, free_port, wait_for
 
 PROFILES = HERE.parents[1] / "firmware" / "profiles"
 DEVICE = HERE.parent / "profile" / "pymodbus_device.py"
@@ -174,6 +176,43 @@ latitude = "63.4315"
             self.assertAlmostEqual(latitude, place[1], delta=1e-6, msg=serial)
         self.assertEqual(nodes[3005]["properties"]["x"], 0, "the first [[node]] is the middle")
         gateway.wait_for_line(r"node 3005 joined at \(0, 0\), 63\.430000° N, 10\.394000° E: ")
+
+    # As it stands there, but for where the devices are.
+    def test_the_guides_first_evening(self):
+        port = free_port()
+        self.serve("router", port, {"1": {"3": f32(143, 63.4305) | f32(145, 10.3951)}})
+        near, far = self.folder / "near", self.folder / "far"
+        self.start("line", ["socat", f"pty,raw,echo=0,link={near}", f"pty,raw,echo=0,link={far}"])
+        wait_for("the line", lambda: near.exists() and far.exists())
+        terminal = {200: 1, 207: ord("E"), 210: ord("N")} | f32(208, 10.3960) | f32(211, 63.4295) | \
+            f32(213, 0.5) | f32(215, 90)
+        self.serve("terminals", far, {"3": {"3": terminal}} | {
+            str(unit): {"3": {"0": 1000 + unit}} for unit in (5, 6, 7)})
+        guide = (PROFILES.parent / "guide" / "README.md").read_text()
+        text = re.search(r"   ```toml\n(.*?)   ```", guide, re.S).group(1)
+        for there, here in {"192.168.1.1:502": f"127.0.0.1:{port}", "/dev/serial/by-path/...": near,
+                            "127.0.0.1:8080": "127.0.0.1:0"}.items():
+            self.assertEqual(text.count(there), 1)
+            text = text.replace(there, str(here))
+        config = self.folder / "gateway.toml"
+        config.write_text(f'profiles = "{PROFILES}"\n{text}\n[server]\nlisten = "127.0.0.1:0"\n')
+        command = [PROGRAMS / "etcm-gateway", "--config", config]
+        checked = subprocess.run([*command, "--check-config"], capture_output=True, text=True,
+                                 timeout=PATIENCE_S)
+        self.assertEqual((checked.returncode, checked.stderr), (0, ""))
+        gateway = self.start("gateway", command)
+        url = gateway.wait_for_line(r"status page on (http://\S+)").group(1)
+
+        def levels():
+            with urllib.request.urlopen(url + "/mesh.geojson", timeout=PATIENCE_S) as answer:
+                features = json.loads(answer.read())["features"]
+            nodes = [feature["properties"] for feature in features
+                     if feature["properties"]["kind"] == "node"]
+            return len(nodes) == 5 and {node["serial"]: node["reading level (m)"] for node in nodes
+                                        if "reading level (m)" in node}
+
+        self.assertEqual(wait_for("all five", lambda: levels() if levels() and len(levels()) == 3 else None),
+                         {2005: 1.005, 2006: 1.006, 2007: 1.007})
 
     def test_that_tell_degrees_need_a_place_to_be_about(self):
         gateway = self.start_gateway([], head=f'profiles = "{PROFILES}"\n', wait=False, more="""
