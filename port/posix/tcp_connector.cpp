@@ -15,7 +15,7 @@ constexpr const char* unreachable_cure =
     "; check its address, cable and power, and the network between";
 
 std::string with_cure(int error) {
-  const std::string why = std::strerror(error);
+  std::string why = std::strerror(error);
   switch (error) {
     case ECONNREFUSED:
       return why +
