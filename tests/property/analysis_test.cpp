@@ -171,6 +171,10 @@ RC_GTEST_PROP(Analysis, RelaysAreAsFewAsTheRangeAllows, ()) {
       const mpz_class step = squared_range(range).get_num();
       mpz_class hops = sqrt(mpz_class(length / step));
       while (hops * hops * step < length) ++hops;
+      const Point from = (*mesh)->point(chain[i - 1]), to = (*mesh)->point(chain[i]);
+      const mpz_class across = (std::abs(to.x - from.x) + hops - 1) / hops;
+      const mpz_class up = (std::abs(to.y - from.y) + hops - 1) / hops;
+      if (across * across + up * up > step) ++hops;
       expected += hops.get_ui() - 1;
     }
   }
@@ -195,7 +199,7 @@ RC_GTEST_PROP(Analysis, RelaysAreAsFewAsTheRangeAllows, ()) {
     RC_ASSERT(relay.feature.is_none() == !is_on_one);
     RC_ASSERT(is_on_that == is_on_one);
   }
-  // With them no hop is longer than the range, but for the rounding to sub-units.
+  // With them no hop is longer than the range.
   for (IdValue value = 0; value < (*mesh)->feature_id_end(); ++value) {
     const FeatureId feature{value};
     if (!(*mesh)->is_feature(feature)) continue;
@@ -210,9 +214,8 @@ RC_GTEST_PROP(Analysis, RelaysAreAsFewAsTheRangeAllows, ()) {
     const bool by_x = std::abs(to.x - from.x) >= std::abs(to.y - from.y);
     std::sort(places.begin(), places.end(),
               [&](const Point& a, const Point& b) { return by_x ? a.x < b.x : a.y < b.y; });
-    const mpz_class reach = (mpz_class(range) << subunit_bits) + 2;
     for (std::size_t i = 1; i < places.size(); ++i) {
-      RC_ASSERT(squared(rational(places[i - 1]), rational(places[i])) <= mpq_class(reach * reach));
+      RC_ASSERT(squared(rational(places[i - 1]), rational(places[i])) <= squared_range(range));
     }
   }
 }

@@ -243,6 +243,25 @@ TEST(Relays, AreCountedWithoutBeingVisited) {
   EXPECT_EQ(relays(**mesh, **mesh, 0xffffffffu, relay), 0u);
 }
 
+// Four of them would stand a unit apart, but not on sub-units.
+TEST(Relays, LeaveNoHopThatRoundingMakesLongerThanTheRange) {
+  for (const Position end :
+       {Position{3, 4}, Position{-3, 4}, Position{-4, -3}, Position{20, -21}}) {
+    const auto mesh = mesh_of({{0, 0}, end}, {between_nodes(0, 1)});
+    std::array<Relay, 30> relay;
+    const std::uint64_t count = relays(**mesh, **mesh, 1, relay);
+    EXPECT_EQ(count, end.x == 20 ? 29u : 5u);
+    std::vector<Point> stops{{0, 0}, to_point(end)};
+    for (std::size_t i = 0; i < count; ++i) stops.push_back(relay[i].position);
+    std::sort(stops.begin(), stops.end());
+    for (std::size_t i = 1; i < stops.size(); ++i) {
+      EXPECT_LE(squared_distance(stops[i - 1], stops[i]), units_squared(1)) << end.x << ", " << i;
+    }
+  }
+  const auto on_units = mesh_of({{0, 0}, {6, 8}}, {between_nodes(0, 1)});
+  EXPECT_EQ(relays(**on_units, **on_units, 5, {}), 1u);
+}
+
 TEST(Relays, AreProposedAtEachVertexWithoutADevice) {
   const auto mesh = mesh_of({{-1000, 0}, {1000, 0}, {0, 90}, {0, -90}, {0, 900}},
                             {between_nodes(0, 1), between_nodes(1, 2)});

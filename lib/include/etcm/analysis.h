@@ -96,8 +96,9 @@ struct Relay {
 
 // Each vertex of `mesh` at whose place there is no device, and then on each subsegment of a feature
 // that is longer than the range as many more, evenly spaced, that no hop is: ceil(length / range)
-// - 1. The latter are rounded down to the sub-unit. The vertices of `devices` are the devices. O(n
-// + entries written), n of both meshes.
+// - 1. The latter are rounded down to the sub-unit; where that can make a hop longer than the
+// range, which is where hops are as long but for a sub-unit, there is one more. The vertices of
+// `devices` are the devices. O(n + entries written), n of both meshes.
 [[nodiscard]] std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_range,
                                    std::span<Relay> out) noexcept;
 

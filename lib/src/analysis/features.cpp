@@ -28,6 +28,16 @@ std::uint32_t hops(const SquaredLength& length, std::uint32_t range) noexcept {
   return fewer + 1;
 }
 
+// Whether rounding the places between n hops to sub-units can make one longer than the range: each
+// of its parts becomes less than one greater. One hop more is short enough then, for it takes at
+// least five sub-units off.
+bool rounds_beyond(const Point& from, const Point& to, std::uint32_t n,
+                   std::uint32_t range) noexcept {
+  const auto most = [n](std::int64_t way) { return ((way < 0 ? -way : way) + n - 1) / n; };
+  return squared_distance({0, 0}, {most(to.x - from.x), most(to.y - from.y)}) >
+         squared_range(range, 0);
+}
+
 // k / n of the way, rounded down; no product leaves 64 bits.
 std::int64_t part_way(std::int64_t from, std::int64_t to, std::int64_t k, std::int64_t n) noexcept {
   const std::int64_t way = to - from;
@@ -149,7 +159,8 @@ std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_
     const FeatureId feature = internal::feature_of(m, s);
     const Point& from = m.at(head);
     const Point& to = m.at(tail);
-    const std::uint32_t n = hops(squared_distance(from, to), radio_range);
+    std::uint32_t n = hops(squared_distance(from, to), radio_range);
+    if (rounds_beyond(from, to, n, radio_range)) ++n;
     for (std::uint32_t k = 1; k < n; ++k) {
       if (count >= out.size()) {
         count += n - k;
