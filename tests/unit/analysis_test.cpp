@@ -363,6 +363,41 @@ TEST(Holes, OutsideTheDomainDoNotCount) {
   EXPECT_GT(coverage_holes(**mesh, {}, 8, {}), 0u);
 }
 
+// The domain above y = 0 from -3 to 20, below a height.
+std::uint32_t holes_above_a_line(const Mesh& sensors, std::uint32_t range, std::span<Hole> out) {
+  const auto mesh =
+      mesh_of({{-3, 0}, {20, 0}, {20, 9}, {-3, 9}},
+              {between_nodes(0, 1), between_nodes(1, 2), between_nodes(2, 3), between_nodes(3, 0)});
+  std::vector<Region> region((*mesh)->triangle_count());
+  std::vector<TriangleId> scratch(region.size());
+  EXPECT_EQ(label_domain(**mesh, Exterior::hull, {}, region, scratch), Status::ok);
+  return coverage_holes(sensors, {.mesh = &**mesh, .region = region}, range, out);
+}
+
+bool lists(std::span<const Hole> holes, Position place) {
+  return std::any_of(holes.begin(), holes.end(),
+                     [&](const Hole& hole) { return hole.position == to_point(place); });
+}
+
+// The second sensor is nearest from its own foot on, so the distance rises before it and behind it.
+TEST(Holes, AreNotWhereTheDistanceGoesOnToRise) {
+  const auto sensors = mesh_of({{-3, 4}, {0, 5}});
+  std::array<Hole, 8> hole;
+  const std::uint32_t count = holes_above_a_line(**sensors, 4, hole);
+  ASSERT_LE(count, hole.size());
+  EXPECT_FALSE(lists(std::span(hole).first(count), {0, 0}));
+  EXPECT_TRUE(lists(std::span(hole).first(count), {20, 0}));
+}
+
+// Three sensors are equally near to the place, and it is the foot of the middle one.
+TEST(Holes, AreWhereTheMiddleOfThreeHandsOverAtItsFoot) {
+  const auto sensors = mesh_of({{-3, 4}, {0, 5}, {3, 4}});
+  std::array<Hole, 8> hole;
+  const std::uint32_t count = holes_above_a_line(**sensors, 4, hole);
+  ASSERT_LE(count, hole.size());
+  EXPECT_TRUE(lists(std::span(hole).first(count), {0, 0}));
+}
+
 // A field of 100 by 100, its corners without sensors, and the hole in it that four more enclose.
 class Field : public testing::Test {
  protected:

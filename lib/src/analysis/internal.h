@@ -82,6 +82,8 @@ class NearestWalk {
  private:
   // Of several vertices that are nearest at the start, takes the one into whose cell the way goes.
   void enter() noexcept;
+  // Whether the nearest vertex, too, hands over at this place.
+  bool hands_over_again() const noexcept;
   // Where the way leaves the cell of the nearest vertex; false if it never does.
   bool leave_cell(Handover& out) const noexcept;
   Handover candidate(VertexId after) const noexcept;

@@ -100,9 +100,18 @@ int NearestWalk::sign_ahead_of(VertexId v) const noexcept {
 }
 
 // Where several vertices hand over at one place, the one in their middle may have its foot there;
-// then the first of those handovers counts.
+// then the first of those handovers counts. Where that one stays the nearest, the distance goes on
+// to rise.
 bool NearestWalk::is_peak() const noexcept {
-  return sign_ahead_of(here_.before) > 0 && sign_ahead_of(here_.after) <= 0;
+  if (sign_ahead_of(here_.before) <= 0) return false;
+  const int ahead = sign_ahead_of(here_.after);
+  return ahead < 0 || (ahead == 0 && hands_over_again());
+}
+
+bool NearestWalk::hands_over_again() const noexcept {
+  Handover following;
+  return leave_cell(following) && Wide::sign(Wide::product(following.step, here_.scale) -
+                                             Wide::product(here_.step, following.scale)) == 0;
 }
 
 Point NearestWalk::place() const noexcept {
