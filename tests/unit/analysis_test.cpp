@@ -419,6 +419,38 @@ class Field : public testing::Test {
   std::vector<Region> region;
 };
 
+// A node with no feature is a place in a region as any other.
+TEST(HoleSeeds, OnANodeCountUnlessItIsOnAFeature) {
+  const auto mesh =
+      mesh_of({{0, 0}, {100, 0}, {100, 100}, {0, 100}, {30, 50}, {0, 300}, {300, 0}},
+              {between_nodes(0, 1), between_nodes(1, 2), between_nodes(2, 3), between_nodes(3, 0)});
+  std::vector<Region> region((*mesh)->triangle_count());
+  std::vector<TriangleId> scratch(region.size());
+  const auto holes_from = [&](Position seed) {
+    const Point at = to_point(seed);
+    EXPECT_EQ(label_domain(**mesh, Exterior::hull, std::span(&at, 1), region, scratch), Status::ok);
+    return std::count(region.begin(), region.end(), Region::hole);
+  };
+  EXPECT_EQ(holes_from({30, 50}), 4);
+  EXPECT_EQ(holes_from({50, 50}), 4);
+  EXPECT_EQ(holes_from({100, 100}), 0);
+  EXPECT_EQ(holes_from({50, 0}), 0);
+  const auto outside = (*mesh)->finite_triangle_count() - 4;
+  EXPECT_EQ(holes_from({0, 300}), outside) << "on the hull";
+}
+
+TEST(HoleSeeds, OnNodesOfALineLabelNothing) {
+  const auto mesh = mesh_of({{0, 0}, {1, 1}, {2, 2}});
+  std::vector<Region> region((*mesh)->triangle_count());
+  std::vector<TriangleId> scratch(region.size());
+  for (const Position position : {Position{0, 0}, Position{1, 1}}) {
+    const Point seed = to_point(position);
+    ASSERT_EQ(label_domain(**mesh, Exterior::hull, std::span(&seed, 1), region, scratch),
+              Status::ok);
+    EXPECT_EQ(std::count(region.begin(), region.end(), Region::outside), std::ssize(region));
+  }
+}
+
 TEST_F(Field, HasItsWorstPlacesAtCornersWithoutSensors) {
   const auto sensors = mesh_of({{50, 30}});
   std::array<Hole, 8> hole;

@@ -72,6 +72,19 @@ class Labeller {
   std::size_t count_ = 0;
 };
 
+bool is_on_feature(const MeshState& m, const Location& at) noexcept {
+  const Topology& topo = m.topology;
+  if (at.type == LocateType::on_edge) {
+    return topo.is_constrained(Topology::edge(at.triangle.value, static_cast<unsigned>(at.side)));
+  }
+  if (at.type != LocateType::on_vertex) return false;
+  Spokes spokes(topo, at.vertex);
+  do {
+    if (topo.is_constrained(spokes.edge())) return true;
+  } while (spokes.turn());
+  return false;
+}
+
 }  // namespace
 
 Status label_domain(const Mesh& mesh, Exterior exterior, std::span<const Point> hole_seeds,
@@ -88,10 +101,7 @@ Status label_domain(const Mesh& mesh, Exterior exterior, std::span<const Point> 
   }
   for (const Point& seed : hole_seeds) {
     const Location at = locate(mesh, seed);
-    const bool on_feature =
-        at.type == LocateType::on_edge && m.topology.is_constrained(Topology::edge(
-                                              at.triangle.value, static_cast<unsigned>(at.side)));
-    if ((at.type == LocateType::inside_triangle || at.type == LocateType::on_edge) && !on_feature) {
+    if (at.type != LocateType::outside && !is_on_feature(m, at)) {
       labeller.flood_from(at.triangle.value, Region::hole);
     }
   }
