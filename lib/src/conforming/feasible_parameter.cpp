@@ -25,7 +25,8 @@ template <class Inside>
 Parameter last_inside(double guessed, Parameter limit, Inside inside) noexcept {
   Parameter low = 0;       // inside
   Parameter high = limit;  // the answer is at most this
-  Parameter k = guessed <= 0 ? 0 : guessed >= limit ? limit : static_cast<Parameter>(guessed);
+  // No number: the triangle has no area in double. Then it is galloped from the end.
+  Parameter k = guessed >= limit ? limit : guessed > 0 ? static_cast<Parameter>(guessed) : 0;
   Parameter step = 1;
   if (k > 0 && !inside(k)) {
     high = k - 1;
