@@ -439,6 +439,32 @@ TEST(HoleSeeds, OnANodeCountUnlessItIsOnAFeature) {
   EXPECT_EQ(holes_from({0, 300}), outside) << "on the hull";
 }
 
+// Of a mesh that fills its range, so that a point beyond is beside a vertex.
+TEST(Places, TooFarOutForAMeshAreOutside) {
+  const auto mesh = mesh_of({{-far, -far}, {far, -far}, {far, far}, {-far, far}, {0, 0}});
+  std::vector<Region> region((*mesh)->triangle_count());
+  std::vector<TriangleId> scratch(region.size());
+  const std::vector<std::int32_t> readings((*mesh)->vertex_id_end(), 5);
+  constexpr std::int64_t most = far * subunits_per_unit;
+  EXPECT_EQ(locate(**mesh, {most, most}).type, LocateType::on_vertex);
+  EXPECT_EQ(locate(**mesh, {most, 1}).type, LocateType::on_edge);
+  for (const std::int64_t coordinate :
+       {most + 1, -most - 1, 4 * most, std::numeric_limits<std::int64_t>::max(),
+        std::numeric_limits<std::int64_t>::min()}) {
+    for (const Point place : {Point{coordinate, 0}, Point{0, coordinate}}) {
+      const Location at = locate(**mesh, place);
+      EXPECT_EQ(at.type, LocateType::outside);
+      EXPECT_TRUE(at.triangle.is_none());
+      Interpolated reading{LocateType::on_vertex, 7};
+      EXPECT_EQ(interpolate(**mesh, place, readings, reading), Status::ok);
+      EXPECT_EQ(reading.type, LocateType::outside);
+      EXPECT_EQ(label_domain(**mesh, Exterior::hull, std::span(&place, 1), region, scratch),
+                Status::ok);
+      EXPECT_EQ(std::count(region.begin(), region.end(), Region::hole), 0);
+    }
+  }
+}
+
 TEST(HoleSeeds, OnNodesOfALineLabelNothing) {
   const auto mesh = mesh_of({{0, 0}, {1, 1}, {2, 2}});
   std::vector<Region> region((*mesh)->triangle_count());

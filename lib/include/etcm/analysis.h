@@ -30,7 +30,8 @@ inline namespace ETCM_IDS {
 // No two nodes are farther apart.
 inline constexpr std::uint32_t range_max = 3 * static_cast<std::uint32_t>(position_max);
 
-// The square of a distance, in squared sub-units; exact.
+// The square of a distance, in squared sub-units; exact for coordinates of at most 2^61 in
+// magnitude.
 struct SquaredLength {
   std::uint64_t high = 0;
   std::uint64_t low = 0;
@@ -158,7 +159,7 @@ struct Hole {
 // node, by vertex id; it needs vertex_id_end() elements, those of other ids are not looked at. A
 // Steiner vertex takes the value that is linear between the two nodes of its segment of feature.
 // `value` is in 2^-28 of the unit of the readings, rounded to the nearest, halves up.
-// `type` says whether there is any: with LocateType::outside, value is 0.
+// `type` says whether there is any: with LocateType::outside, value is 0. `place` may be any point.
 struct Interpolated {
   LocateType type = LocateType::outside;
   std::int64_t value = 0;

@@ -52,7 +52,8 @@ struct ErrorDetail {
   Point to{};           //   and grid_exhausted
 };
 
-// A Steiner vertex that stood on a feature: its index in the list given beside it, and its place.
+// A Steiner vertex that stood on a feature: its index in the list given beside it, and its place
+// (any: restore() refuses what is none on the feature).
 struct SteinerPlace {
   std::uint32_t feature = 0;
   Point point;

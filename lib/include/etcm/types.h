@@ -30,7 +30,8 @@ inline constexpr std::int32_t position_max = std::int32_t{1} << 24;
 inline constexpr int subunit_bits = 28;
 inline constexpr std::int64_t subunits_per_unit = std::int64_t{1} << subunit_bits;
 
-// A place in sub-units, 2^-28 of the user's unit.
+// A place in sub-units, 2^-28 of the user's unit. Legal while in_range(); a call that takes others
+// says so.
 struct Point {
   std::int64_t x = 0;
   std::int64_t y = 0;
@@ -40,6 +41,12 @@ struct Point {
 
 [[nodiscard]] constexpr Point to_point(Position p) noexcept {
   return {p.x * subunits_per_unit, p.y * subunits_per_unit};
+}
+
+// Whether a mesh can hold it: |x| and |y| are at most 2^52.
+[[nodiscard]] constexpr bool in_range(const Point& p) noexcept {
+  constexpr std::int64_t most = position_max * subunits_per_unit;
+  return p.x >= -most && p.x <= most && p.y >= -most && p.y <= most;
 }
 
 // Ids are indices that keep what they name apart. They are 32 bits wide, or 16 where the build

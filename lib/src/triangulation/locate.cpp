@@ -122,6 +122,8 @@ inline namespace ETCM_IDS {
 
 Location locate(const Mesh& mesh, Point point, TriangleId near) noexcept {
   const internal::MeshState& m = internal::opened(mesh, Call::locate);
+  // No vertex stands so far out, and differences would not be exact.
+  if (!in_range(point)) return {};
   const internal::Edge start = near.value < m.topology.triangle_count()
                                    ? internal::Topology::edge(near.value, 0)
                                    : internal::edge_near(m, point);
