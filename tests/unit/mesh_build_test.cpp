@@ -165,6 +165,22 @@ TEST(MeshBuild, NeedsAnEmptyMesh) {
   EXPECT_EQ((*mesh)->build(square, {}), Status::ok);
 }
 
+// Whatever was in it before.
+TEST(MeshBuild, TakesAMeshThatAllHaveLeft) {
+  const std::array features{between_nodes(0, 2)};
+  const auto fresh = built({"", square, {features.begin(), features.end()}});
+  const auto mesh = built({"", {{0, 0}, {50, 9}, {50, -9}, {99, 0}}, {between_nodes(0, 3)}});
+  ASSERT_EQ((*mesh)->remove_feature(FeatureId{0}), Status::ok);
+  EXPECT_EQ((*mesh)->build(square, features), Status::mesh_not_empty) << "nodes stand";
+  for (std::size_t i = 0; i < 4; ++i) ASSERT_EQ((*mesh)->leave(vertex_of(i)), Status::ok);
+  EXPECT_EQ((*mesh)->build(std::array{Position{0, 0}, Position{0, 0}}, {}),
+            Status::duplicate_vertex);
+  ASSERT_EQ((*mesh)->build(square, features), Status::ok);
+  EXPECT_EQ(picture_of(**mesh), picture_of(**fresh));
+  EXPECT_TRUE((*mesh)->is_canonical());
+  EXPECT_TRUE(is_sound(**mesh));
+}
+
 TEST(MeshBuild, TellsOnceThatTheNodesStand) {
   const auto count = [](void* calls) noexcept { ++*static_cast<int*>(calls); };
   const auto mesh = empty_mesh();

@@ -90,9 +90,9 @@ class Mesh {
   // Forgets all nodes and features. O(1).
   void clear() noexcept;
 
-  // Builds an empty mesh from nodes and features at once: node i becomes vertex i + 1. Endpoint ids
-  // are those vertices. Feature i becomes FeatureId i. O(n log n).
-  // Errors in the input leave the mesh empty, with error_detail() naming the culprit.
+  // Builds an empty mesh (node_count() is 0, whatever has been) from nodes and features at once:
+  // node i becomes vertex i + 1. Endpoint ids are those vertices. Feature i becomes FeatureId i.
+  // O(n log n). Errors in the input leave the mesh empty, with error_detail() naming the culprit.
   // steiner_budget, step_limit, grid_exhausted and out_of_vertices during conforming leave the
   // valid Delaunay mesh of what is done; unresolved() counts the rest, at least one, and changes
   // are refused until clear(). So a mesh is whole, and may be changed, exactly while unresolved()

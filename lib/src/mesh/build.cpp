@@ -112,8 +112,8 @@ Status enter_features(MeshState& m, std::span<const FeatureEnds> features,
 Status enter(Mesh& mesh, Change& change, std::span<const Position> nodes,
              std::span<const FeatureEnds> features, FeatureList& list) noexcept {
   MeshState& m = change.mesh;
-  if (m.vertex_end != 1 || m.segment_end != 0)
-    return m.error_detail.status = Status::mesh_not_empty;
+  if (m.node_count != 0) return m.error_detail.status = Status::mesh_not_empty;
+  mesh.clear();  // ids begin anew, whoever had them
   if (nodes.size() > m.config.vertices_max) return m.error_detail.status = Status::out_of_vertices;
   if (features.size() > m.config.features_max)
     return m.error_detail.status = Status::out_of_features;
