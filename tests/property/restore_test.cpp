@@ -2,6 +2,7 @@
 // whatever its life was; anything else is refused and leaves nothing.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <vector>
@@ -101,7 +102,13 @@ class RestoreRefuses : public testing::Test {
     OwnedMesh mesh(config);
     ASSERT_EQ(mesh.opened(), Status::ok);
     EXPECT_EQ(kept.restore(*mesh), status);
-    EXPECT_EQ(mesh->error_detail().status, status);
+    const ErrorDetail& detail = mesh->error_detail();
+    EXPECT_EQ(detail.status, status);
+    if (status == Status::crossing_features || status == Status::overlapping_features ||
+        status == Status::repeated_feature) {
+      EXPECT_EQ(std::min(detail.feature, detail.other), FeatureId{0});
+      EXPECT_EQ(std::max(detail.feature, detail.other), FeatureId{1});
+    }
     EXPECT_EQ(mesh->node_count() + mesh->steiner_count() + mesh->feature_count(), 0u);
     EXPECT_TRUE(passes_audit(*mesh));
     EXPECT_EQ(kept_.restore(*mesh), Status::ok) << "an empty mesh is as good as a new one";
@@ -150,6 +157,19 @@ TEST_F(RestoreRefuses, FeaturesThatCross) {
 TEST_F(RestoreRefuses, AFeatureTwice) {
   Kept kept = kept_;
   kept.features.push_back({vertex_of(1), vertex_of(0)});
+  expect(Status::repeated_feature, kept);
+  // With Steiner vertices of their own, as well.
+  kept.steiner.insert(kept.steiner.end(), kept_.steiner.begin(), kept_.steiner.end());
+  for (std::size_t i = kept_.steiner.size(); i < kept.steiner.size(); ++i) {
+    kept.steiner[i].feature = 1;
+  }
+  expect(Status::repeated_feature, kept);
+}
+
+TEST_F(RestoreRefuses, FeaturesAlongEachOther) {
+  Kept kept;
+  kept.nodes = {{0, 0}, {10, 0}, {20, 0}, {30, 0}};
+  kept.features = {{vertex_of(0), vertex_of(2)}, {vertex_of(3), vertex_of(1)}};
   expect(Status::overlapping_features, kept);
 }
 

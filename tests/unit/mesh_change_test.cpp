@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
+#include <random>
 #include <vector>
 
 #include "support/meshes.h"
@@ -223,6 +225,56 @@ TEST_F(MeshChange, ShrinksToNothingAndGrowsAgain) {
 }
 
 // build() that gives up for want of steps leaves a mesh of which each later answer is true.
+bool has_an_other(Status status) {
+  return status == Status::crossing_features || status == Status::overlapping_features ||
+         status == Status::repeated_feature;
+}
+
+// Places so few that nearly everything meets something.
+TEST(Refusals, NameBothFeatures) {
+  std::mt19937 random(1);
+  const auto below = [&random](std::uint32_t n) { return static_cast<std::int32_t>(random() % n); };
+  const auto place = [&] { return Position{below(5), below(4)}; };
+  std::map<Status, int> refused;
+  for (int round = 0; round < 3000; ++round) {
+    const auto mesh = empty_mesh(200, 60);
+    std::vector<Position> nodes;
+    for (std::int32_t i = 0; i < 20; ++i) {
+      if (below(3) != 0) nodes.push_back({i % 5, i / 5});
+    }
+    std::vector<FeatureEnds> features;
+    const auto any_node = [&] { return vertex_of(random() % nodes.size()); };
+    for (std::int32_t i = below(4); i > 0; --i) features.push_back({any_node(), any_node()});
+    Status status = (*mesh)->build(nodes, features);
+    if (status != Status::ok) {
+      if (!has_an_other(status)) continue;
+      ++refused[status];
+      const ErrorDetail& detail = (*mesh)->error_detail();
+      EXPECT_NE(detail.feature, detail.other);
+      EXPECT_LT(std::max(detail.feature, detail.other).value, features.size());
+      continue;
+    }
+    for (int change = 0; change < 12; ++change) {
+      FeatureId id;
+      const bool adds = below(3) == 0;
+      if (adds) {
+        status = (*mesh)->add_feature({any_node(), any_node()}, id);
+      } else if (below(2) == 0) {
+        status = (*mesh)->leave(any_node());
+      } else {
+        status = (*mesh)->move(any_node(), place());
+      }
+      if (!has_an_other(status)) continue;
+      ++refused[status];
+      const ErrorDetail& detail = (*mesh)->error_detail();
+      EXPECT_TRUE((*mesh)->is_feature(detail.other)) << to_string(status);
+      EXPECT_EQ((*mesh)->is_feature(detail.feature), !adds) << to_string(status);
+      EXPECT_NE(detail.feature, detail.other);
+    }
+  }
+  EXPECT_EQ(refused.size(), 3u);
+}
+
 TEST(AfterAnIncompleteBuild, ARefusedMoveChangesNothing) {
   MeshConfig config{.vertices_max = 100, .features_max = 20, .steps_max = 1};
   OwnedMesh mesh(config);

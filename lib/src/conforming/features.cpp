@@ -32,17 +32,6 @@ SegmentId segment_at(const MeshState& m, Edge e, SegmentId asking) noexcept {
   return s;
 }
 
-// The other segment that a subsegment of s meets: runs along, crosses, or touches in one of its
-// Steiner vertices.
-SegmentId met_by(const MeshState& m, SegmentId s, const Subsegment& subsegment) noexcept {
-  if (subsegment.is_edge && m.topology.is_constrained(subsegment.edge)) {
-    return segment_at(m, subsegment.edge, s);
-  }
-  if (!subsegment.constrained.is_none()) return segment_at(m, subsegment.constrained, s);
-  const Owner owner = m.owner(subsegment.tail);
-  return owner.role() == Role::node ? SegmentId::none() : owner.segment();
-}
-
 // What is wrong with a feature that meets a part of another.
 Status fault_of(const MeshState& m, SegmentId root, SegmentId other) noexcept {
   const FeatureEnds ours = ends_of(m, root);
@@ -90,6 +79,15 @@ SegmentId collect_left_over(Change& change, SegmentId root) noexcept {
 }
 
 }  // namespace
+
+SegmentId met_by(const MeshState& m, SegmentId s, const Subsegment& subsegment) noexcept {
+  if (subsegment.is_edge && m.topology.is_constrained(subsegment.edge)) {
+    return segment_at(m, subsegment.edge, s);
+  }
+  if (!subsegment.constrained.is_none()) return segment_at(m, subsegment.constrained, s);
+  const Owner owner = m.owner(subsegment.tail);
+  return owner.role() == Role::node || owner.segment() == s ? SegmentId::none() : owner.segment();
+}
 
 FeatureEnds ends_of(const MeshState& m, SegmentId root) noexcept {
   // One that is not linked holds its ends itself.

@@ -17,6 +17,9 @@ SurveyResult survey(MeshState& m, SegmentId root) noexcept;
 // The same for a segment that is linked and not laid. `first` is where it leaves its smaller end:
 // all of it where the answer is ok.
 Status survey_segment(MeshState& m, SegmentId s, Subsegment& first) noexcept;
+// The other segment that a subsegment of s, not marked yet, meets: runs along, crosses, or touches
+// in one of its Steiner vertices.
+SegmentId met_by(const MeshState& m, SegmentId s, const Subsegment& subsegment) noexcept;
 // Answers with what is wrong with the feature of a segment that meets another, and sets
 // error_detail.
 Status reject_meeting(MeshState& m, SegmentId s, SegmentId other) noexcept;

@@ -164,6 +164,10 @@ Status insert_steiner(Change& change, const SteinerPlace& place) noexcept {
   if (s.is_none()) return Status::bad_coordinate;
   const Found found = find(m, place.point, edge_near(m, place.point));
   if (found.type == LocateType::on_vertex) {
+    const Owner owner = m.owner(found.vertex);
+    if (owner.role() != Role::node && owner.segment() != s) {
+      return reject_meeting(m, s, owner.segment());
+    }
     m.error_detail.vertex = found.vertex;
     return Status::duplicate_vertex;
   }
@@ -181,10 +185,8 @@ Status constrain_segment(MeshState& m, SegmentId s) noexcept {
   const VertexId end = m.segment(s).to;
   for (VertexId v = m.segment(s).from; v != end;) {
     const Subsegment subsegment = march(m, v, end);
-    if (subsegment.is_edge && m.topology.is_constrained(subsegment.edge))
-      return Status::overlapping_features;
-    const bool is_foreign = subsegment.tail != end && m.owner(subsegment.tail).segment() != s;
-    if (is_foreign || !subsegment.constrained.is_none()) return Status::crossing_features;
+    const SegmentId other = met_by(m, s, subsegment);
+    if (!other.is_none()) return reject_meeting(m, s, other);
     if (!can_be_edge(m, subsegment)) return Status::mesh_unresolved;
     constrain_subsegment(m, subsegment);
     v = subsegment.tail;
