@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
 #include <memory>
@@ -96,6 +97,57 @@ TEST_F(MeshChange, RefusesToJoinWhereANodeStands) {
   expect_refused(mesh().join({64, -5}, id), Status::duplicate_vertex, before);
   EXPECT_EQ(mesh().error_detail().vertex, vertex_of(2));
   EXPECT_TRUE(id.is_none());
+}
+
+// Refused calls of every kind, in a mesh with ids that are free and in one without.
+TEST(Refusals, LeaveTheIdsInUseAsTheyWere) {
+  for (const bool has_free_ids : {false, true}) {
+    OwnedMesh mesh({.vertices_max = 60, .features_max = 6, .steiner_max = 3});
+    ASSERT_EQ(mesh.opened(), Status::ok);
+    const std::array nodes{Position{0, 0},     Position{1000, 10}, Position{480, 90},
+                           Position{520, -60}, Position{500, 900}, Position{3, 800}};
+    const std::array features{between_nodes(0, 1)};
+    ASSERT_EQ(mesh->build(nodes, features), Status::ok);
+    if (has_free_ids) {
+      ASSERT_EQ(mesh->leave(vertex_of(5)), Status::ok);
+    }
+    ASSERT_GT(mesh->steiner_count(), 0u);
+    const IdValue vertices = mesh->vertex_id_end(), segments = mesh->feature_id_end();
+    const bool was_canonical = mesh->is_canonical();
+    int refused = 0;
+    const auto expect_same_ids = [&](Status answer) {
+      refused += answer != Status::ok ? 1 : 0;
+      EXPECT_EQ(mesh->vertex_id_end(), vertices) << to_string(answer);
+      EXPECT_EQ(mesh->feature_id_end(), segments) << to_string(answer);
+      EXPECT_EQ(mesh->is_canonical(), was_canonical) << to_string(answer);
+      EXPECT_TRUE(is_sound(*mesh));
+    };
+    VertexId id;
+    FeatureId feature;
+    expect_same_ids(mesh->join({480, 90}, id));
+    expect_same_ids(mesh->join({position_max + 1, 90}, id));
+    expect_same_ids(mesh->add_feature({vertex_of(0), vertex_of(1)}, feature));
+    expect_same_ids(mesh->add_feature({vertex_of(2), vertex_of(3)}, feature));
+    expect_same_ids(mesh->move(vertex_of(4), {480, 90}));
+    expect_same_ids(mesh->move(vertex_of(4), {position_max + 1, 90}));
+    const int by_the_input = refused;
+    EXPECT_EQ(by_the_input, 6);
+    // Beside the feature, until it takes too many Steiner vertices.
+    for (std::int32_t x = 100; x < 1000 && refused == by_the_input; x += 50) {
+      const std::uint64_t hash = mesh->hash();
+      const IdValue end = mesh->vertex_id_end();
+      if (mesh->join({x, x % 100 == 0 ? x / 100 + 1 : x / 100 - 1}, id) == Status::ok) continue;
+      ++refused;
+      EXPECT_EQ(mesh->vertex_id_end(), end);
+      EXPECT_EQ(mesh->hash(), hash);
+      EXPECT_EQ(mesh->move(vertex_of(4), {x, x % 100 == 0 ? x / 100 + 1 : x / 100 - 1}),
+                Status::steiner_budget);
+      EXPECT_EQ(mesh->vertex_id_end(), end);
+      EXPECT_EQ(mesh->hash(), hash);
+      EXPECT_TRUE(is_sound(*mesh));
+    }
+    EXPECT_GT(refused, by_the_input);
+  }
 }
 
 TEST_F(MeshChange, RefusesToJoinOutOfRange) {

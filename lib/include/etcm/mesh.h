@@ -12,7 +12,9 @@
 //
 // Guarantee of every call that changes the mesh: it succeeds whole, or the mesh, its hash included,
 // is as it was, and Status says why (build() alone may leave a partly conforming mesh, and says
-// so).
+// so). As it was: the same ids name the same vertices and features, and no other ids are in use.
+// Triangles may have other numbers, neighbours() may begin with another, and ids that are free may
+// be given out in another order.
 //
 // Threads: none inside; one thread at a time, or any number of readers.
 #pragma once

@@ -76,7 +76,7 @@ using VertexId = Id<struct VertexTag>;
 inline constexpr VertexId infinite_vertex{0};
 
 // Triangles are dense: 0 .. triangle_count() - 1, ghosts among them. An id lasts until the next
-// change of the mesh.
+// call that changes the mesh, or would have and was refused.
 using TriangleId = Id<struct TriangleTag>;
 
 // A constraint line between two nodes, as the user gave it. Lasts until it is removed.

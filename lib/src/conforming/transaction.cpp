@@ -62,8 +62,14 @@ void restore_detached(Change& change) noexcept {
       v = subsegment.tail;
     }
   }
-  forget_places(change);
   end_change(change);
+  forget_places(change);
+  forget_new_ids(change);
+}
+
+// An id is new only where none was free any more, so each free one was given out in this change.
+void forget_new_ids(Change& change) noexcept {
+  lower_ends(change.mesh, change.vertex_end_before, change.segment_end_before);
 }
 
 void commit(Change& change) noexcept {

@@ -5,9 +5,11 @@
 
 namespace etcm::internal {
 
-// Puts the detached vertices back, marks all touched segments anew and ends the change. The segment
-// records must be those of before, and the fresh vertices dropped.
+// Puts the detached vertices back, marks all touched segments anew and ends the change, its new ids
+// forgotten. The segment records must be those of before, and the fresh vertices dropped.
 void restore_detached(Change& change) noexcept;
+// Takes ids that were new in the change, all of them free again, for never used.
+void forget_new_ids(Change& change) noexcept;
 // Prunes needless Steiner vertices of the touched segments, and ends the change.
 void commit(Change& change) noexcept;
 // Forgets the change: what came has come, what was retired and not used again becomes free.

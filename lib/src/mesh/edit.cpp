@@ -187,6 +187,7 @@ Status Mesh::join(Position position, VertexId& id) noexcept {
   Status status = insert_node(change, v, cut, rest);
   if (status != Status::ok) {
     free_vertex(m, v);
+    forget_new_ids(change);
     return status;
   }
   ++m.node_count;

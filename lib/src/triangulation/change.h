@@ -19,7 +19,9 @@ struct Change {
         steps_max(state.config.steps_max),
         extent(how_much),
         places_before(state.place_count),
-        was_all_stale(state.is_all_stale) {
+        was_all_stale(state.is_all_stale),
+        vertex_end_before(state.vertex_end),
+        segment_end_before(state.segment_end) {
     state.error_detail = ErrorDetail{};
   }
   Change(const Change&) = delete;
@@ -37,6 +39,8 @@ struct Change {
   // Of MeshState, to be put back where the change is.
   const std::uint8_t places_before;
   const bool was_all_stale;
+  const IdValue vertex_end_before;
+  const IdValue segment_end_before;
 
   // Extent::group: the segments that are laid, linked by next_in_group.
   SegmentId group{};

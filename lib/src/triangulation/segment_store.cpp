@@ -77,6 +77,30 @@ void free_segment(MeshState& m, SegmentId s) noexcept {
   ++m.free_segment_count;
 }
 
+void lower_ends(MeshState& m, IdValue vertex_end, IdValue segment_end) noexcept {
+  if (m.vertex_end != vertex_end) {
+    VertexId v = m.free_vertices;
+    m.free_vertices = VertexId::none();
+    while (!v.is_none()) {
+      const VertexId next{m.vertex_edges[v.value].value};
+      if (v.value < vertex_end) free_vertex(m, v);
+      v = next;
+    }
+    m.vertex_end = vertex_end;
+  }
+  if (m.segment_end != segment_end) {
+    SegmentId s = m.free_segments;
+    m.free_segments = SegmentId::none();
+    m.free_segment_count = 0;
+    while (!s.is_none()) {
+      const SegmentId next = m.segment(s).next;
+      if (s.value < segment_end) free_segment(m, s);
+      s = next;
+    }
+    m.segment_end = segment_end;
+  }
+}
+
 void link_segment(MeshState& m, SegmentId s) noexcept {
   link_at(m, s, m.segment(s).from);
   link_at(m, s, m.segment(s).to);

@@ -10,6 +10,8 @@ VertexId allocate_vertex(MeshState& m) noexcept;  // none: no room
 void free_vertex(MeshState& m, VertexId v) noexcept;
 SegmentId allocate_segment(MeshState& m) noexcept;  // none: no room
 void free_segment(MeshState& m, SegmentId s) noexcept;
+// Ids from these on, all of them free, count as never used. O(free ids) where an end changes.
+void lower_ends(MeshState& m, IdValue vertex_end, IdValue segment_end) noexcept;
 // Into and out of the incidence lists of its two ends.
 void link_segment(MeshState& m, SegmentId s) noexcept;
 void unlink_segment(MeshState& m, SegmentId s) noexcept;
