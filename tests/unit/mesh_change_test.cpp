@@ -99,6 +99,87 @@ TEST_F(MeshChange, RefusesToJoinWhereANodeStands) {
   EXPECT_TRUE(id.is_none());
 }
 
+// The room of a feature through four nodes, and no more.
+TEST(TightRoom, LetsANodeMoveAlongItsFeature) {
+  const Graph graph{
+      "", {{0, 0}, {300, 0}, {600, 0}, {900, 0}, {450, 7}, {450, -7}}, {between_nodes(0, 3)}};
+  OwnedMesh mesh({.vertices_max = 60, .features_max = 3});
+  ASSERT_EQ(mesh.opened(), Status::ok);
+  ASSERT_EQ(mesh->build(graph.nodes, graph.features), Status::ok);
+  for (const std::int32_t x : {400, 700, 500, 100, 301}) {
+    ASSERT_EQ(mesh->move(vertex_of(1), {x, 0}), Status::ok) << x;
+    ASSERT_TRUE(is_sound(*mesh));
+    Graph moved = graph;
+    moved.nodes[1].x = x;
+    ASSERT_EQ(mesh->canonicalize(), Status::ok);
+    EXPECT_EQ(mesh->hash(), (*built(moved))->hash());
+  }
+  EXPECT_EQ(mesh->feature_id_end(), 3u);
+}
+
+// From one feature to another: its place goes with it.
+TEST(TightRoom, LetsANodeMoveToAnotherFeature) {
+  const Graph graph{"",
+                    {{0, 0}, {900, 0}, {0, 50}, {900, 50}, {300, 0}, {450, 25}},
+                    {between_nodes(0, 1), between_nodes(2, 3)}};
+  OwnedMesh mesh({.vertices_max = 200, .features_max = 3});
+  ASSERT_EQ(mesh.opened(), Status::ok);
+  ASSERT_EQ(mesh->build(graph.nodes, graph.features), Status::ok);
+  ASSERT_EQ(mesh->move(vertex_of(4), {400, 50}), Status::ok);
+  EXPECT_TRUE(is_sound(*mesh));
+  ASSERT_EQ(mesh->move(vertex_of(4), {500, 0}), Status::ok);
+  EXPECT_TRUE(is_sound(*mesh));
+}
+
+// The move finds a place on a feature, and none for the Steiner vertices that it then takes.
+TEST(TightRoom, TakesARefusedMoveAlongAFeatureBack) {
+  std::mt19937 random(1);
+  const auto below = [&random](std::uint32_t n) { return static_cast<std::int32_t>(random() % n); };
+  int refused = 0;
+  for (int round = 0; round < 400; ++round) {
+    std::vector<Position> nodes{{0, 0}, {900, 0}, {0, 50}, {900, 50}, {10 + below(880), 0}};
+    for (int i = 0; i < 8; ++i) nodes.push_back({below(900), 50 * below(2) - 1 + 2 * below(2)});
+    const std::array features{between_nodes(0, 1), between_nodes(2, 3)};
+    // What build() takes, and not a place more.
+    std::unique_ptr<OwnedMesh> made;
+    Status status = Status::out_of_vertices;
+    for (std::uint32_t room = 13; status == Status::out_of_vertices; ++room) {
+      made = empty_mesh(room, 3);
+      status = (*made)->build(nodes, features);
+    }
+    if (status != Status::ok) continue;
+    OwnedMesh& mesh = *made;
+    const Picture before = picture_of(*mesh);
+    if (mesh->move(vertex_of(4), {1 + below(898), 50 * below(2)}) == Status::ok) continue;
+    EXPECT_EQ(mesh->error_detail().status, Status::out_of_vertices);
+    ++refused;
+    ASSERT_EQ(picture_of(*mesh), before);
+    EXPECT_TRUE(mesh->is_canonical());
+    ASSERT_TRUE(is_sound(*mesh));
+    for (IdValue id = 0; id < 2; ++id) {
+      EXPECT_EQ(mesh->remove_feature(FeatureId{id}), Status::ok);
+    }
+    EXPECT_EQ(mesh->leave(vertex_of(4)), Status::ok);
+    ASSERT_TRUE(is_sound(*mesh));
+  }
+  EXPECT_GT(refused, 50);
+}
+
+// What is canonical needs no room to be made so.
+TEST(TightRoom, SufficesToRebuildWhatIsBuilt) {
+  const Graph graph{
+      "", {{0, 0}, {1000, 10}, {480, 90}, {520, -60}, {500, 900}}, {between_nodes(0, 1)}};
+  const std::uint32_t needed = (*built(graph))->steiner_count() + 5;
+  ASSERT_GT(needed, 5u);
+  OwnedMesh mesh({.vertices_max = needed, .features_max = 1});
+  ASSERT_EQ(mesh.opened(), Status::ok);
+  ASSERT_EQ(mesh->build(graph.nodes, graph.features), Status::ok);
+  const Picture before = picture_of(*mesh);
+  EXPECT_EQ(mesh->canonicalize(), Status::ok);
+  EXPECT_EQ(mesh->rebuild(), Status::ok);
+  EXPECT_EQ(picture_of(*mesh), before);
+}
+
 // Refused calls of every kind, in a mesh with ids that are free and in one without.
 TEST(Refusals, LeaveTheIdsInUseAsTheyWere) {
   for (const bool has_free_ids : {false, true}) {

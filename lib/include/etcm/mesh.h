@@ -16,6 +16,10 @@
 // Triangles may have other numbers, neighbours() may begin with another, and ids that are free may
 // be given out in another order.
 //
+// Room: what a change takes out, Steiner vertices and segments of features that turn to another
+// line, keeps its place until the change ends. So a full mesh may answer out_of_vertices or
+// out_of_features where there would have been room in the end.
+//
 // Threads: none inside; one thread at a time, or any number of readers.
 #pragma once
 
@@ -129,7 +133,9 @@ class Mesh {
   [[nodiscard]] bool is_canonical() const noexcept;
 
   // Drops every Steiner vertex and conforms afresh: what canonicalize() comes to, however much is
-  // to be done. O(n log n), as build(). All or nothing.
+  // to be done. O(n log n), as build(). All or nothing; a mesh that is_canonical() stays as it is.
+  // Errors: those of canonicalize(), of all segments as one group: it needs room for the old and
+  // the new Steiner vertices at once.
   Status rebuild() noexcept;
 
   // A node joins. It may stand on a Steiner vertex (and takes its place), on a feature (which then

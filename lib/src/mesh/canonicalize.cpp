@@ -112,7 +112,7 @@ Status Mesh::rebuild() noexcept {
   MeshState& m = opened(*this, Call::rebuild);
   Change change(m, Change::Extent::whole);
   if (m.unresolved != 0) return m.error_detail.status = Status::mesh_unresolved;
-  return lay_all_again(change);
+  return is_canonical() ? Status::ok : lay_all_again(change);
 }
 
 Status Mesh::canonicalize(std::uint32_t steps_max) noexcept {

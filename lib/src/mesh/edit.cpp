@@ -39,7 +39,7 @@ Status report(MeshState& m, Status status, VertexId vertex) noexcept {
 }
 
 // Puts node v, whose point is set, into the mesh, on its segment if it stands on one. `cut` is that
-// segment and `rest` its new other part, for take_out().
+// segment and `rest` its new other part, for remove_node(). `rest` may come with a segment to take.
 Status insert_node(Change& change, VertexId v, SegmentId& cut, SegmentId& rest) noexcept {
   MeshState& m = change.mesh;
   Found found = find(m, m.at(v), edge_near(m, m.at(v)));
@@ -48,7 +48,7 @@ Status insert_node(Change& change, VertexId v, SegmentId& cut, SegmentId& rest) 
   }
   cut = section_under(m, found);
   if (!cut.is_none()) {
-    rest = allocate_segment(m);
+    if (rest.is_none()) rest = allocate_segment(m);
     if (rest.is_none()) {
       m.error_detail.feature = feature_of(m, cut);
       return report(m, Status::out_of_features, VertexId::none());
@@ -255,7 +255,9 @@ Status Mesh::move(VertexId node, Position position) noexcept {
   remove_hint(m, node);
   remove_vertex(m, node);
   m.points[node.value] = after;
-  SegmentId cut{}, rest{};
+  // Where it comes onto a feature, it takes what it has left with another, or farther back.
+  SegmentId cut{}, rest = parts;
+  const SegmentRecord part = parts.is_none() ? SegmentRecord{} : m.segment(parts);
   Status status = conform(change);  // of what ran through the node
   bool is_in = false;
   if (status == Status::ok) {
@@ -281,6 +283,11 @@ Status Mesh::move(VertexId node, Position position) noexcept {
     features.append(m, linked);
     remove_node(change, node, cut, rest);
     m.owner(node) = Owner(Role::node, SegmentId::none());
+    if (!parts.is_none()) {
+      m.segment(parts).to = part.to;
+      m.segment(parts).root = part.root;
+      m.segment(parts).next = part.next;
+    }
   }
   m.points[node.value] = before;
   turn_features(m, features);
