@@ -16,11 +16,11 @@
 // Lists: a call writes as many entries as fit and returns how many there are.
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <span>
 
 #include "etcm/domain.h"
+#include "etcm/length.h"
 #include "etcm/locate.h"
 #include "etcm/mesh.h"
 
@@ -29,19 +29,6 @@ inline namespace ETCM_IDS {
 
 // No two nodes are farther apart.
 inline constexpr std::uint32_t range_max = 3 * static_cast<std::uint32_t>(position_max);
-
-// The square of a distance, in squared sub-units; exact for coordinates of at most 2^61 in
-// magnitude.
-struct SquaredLength {
-  std::uint64_t high = 0;
-  std::uint64_t low = 0;
-  friend constexpr auto operator<=>(const SquaredLength&, const SquaredLength&) = default;
-};
-
-[[nodiscard]] SquaredLength squared_distance(const Point& a, const Point& b) noexcept;
-
-// The least whole number of units that is not shorter: the range a device needs for that distance.
-[[nodiscard]] std::uint32_t range_for(const SquaredLength& length) noexcept;
 
 // --- Links
 

@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "etcm/analysis.h"
+#include "geometry/lengths.h"
 #include "geometry/wide_int.h"
 
 namespace etcm::internal {
@@ -50,18 +51,6 @@ inline Int128 cross(const Vector& a, const Vector& b) noexcept {
 inline Int128 limbs(const SquaredLength& length) noexcept {
   return {{static_cast<std::uint32_t>(length.low), static_cast<std::uint32_t>(length.low >> 32),
            static_cast<std::uint32_t>(length.high), static_cast<std::uint32_t>(length.high >> 32)}};
-}
-
-inline SquaredLength sum(const SquaredLength& a, const SquaredLength& b) noexcept {
-  const std::uint64_t low = a.low + b.low;
-  return {a.high + b.high + (low < a.low ? 1u : 0u), low};
-}
-
-// (2^doublings * units)^2, for doublings of at most 3.
-inline SquaredLength squared_range(std::uint32_t units, int doublings) noexcept {
-  const std::uint64_t square = std::uint64_t{units} * units;
-  const int shift = 2 * (subunit_bits + doublings);
-  return {square >> (64 - shift), square << shift};
 }
 
 // n / d rounded to the nearest, halves up; d > 0, and the result below 2^62 in magnitude.

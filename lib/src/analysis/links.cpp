@@ -1,9 +1,5 @@
-// Distances, and what is asked of single edges.
-#include <type_traits>
-
-#include "analysis/arithmetic.h"
+// What is asked of single edges.
 #include "analysis/internal.h"
-#include "geometry/wide_int.h"
 #include "triangulation/mesh_state.h"
 
 namespace etcm {
@@ -12,18 +8,6 @@ inline namespace ETCM_IDS {
 using namespace internal;
 
 namespace {
-
-template <class Int>
-SquaredLength to_length(const Int& square) noexcept {
-  if constexpr (std::is_same_v<Int, Int128>) {
-    const auto word = [&square](unsigned i) {
-      return (std::uint64_t{square.limb[i + 1]} << 32) | square.limb[i];
-    };
-    return {word(2), word(0)};
-  } else {
-    return {static_cast<std::uint64_t>(square >> 64), static_cast<std::uint64_t>(square)};
-  }
-}
 
 // Which sides a triangle decides on.
 struct Verdict {
@@ -50,20 +34,6 @@ Link link_of(const MeshState& m, Edge e, const SquaredLength& length) noexcept {
 }
 
 }  // namespace
-
-SquaredLength squared_distance(const Point& a, const Point& b) noexcept {
-  const std::int64_t x = b.x - a.x, y = b.y - a.y;
-  return to_length(ExactArithmetic::product(x, x) + ExactArithmetic::product(y, y));
-}
-
-std::uint32_t range_for(const SquaredLength& length) noexcept {
-  std::uint32_t range = 0;
-  for (int bit = 31; bit >= 0; --bit) {
-    const std::uint32_t longer = range + (std::uint32_t{1} << bit);
-    if (squared_range(longer, 0) < length) range = longer;
-  }
-  return length == SquaredLength{} ? 0 : range + 1;
-}
 
 std::uint32_t links(const Mesh& mesh, std::uint32_t longer_than, std::span<Link> out) noexcept {
   const MeshState& m = opened(mesh, Call::links);
