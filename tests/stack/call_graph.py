@@ -19,6 +19,7 @@ from pathlib import Path
 INDIRECT = {
     "build.cpp": None,
     "audit.cpp": r"^etcm::Audit etcm::\{anonymous\}::Auditor::\w+\(\) const$",
+    "influence.cpp": r"^void etcm::internal::\{anonymous\}::on_\w+\(",
     "conform.cpp": r"^etcm::Parameter etcm::\w+\(const SplitSite&\)$",
 }
 # Bytes for a function of the compiler's or C's run-time: memset, memcpy, division and the soft
