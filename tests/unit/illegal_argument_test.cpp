@@ -16,6 +16,7 @@
 #include "etcm/audit.h"
 #include "etcm/domain.h"
 #include "etcm/locate.h"
+#include "etcm/nearest.h"
 #include "etcm/storage.h"
 #include "support/meshes.h"
 
@@ -48,6 +49,7 @@ Interpolated some_value;
 const VertexId v{1};
 const FeatureId f{0};
 const TriangleId t{0};
+constexpr Call last_call = Call::nodes_within;
 
 // The square of each test stands here too, for calls that take two meshes.
 const Mesh& open_mesh() {
@@ -129,6 +131,9 @@ const std::vector<Case> unopened{
      {},
      "interpolate",
      [](Mesh& m) { drop(interpolate(m, {}, {}, some_value)); }},
+    {Call::nearest_node, {}, "nearest_node", [](Mesh& m) { drop(nearest_node(m, {})); }},
+    {Call::nearest_nodes, {}, "nearest_nodes", [](Mesh& m) { drop(nearest_nodes(m, {}, {})); }},
+    {Call::nodes_within, {}, "nodes_within", [](Mesh& m) { drop(nodes_within(m, {}, 0, {})); }},
 };
 
 void open_at(std::byte* storage) {
@@ -212,7 +217,7 @@ INSTANTIATE_TEST_SUITE_P(Every, UnopenedMesh, testing::ValuesIn(unopened), name_
 TEST(UnopenedMesh, IsAskedByEveryCall) {
   std::set<Call> asked{Call::open};
   for (const Case& each : unopened) asked.insert(each.call);
-  for (int call = 0; call <= static_cast<int>(Call::interpolate); ++call) {
+  for (int call = 0; call <= static_cast<int>(last_call); ++call) {
     EXPECT_EQ(asked.count(static_cast<Call>(call)), 1u) << to_string(static_cast<Call>(call));
   }
 }
@@ -232,13 +237,14 @@ INSTANTIATE_TEST_SUITE_P(Every, IllegalArgument, testing::ValuesIn(illegal), nam
 
 TEST(IllegalArgumentNames, AreOnesOwn) {
   std::set<std::string> names;
-  for (int call = 0; call <= static_cast<int>(Call::interpolate); ++call) {
+  for (int call = 0; call <= static_cast<int>(last_call); ++call) {
     EXPECT_TRUE(names.insert(to_string(static_cast<Call>(call))).second) << call;
   }
   for (int fault = 0; fault <= static_cast<int>(Fault::no_region); ++fault) {
     EXPECT_TRUE(names.insert(to_string(static_cast<Fault>(fault))).second) << fault;
   }
   EXPECT_EQ(names.count("unknown"), 0u);
+  EXPECT_STREQ(to_string(static_cast<Call>(static_cast<int>(last_call) + 1)), "unknown");
   EXPECT_STREQ(to_string(static_cast<Call>(255)), "unknown");
   EXPECT_STREQ(to_string(static_cast<Fault>(255)), "unknown");
 }

@@ -69,6 +69,9 @@ enum class Call : std::uint8_t {
   interpolate,
   canonicalize,
   is_canonical,
+  nearest_node,
+  nearest_nodes,
+  nodes_within,
 };
 
 enum class Fault : std::uint8_t {

@@ -9,7 +9,7 @@
 // empty one has no nodes, near or far.
 //
 // The search goes from locate() to the nearest vertex and from there to vertices next to others
-// that it has met. Memory is what the caller gives and a few hundred bytes of stack.
+// that it has met. Memory is what the caller gives and less than 1 KiB of stack.
 #pragma once
 
 #include <cstdint>

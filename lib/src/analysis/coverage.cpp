@@ -4,6 +4,7 @@
 #include "analysis/internal.h"
 #include "geometry/predicates_inline.h"
 #include "geometry/wide_int.h"
+#include "triangulation/circle_walk.h"
 #include "triangulation/hints.h"
 #include "triangulation/locate.h"
 #include "triangulation/march.h"
@@ -217,10 +218,10 @@ class Coverage {
 
   // Between its ends.
   void visit_segment(const Point& from, const Point& to) noexcept {
-    const VertexId start = nearest_vertex(m_, from);
+    const VertexId start = nearest_vertex(m_, from).node;
     // Sensors at both ends see all of it.
     if (squared_distance(from, to) <= squared_range(range_, 1) && m_.at(start) == from &&
-        m_.at(nearest_vertex(m_, to)) == to) {
+        m_.at(nearest_vertex(m_, to).node) == to) {
       return;
     }
     NearestWalk walk(m_, from, to, start);
@@ -241,7 +242,7 @@ class Coverage {
     VertexId start{};
     do {
       if (!bounds(d, spokes.edge())) continue;
-      if (start.is_none()) start = nearest_vertex(m_, place);
+      if (start.is_none()) start = nearest_vertex(m_, place).node;
       if (squared_distance(place, m_.at(start)) <= squared_range(range_, 0)) return;
       if (!NearestWalk(m_, place, d.at(spokes.target()), start).falls_at_start()) return;
     } while (spokes.turn());

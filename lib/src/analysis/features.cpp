@@ -1,6 +1,7 @@
 // Along features: relays and barrier gaps.
 #include "analysis/internal.h"
 #include "geometry/wide_int.h"
+#include "triangulation/circle_walk.h"
 #include "triangulation/hints.h"
 #include "triangulation/locate.h"
 #include "triangulation/march.h"
@@ -67,7 +68,7 @@ FeatureId feature_at(const MeshState& m, VertexId v) noexcept {
 // or where two sensors take turns.
 bool sees_all(const MeshState& sensors, const Point& from, const Point& to,
               std::uint32_t range) noexcept {
-  const VertexId first = nearest_vertex(sensors, from);
+  const VertexId first = nearest_vertex(sensors, from).node;
   const SquaredLength limit = squared_range(range, 0);
   if (first.is_none() || squared_distance(from, sensors.at(first)) > limit) return false;
   NearestWalk walk(sensors, from, to, first);

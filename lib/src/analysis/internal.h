@@ -37,11 +37,7 @@ void for_each_subsegment(const MeshState& m, Visit visit) noexcept {
   }
 }
 
-// --- analysis_walk.cpp: the nearest vertex, at a place and along a straight line
-
-// A vertex that no other is nearer to the place than; none in an empty mesh. The cost of locate(),
-// and the way along the hull where the place is outside.
-VertexId nearest_vertex(const MeshState& m, const Point& place) noexcept;
+// --- walk.cpp: the nearest vertex along a straight line
 
 // Where, going from `from` in the direction `along`, `before` hands over to `after` as the nearest
 // vertex: at from + along * step / scale. scale > 0.

@@ -3,36 +3,9 @@
 // in the direction of the line, so the walk ends.
 #include "analysis/internal.h"
 #include "geometry/wide_int.h"
-#include "triangulation/hints.h"
-#include "triangulation/locate.h"
-#include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
 
 namespace etcm::internal {
-
-// Where a vertex is not the nearest, one of its Delaunay neighbours is nearer than it.
-VertexId nearest_vertex(const MeshState& m, const Point& place) noexcept {
-  if (m.topology.triangle_count() == 0)
-    return m.vertex_count() == 0 ? VertexId::none() : m.only_vertex;
-  const Found found = find(m, place, edge_near(m, place));
-  if (found.type == LocateType::on_vertex) return found.vertex;
-  VertexId nearest = m.topology.origin(found.edge);
-  if (nearest == infinite_vertex) nearest = m.topology.target(found.edge);
-  SquaredLength least = squared_distance(place, m.at(nearest));
-  for (StepBound bound(m.vertex_count());; bound.step()) {
-    const VertexId before = nearest;
-    Spokes spokes(m.topology, before);
-    do {
-      const VertexId v = spokes.target();
-      if (v == infinite_vertex) continue;
-      const SquaredLength length = squared_distance(place, m.at(v));
-      if (length >= least) continue;
-      least = length;
-      nearest = v;
-    } while (spokes.turn());
-    if (nearest == before) return nearest;
-  }
-}
 
 void NearestWalk::enter() noexcept {
   Handover first;

@@ -89,6 +89,12 @@ const char* to_string(Call call) noexcept {
       return "coverage_holes";
     case Call::interpolate:
       return "interpolate";
+    case Call::nearest_node:
+      return "nearest_node";
+    case Call::nearest_nodes:
+      return "nearest_nodes";
+    case Call::nodes_within:
+      return "nodes_within";
   }
   return "unknown";
 }

@@ -11,8 +11,7 @@ namespace etcm::internal {
 template <class Entry, class Precedes>
 class LeastEntries {
  public:
-  LeastEntries(std::span<Entry> out, Precedes precedes) noexcept
-      : out_(out), precedes_(precedes) {}
+  LeastEntries(std::span<Entry> out, Precedes precedes) noexcept : out_(out), precedes_(precedes) {}
 
   // O(log n).
   void offer(const Entry& entry) noexcept {
