@@ -15,6 +15,7 @@
 #include "etcm/analysis.h"
 #include "etcm/audit.h"
 #include "etcm/domain.h"
+#include "etcm/incidence.h"
 #include "etcm/locate.h"
 #include "etcm/nearest.h"
 #include "etcm/storage.h"
@@ -49,7 +50,7 @@ Interpolated some_value;
 const VertexId v{1};
 const FeatureId f{0};
 const TriangleId t{0};
-constexpr Call last_call = Call::nodes_within;
+constexpr Call last_call = Call::feature_between;
 
 // The square of each test stands here too, for calls that take two meshes.
 const Mesh& open_mesh() {
@@ -134,6 +135,8 @@ const std::vector<Case> unopened{
     {Call::nearest_node, {}, "nearest_node", [](Mesh& m) { drop(nearest_node(m, {})); }},
     {Call::nearest_nodes, {}, "nearest_nodes", [](Mesh& m) { drop(nearest_nodes(m, {}, {})); }},
     {Call::nodes_within, {}, "nodes_within", [](Mesh& m) { drop(nodes_within(m, {}, 0, {})); }},
+    {Call::features_at, {}, "features_at", [](Mesh& m) { drop(features_at(m, v, {})); }},
+    {Call::feature_between, {}, "feature_between", [](Mesh& m) { drop(feature_between(m, v, v)); }},
 };
 
 void open_at(std::byte* storage) {
@@ -184,6 +187,18 @@ const std::vector<Case> illegal{
      [](Mesh& m) { drop(m.chain(FeatureId::none(), {})); }},
     {Call::chain, Fault::no_feature, "chain_beyond",
      [](Mesh& m) { drop(m.chain(feature_beyond, {})); }},
+    {Call::features_at, Fault::no_vertex, "features_at_none",
+     [](Mesh& m) { drop(features_at(m, no_vertex, {})); }},
+    {Call::features_at, Fault::no_vertex, "features_at_infinity",
+     [](Mesh& m) { drop(features_at(m, infinite_vertex, {})); }},
+    {Call::features_at, Fault::no_vertex, "features_at_one_that_left",
+     [](Mesh& m) { drop(features_at(m, vertex_that_left, {})); }},
+    {Call::feature_between, Fault::no_vertex, "feature_between_none_and_one",
+     [](Mesh& m) { drop(feature_between(m, no_vertex, v)); }},
+    {Call::feature_between, Fault::no_vertex, "feature_between_one_and_another_beyond",
+     [](Mesh& m) { drop(feature_between(m, v, vertex_beyond)); }},
+    {Call::feature_between, Fault::no_vertex, "feature_between_one_and_infinity",
+     [](Mesh& m) { drop(feature_between(m, v, infinite_vertex)); }},
     {Call::links_at, Fault::no_vertex, "links_at_none",
      [](Mesh& m) { drop(links_at(m, no_vertex, {})); }},
     {Call::connectivity, Fault::zero_range, "connectivity_in_no_range",

@@ -72,6 +72,8 @@ enum class Call : std::uint8_t {
   nearest_node,
   nearest_nodes,
   nodes_within,
+  features_at,
+  feature_between,
 };
 
 enum class Fault : std::uint8_t {

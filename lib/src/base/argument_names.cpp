@@ -95,6 +95,10 @@ const char* to_string(Call call) noexcept {
       return "nearest_nodes";
     case Call::nodes_within:
       return "nodes_within";
+    case Call::features_at:
+      return "features_at";
+    case Call::feature_between:
+      return "feature_between";
   }
   return "unknown";
 }
