@@ -9,8 +9,11 @@
 #include "etcm/analysis.h"
 #include "etcm/audit.h"
 #include "etcm/domain.h"
+#include "etcm/incidence.h"
 #include "etcm/locate.h"
+#include "etcm/nearest.h"
 #include "etcm/storage.h"
+#include "etcm/traverse.h"
 #include "inputs/random_graph.h"
 #include "support/allocation_watch.h"
 #include "support/meshes.h"
@@ -36,6 +39,7 @@ TEST(Allocation, IsAbsentFromEveryCall) {
   static MeshStorage<4000, 600> storage;
   std::array<Neighbour, 64> neighbours;
   std::array<VertexId, 256> chain;
+  std::array<NearNode, 20> near;
   static std::array<Region, 8000> regions;
   static std::array<TriangleId, 8000> scratch;
   std::array<Status, 12> answers{};
@@ -61,6 +65,9 @@ TEST(Allocation, IsAbsentFromEveryCall) {
     read += mesh.hash() + mesh.neighbours(VertexId{1}, neighbours);
     read += mesh.chain(FeatureId{1}, chain);
     read += static_cast<std::uint64_t>(locate(mesh, mesh.point(VertexId{2})).type);
+    read += nearest_nodes(mesh, {1, 1}, near) + nodes_within(mesh, {1, 1}, 600, near);
+    read += features_at(mesh, VertexId{1}, {}) + feature_between(mesh, chain[0], chain[1]).value;
+    for (const MeshEdge& edge : edges_of(mesh)) read += edge.to.value;
     mesh.clear();
     allocations = watch.allocations();
   }

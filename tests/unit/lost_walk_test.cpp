@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "etcm/analysis.h"
+#include "etcm/incidence.h"
 #include "etcm/locate.h"
+#include "etcm/nearest.h"
 #include "support/meshes.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
@@ -94,6 +96,13 @@ const std::vector<Case> cases{
      [](const Mesh& mesh) { static_cast<void>(barrier_gaps(mesh, mesh, 1, {})); }},
     {"relays", [](MeshState& m) { m.segment(SegmentId{0}).next_at_from = SegmentId{0}; },
      [](const Mesh& mesh) { static_cast<void>(relays(mesh, **empty_mesh(), 1, {})); }},
+    {"nearest_nodes", [](MeshState& m) { spin(m, v); },
+     [](const Mesh& mesh) {
+       std::vector<NearNode> nodes(mesh.node_count());
+       static_cast<void>(nearest_nodes(mesh, to_point({1, 1}), nodes));
+     }},
+    {"features_at", [](MeshState& m) { m.segment(SegmentId{0}).next_at_from = SegmentId{0}; },
+     [](const Mesh& mesh) { static_cast<void>(features_at(mesh, VertexId{1}, {})); }},
     {"coverage_holes", [](MeshState& m) { spin(m, v); },
      [](const Mesh& mesh) {
        const std::vector<Region> region(mesh.triangle_count(), Region::inside);
