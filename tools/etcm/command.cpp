@@ -21,6 +21,21 @@ files::Placement PlacementOptions::placement() const {
   return placement;
 }
 
+Point place_at(const std::string& text, const files::Placement& placement) {
+  const std::size_t comma = text.find(',');
+  if (comma != std::string::npos) {
+    const auto x = files::Decimal::parse(text.substr(0, comma));
+    const auto y = files::Decimal::parse(text.substr(comma + 1));
+    if (x && y) {
+      const auto subunits_x = files::subunits_of(*x, placement);
+      const auto subunits_y = files::subunits_of(*y, placement);
+      if (subunits_x && subunits_y) return {*subunits_x, *subunits_y};
+      throw UsageError("--at " + text + ": is out of range; coordinates run to 16777216");
+    }
+  }
+  throw UsageError("--at " + text + ": must be two decimal numbers, as in --at 12.5,-3");
+}
+
 void DomainOption::add_to(CLI::App& command) {
   command
       .add_option("--domain", name_,

@@ -32,6 +32,7 @@ using Run = std::function<int()>;
 void add_analyse_command(CLI::App& program, Run& run);
 void add_interpolate_command(CLI::App& program, Run& run);
 void add_mesh_command(CLI::App& program, Run& run);
+void add_nearest_command(CLI::App& program, Run& run);
 void add_replay_command(CLI::App& program, Run& run);
 void add_verify_command(CLI::App& program, Run& run);
 void add_export_command(CLI::App& program, Run& run);
@@ -47,6 +48,9 @@ class PlacementOptions {
   std::string scale_;
   bool round_ = false;
 };
+
+// The place that --at names, in coordinates of the input. Throws UsageError.
+Point place_at(const std::string& text, const files::Placement& placement);
 
 // --domain, likewise.
 class DomainOption {

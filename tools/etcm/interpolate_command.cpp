@@ -137,21 +137,6 @@ class FeatureLine {
   std::vector<double> distances_;
 };
 
-Point parse_place(const std::string& text, const files::Placement& placement) {
-  const std::size_t comma = text.find(',');
-  if (comma != std::string::npos) {
-    const auto x = files::Decimal::parse(text.substr(0, comma));
-    const auto y = files::Decimal::parse(text.substr(comma + 1));
-    if (x && y) {
-      const auto subunits_x = files::subunits_of(*x, placement);
-      const auto subunits_y = files::subunits_of(*y, placement);
-      if (subunits_x && subunits_y) return {*subunits_x, *subunits_y};
-      throw UsageError("--at " + text + ": is out of range; coordinates run to 16777216");
-    }
-  }
-  throw UsageError("--at " + text + ": must be two decimal numbers, as in --at 12.5,-3");
-}
-
 double parse_distance(const std::string& option, const std::string& text, bool may_be_zero) {
   const auto value = files::Decimal::parse(text);
   const double distance = value ? value->to_double() : 0;
@@ -272,7 +257,7 @@ int run_interpolate(const InterpolateOptions& options) {
   } else {
     const DomainMap domain(mesh, options.domain.exterior(), grid.holes);
     for (const std::string& given : options.places) {
-      const Point place = parse_place(given, placement);
+      const Point place = place_at(given, placement);
       if (!domain.contains(place)) {
         throw UsageError("--at " + given + ": is outside the domain of " + options.input);
       }

@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   cli::Run run;
   cli::add_analyse_command(program, run);
   cli::add_interpolate_command(program, run);
+  cli::add_nearest_command(program, run);
   cli::add_mesh_command(program, run);
   cli::add_replay_command(program, run);
   cli::add_verify_command(program, run);
