@@ -41,10 +41,11 @@ constexpr std::size_t steiner_size = 20;
 constexpr std::size_t missing_size = node_size + 4;
 constexpr std::size_t quantity_size_least = 2;
 constexpr std::size_t quantity_size_max = quantity_size_least + reading_name_max + reading_unit_max;
-constexpr std::size_t sensor_size = 96;
+constexpr std::size_t sensor_size = 124;
 constexpr std::uint8_t flag_position = 1;
 constexpr std::uint8_t flag_disagrees = 1;
 constexpr std::uint8_t flag_slow_change = 2;
+constexpr std::uint8_t flag_noisy = 4;
 // A silence that goes on is as good as another one each hour.
 constexpr std::uint32_t seconds_per_hour = 3600;
 
@@ -92,9 +93,10 @@ class Reader {
 };
 
 // In the order in which they are saved.
-std::array<double*, 7> numbers_of(LearnedSensor& sensor) {
-  return {&sensor.reference, &sensor.followed, &sensor.slow_change, &sensor.residual,
-          &sensor.roughness, &sensor.rise,     &sensor.fall};
+std::array<double*, 10> numbers_of(LearnedSensor& sensor) {
+  return {&sensor.reference, &sensor.followed,  &sensor.slow_change, &sensor.slow_residual,
+          &sensor.residual,  &sensor.roughness, &sensor.step,        &sensor.wander,
+          &sensor.rise,      &sensor.fall};
 }
 
 Position take_position(Reader& reader) {
@@ -122,6 +124,7 @@ LearnedSensor take_sensor(Reader& reader) {
   const auto flags = reader.take<std::uint8_t>();
   sensor.disagrees = (flags & flag_disagrees) != 0;
   sensor.has_slow_change = (flags & flag_slow_change) != 0;
+  sensor.is_noisy = (flags & flag_noisy) != 0;
   sensor.sample_count = reader.take<std::uint8_t>();
   sensor.definition = reader.take<std::uint64_t>();
   sensor.point.x = reader.take<std::int64_t>();
@@ -130,6 +133,8 @@ LearnedSensor take_sensor(Reader& reader) {
   for (double* const number : numbers_of(sensor)) *number = reader.take_real();
   sensor.residual_count = reader.take<std::uint16_t>();
   sensor.roughness_count = reader.take<std::uint16_t>();
+  sensor.step_count = reader.take<std::uint16_t>();
+  sensor.wander_count = reader.take<std::uint16_t>();
   return sensor;
 }
 
@@ -348,7 +353,8 @@ void StateWriter::add(const LearnedSensor& sensor) {
   put(sensor.serial.value);
   put(static_cast<std::uint16_t>(sensor.quantity.value));
   put(static_cast<std::uint8_t>((sensor.disagrees ? flag_disagrees : 0) |
-                                (sensor.has_slow_change ? flag_slow_change : 0)));
+                                (sensor.has_slow_change ? flag_slow_change : 0) |
+                                (sensor.is_noisy ? flag_noisy : 0)));
   put(static_cast<std::uint8_t>(sensor.sample_count));
   put(sensor.definition);
   put(sensor.point.x);
@@ -360,6 +366,8 @@ void StateWriter::add(const LearnedSensor& sensor) {
   }
   put(static_cast<std::uint16_t>(sensor.residual_count));
   put(static_cast<std::uint16_t>(sensor.roughness_count));
+  put(static_cast<std::uint16_t>(sensor.step_count));
+  put(static_cast<std::uint16_t>(sensor.wander_count));
 }
 
 std::span<const std::byte> StateWriter::finish() {

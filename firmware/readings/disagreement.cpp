@@ -3,21 +3,28 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace etcm::firmware {
 
 namespace {
 
-// Squares of values, and of the least deviation, neither overflow nor vanish.
-constexpr double value_max = 1e100;
+// Its square does not vanish.
 constexpr double least_deviation_of_all = 1e-100;
 
 // A reference follows its residuals with this memory, takes none for farther off than so many
 // deviations, and goes no farther than this share of the range of the field.
-constexpr double reference_memory_samples = 60;
+constexpr double reference_memory_samples = 90;
 constexpr double step_deviations_max = 2;
-constexpr double followed_share = 0.02;
+constexpr double followed_share = 0.01;
+// It goes farther where the field changes its shape: by so many deviations of the slow changes
+// around.
+constexpr double followed_roughness = 2;
+// Noise of more than this share of the range, known after so many samples, calls for the smoother
+// surface: what that bends of the field is less than what it leaves out of the noise.
+constexpr double noisy_share = 0.018;
+constexpr std::uint32_t noise_samples = 60;
 // Residuals below this share of the range are the field's affair, and below that of the value
 // those of arithmetic.
 constexpr double least_share_of_range = 0.01;
@@ -26,16 +33,16 @@ constexpr double least_share_of_value = 1e-9;
 // a mean over so many samples, and count with this many times their deviation; sudden ones by a
 // variance of more than so many usual ones, and the excess counts so many times.
 constexpr double slow_samples = 16;
+constexpr double slow_noise_variance = 1 / (2 * slow_samples - 1);  // of a mean that forgets so
 constexpr double slow_weight = 2;
 constexpr double usual_variances = 2;
 constexpr double excess_weight = 4;
+// The slow part of a sensor's own residuals, less what noise makes of it, counts so many times,
+// but for no more than this share of the range: a drift however slow is no wandering for long.
+constexpr double wander_weight = 3;
+constexpr double wander_share_max = 0.02;
 // A node that has moved farther than this share of the way to the nearest one stands elsewhere.
 constexpr double same_place_share = 0.1;
-
-constexpr auto seconds_per_sample =
-    static_cast<std::uint32_t>(sample_interval / std::chrono::seconds(1));
-
-bool is_value(double value) { return std::abs(value) <= value_max; }
 
 double distance_between(const Point& a, const Point& b) {
   return std::hypot(static_cast<double>(a.x - b.x), static_cast<double>(a.y - b.y)) /
@@ -97,52 +104,6 @@ bool DisagreementWatch::is_same_place(std::uint32_t row, const Point& stood,
   return distance_between(stood, point) <= room;
 }
 
-LearnedSensor DisagreementWatch::learned_of(const Record& record) {
-  LearnedSensor learned;
-  learned.serial = record.serial;
-  learned.definition = record.definition;
-  learned.point = record.point;
-  learned.age_s = record.silent_samples * seconds_per_sample;
-  learned.sample_count = record.sample_count;
-  learned.reference = record.reference.value();
-  learned.followed = record.reference.followed();
-  learned.has_slow_change = !std::isnan(record.slow_change);
-  if (learned.has_slow_change) learned.slow_change = record.slow_change;
-  learned.residual = record.residual.median();
-  learned.residual_count = record.residual.count();
-  learned.roughness = record.roughness.median();
-  learned.roughness_count = record.roughness.count();
-  learned.rise = record.cusum.rise();
-  learned.fall = record.cusum.fall();
-  learned.disagrees = record.agreement.disagrees;
-  return learned;
-}
-
-bool DisagreementWatch::restore(std::uint32_t row, const LearnedSensor& learned) {
-  Record& record = records_[place_of_[row]];
-  const bool is_new = record.sample_count == 0 && !record.agreement.disagrees;
-  const bool makes_sense = is_value(learned.reference) && is_value(learned.followed) &&
-                           is_value(learned.slow_change) && is_value(learned.residual) &&
-                           learned.residual >= 0 && learned.residual_count > 0 &&
-                           is_value(learned.roughness) && learned.roughness >= 0 &&
-                           (learned.roughness_count > 0 || learned.sample_count == 0) &&
-                           is_value(learned.rise) && is_value(learned.fall);
-  const bool is_same = learned.serial == record.serial && learned.definition == record.definition &&
-                       is_same_place(row, learned.point, record.point);
-  if (!is_new || !makes_sense || !is_same) return false;
-  record.silent_samples = learned.age_s / seconds_per_sample;
-  record.sample_count = std::min(learned.sample_count, learning_samples);
-  record.reference = Reference(learned.reference, learned.followed);
-  record.slow_change = learned.has_slow_change ? learned.slow_change : no_evidence;
-  record.residual = MedianTracker(learned.residual, learned.residual_count);
-  record.roughness = MedianTracker(learned.roughness, learned.roughness_count);
-  record.cusum = TwoSidedCusum(learned.rise, learned.fall);
-  record.agreement = {};
-  // An alarm stands on a sum that is not clear; else it would end only when one has begun again.
-  record.agreement.disagrees = learned.disagrees && !record.cusum.is_clear();
-  return true;
-}
-
 // The last one takes its place.
 void DisagreementWatch::remove(std::uint32_t place) {
   place_of_[records_[place].row] = no_place;
@@ -170,6 +131,7 @@ void DisagreementWatch::observe(std::span<const double> values) {
     record.silent_samples = std::isnan(record.value) ? record.silent_samples + 1 : 0;
   }
   find_range();
+  find_noise();
   for (Record& record : records_) {
     const bool is_evidence =
         !std::isnan(record.value) && record.reference.has_begun() && !record.agreement.disagrees;
@@ -210,6 +172,28 @@ void DisagreementWatch::find_range() {
   magnitude_ = std::max(std::abs(lower), std::abs(upper));
 }
 
+// By the steps from one value to the next, which the shape of the field has no part in (as Rice
+// 1984 takes it): the usual one of all sensors.
+void DisagreementWatch::find_noise() {
+  sorted_.clear();
+  for (Record& record : records_) {
+    if (std::isnan(record.value) || record.agreement.disagrees) continue;
+    const double step = std::abs(record.value - std::exchange(record.last_value, record.value));
+    if (!std::isnan(step)) {
+      if (record.step.has_begun()) {
+        record.step.add(step, least_deviation() / 100);
+      } else {
+        record.step.begin(step);
+      }
+    }
+    if (record.step.has_begun()) sorted_.push_back(record.step.deviation());
+  }
+  if (sorted_.empty()) return;
+  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
+  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  noise_ = *middle / std::numbers::sqrt2;
+}
+
 double DisagreementWatch::least_deviation() const {
   return std::max({tolerance_, least_share_of_range * range_, least_share_of_value * magnitude_,
                    least_deviation_of_all});
@@ -238,16 +222,27 @@ void DisagreementWatch::judge(Record& record) {
     return;
   }
   if (record.cusum.is_beyond()) record.strength = std::abs(residual) / deviation;
-  if (!record.cusum.is_suspicious()) learn(record, residual, prediction->roughness);
+  if (!record.cusum.is_suspicious()) learn(record, residual, *prediction);
 }
 
 double DisagreementWatch::deviation_of(const Record& record, const Prediction& prediction) const {
-  const double own = std::max(record.residual.deviation(), least_deviation());
+  const double own = std::max(record.residual.doubted_deviation(), least_deviation());
   const double slow = slow_weight * prediction.slow_roughness;
-  const double usual = record.roughness.median();
+  const double usual = record.roughness.value();
   const double excess =
       prediction.roughness * prediction.roughness - usual_variances * usual * usual;
-  return std::sqrt(own * own + slow * slow + excess_weight * std::max(0.0, excess));
+  const double wander = std::min(wander_weight * wander_of(record), wander_share_max * range_);
+  return std::sqrt(own * own + wander * wander + slow * slow +
+                   excess_weight * std::max(0.0, excess));
+}
+
+// A node whose surroundings show too little of the field, at the hull or of a sparse site, has
+// residuals that come and go within hours.
+double DisagreementWatch::wander_of(const Record& record) const {
+  const double slow = record.wander.deviation();
+  const double gain = record.surface.noise_gain();
+  const double of_noise = slow_noise_variance * noise_ * noise_ * (1 + gain * gain);
+  return std::sqrt(std::max(0.0, slow * slow - of_noise));
 }
 
 void DisagreementWatch::begin_reference(Record& record) {
@@ -257,24 +252,37 @@ void DisagreementWatch::begin_reference(Record& record) {
   if (record.reference.has_begun()) record.residual.begin(record.reference.first_difference());
 }
 
-void DisagreementWatch::learn(Record& record, double residual, double roughness) {
+void DisagreementWatch::learn(Record& record, double residual, const Prediction& prediction) {
   const double least = least_deviation();
-  if (record.sample_count == 0) record.roughness.begin(roughness);
+  const double roughness = prediction.roughness;
+  if (record.sample_count == 0) {
+    record.roughness.begin(roughness);
+    record.wander.begin(least / 10);
+  }
   // What a changing field does to it is not usual, however long it lasts.
-  const bool is_usual = roughness <= std::sqrt(2 * usual_variances) * record.roughness.median();
+  const bool is_usual = roughness <= std::sqrt(2 * usual_variances) * record.roughness.value();
   if (is_usual || record.sample_count < learning_samples) {
     record.roughness.add(roughness, least / 10);
   }
   record.residual.add(std::abs(residual), least / 10);
-  const double deviation = std::max(record.residual.deviation(), least);
+  record.slow_residual += (residual - record.slow_residual) / slow_samples;
+  record.wander.add(std::abs(record.slow_residual), least / 100);
+  const double deviation = std::max(record.residual.doubted_deviation(), least);
   const double gain = 1 / std::min<double>(record.sample_count + 2.0, reference_memory_samples);
   const double step = gain * std::clamp(residual, -step_deviations_max * deviation,
                                         step_deviations_max * deviation);
   if (record.sample_count < learning_samples) {
     record.reference.learn(step);
-    ++record.sample_count;
+    if (++record.sample_count == noise_samples && noise_ > noisy_share * range_) {
+      record.is_noisy = true;
+      record.is_surface_current = false;
+      // What was learned is a first guess for the other surface.
+      record.residual.begin(record.residual.value());
+      record.roughness.begin(record.roughness.value());
+    }
   } else {
-    record.reference.follow(step, followed_share * range_);
+    record.reference.follow(
+        step, followed_share * range_ + followed_roughness * prediction.slow_roughness);
   }
 }
 
@@ -304,15 +312,19 @@ std::optional<DisagreementWatch::Prediction> DisagreementWatch::predict(Record& 
     for (std::size_t i = 0; i < around.size(); ++i) {
       if ((used >> i & 1u) != 0) places[filled++] = {around[i].x, around[i].y};
     }
-    record.has_surface = record.surface.fit(std::span(places).first(count));
+    record.has_surface = record.surface.fit(std::span(places).first(count),
+                                            record.is_noisy ? noisy_smoothing : usual_smoothing);
     record.used = used;
     record.is_surface_current = true;
   }
   // As many nodes as a plane takes fit whichever of them is wrong.
   if (!record.has_surface || !record.surface.has_deviation()) return std::nullopt;
   const auto values = std::span(changes).first(count);
+  const double slow = record.surface.deviation(std::span(slow_changes).first(count));
+  const double of_noise = noise_ * record.surface.deviation_of_noise();
+  const double slow_excess = slow * slow - slow_noise_variance * of_noise * of_noise;
   return Prediction{record.surface.value(values), record.surface.deviation(values),
-                    record.surface.deviation(std::span(slow_changes).first(count))};
+                    std::sqrt(std::max(0.0, slow_excess))};
 }
 
 double DisagreementWatch::mean_change_around(const Record& record) const {

@@ -3,6 +3,7 @@
 // README.md has the method, its figures and what it cannot tell. Times are counted in samples.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -44,7 +45,7 @@ struct PlacedSensor {
 class DisagreementWatch {
  public:
   // For sites of so many rows, and so many sensors; all the memory it needs is taken here: 4 bytes
-  // a row, and about 1.5 KB a sensor. Several watches may share `nodes`, which must outlive them.
+  // a row, and about 1.6 KB a sensor. Several watches may share `nodes`, which must outlive them.
   // Differences of up to `tolerance`, in the unit of the quantity, mean nothing: the resolution of
   // the sensors, or 0.
   DisagreementWatch(const NearestNodes& nodes, std::uint32_t vertices_max,
@@ -103,9 +104,14 @@ class DisagreementWatch {
     double change = no_evidence;       // of it since its reference; NaN: no evidence
     double slow_change = no_evidence;  // mean of the last of them
     Reference reference;
-    MedianTracker residual;          // its magnitude
-    MedianTracker roughness;         // of the readings around: ThinPlate::deviation()
-    std::uint32_t sample_count = 0;  // with a residual
+    double last_value = no_evidence;  // the one before, while believed
+    bool is_noisy = false;            // so that a smoother surface predicts it better
+    QuantileTracker step = QuantileTracker::median();          // from one value to the next
+    QuantileTracker residual = QuantileTracker::median();      // its magnitude
+    double slow_residual = 0;                                  // its mean over the last samples
+    QuantileTracker wander = QuantileTracker::ninth_decile();  // the magnitude of that
+    QuantileTracker roughness = QuantileTracker::median();     // around: ThinPlate::deviation()
+    std::uint32_t sample_count = 0;                            // with a residual
     TwoSidedCusum cusum;
     bool takes_back = false;        // see Reference::take_back()
     std::uint32_t disbelieved = 0;  // bit i: the sensor of around(row)[i] disagrees
@@ -119,10 +125,13 @@ class DisagreementWatch {
   // What the nodes around say of the change since the references were taken.
   struct Prediction {
     double change = 0;
-    double roughness = 0;       // ThinPlate::deviation() of the changes around
-    double slow_roughness = 0;  // and of their means over the last samples
+    double roughness = 0;  // ThinPlate::deviation() of the changes around
+    // And of their means over the last samples, less what noise alone would make of it.
+    double slow_roughness = 0;
   };
 
+  // The square of a value does not overflow.
+  static bool is_value(double value) { return std::abs(value) <= 1e100; }
   static LearnedSensor learned_of(const Record& record);
   // A node at `point` stands where the node in this row stood.
   bool is_same_place(std::uint32_t row, const Point& stood, const Point& point) const;
@@ -132,10 +141,12 @@ class DisagreementWatch {
     return has_sensor(row) ? &records_[place_of_[row]] : nullptr;
   }
   void find_range();
+  void find_noise();
   void judge(Record& record);
   double deviation_of(const Record& record, const Prediction& prediction) const;
+  double wander_of(const Record& record) const;
   void begin_reference(Record& record);
-  void learn(Record& record, double residual, double roughness);
+  void learn(Record& record, double residual, const Prediction& prediction);
   std::optional<Prediction> predict(Record& record);
   double mean_change_around(const Record& record) const;
   double least_deviation() const;
@@ -144,6 +155,7 @@ class DisagreementWatch {
   const NearestNodes* nodes_;
   double tolerance_;
   double range_ = 0;                     // of the field over the site
+  double noise_ = 0;                     // standard deviation of that of a usual sensor
   double magnitude_ = 0;                 // of its greatest value
   std::vector<std::uint32_t> place_of_;  // by row: in records_
   std::vector<Record> records_;          // by sensor

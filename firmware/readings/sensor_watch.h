@@ -23,7 +23,7 @@ inline constexpr port::Duration learned_age_max = std::chrono::hours(24 * 7);
 
 class SensorWatch {
  public:
-  // All the memory it needs is taken here: none where nothing is measured, else 1.5 KB for each
+  // All the memory it needs is taken here: none where nothing is measured, else 1.6 KB for each
   // reading, 0.6 KB for each unit that measures, and for each vertex that there may be 30 bytes and
   // 4 for each quantity.
   explicit SensorWatch(const Settings& settings) { update_settings(settings); }

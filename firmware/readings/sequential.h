@@ -7,40 +7,46 @@
 
 namespace etcm::firmware {
 
-// The median of a magnitude, followed by stochastic approximation (Robbins and Monro 1951) on its
+// A quantile of a magnitude, followed by stochastic approximation (Robbins and Monro 1951) on its
 // logarithm: each sample moves it by one step up or down, however far off the sample is.
-class MedianTracker {
+class QuantileTracker {
  public:
-  MedianTracker() = default;
-  // One of before, of so many samples.
-  MedianTracker(double median, std::uint32_t count) : median_(median), count_(count) {}
+  // `share` of the samples are below it; `normal` is where that quantile of the magnitude of a
+  // normal distribution of deviation 1 stands.
+  constexpr QuantileTracker(double share, double normal) : share_(share), normal_(normal) {}
+  static constexpr QuantileTracker median() { return {0.5, 0.6745}; }
+  static constexpr QuantileTracker ninth_decile() { return {0.9, 1.6449}; }
 
-  // REQUIRES: first >= 0.
-  void begin(double first) {
-    median_ = first;
-    count_ = 1;
+  bool has_begun() const { return count_ > 0; }
+  // With the first magnitude, or the value() of before, of so many samples. REQUIRES: first >= 0.
+  void begin(double first, std::uint32_t count = 1) {
+    value_ = first;
+    count_ = count;
   }
   // `least`, above 0, is where it ends on the way down.
   void add(double magnitude, double least) {
-    // 1.17 is the step of least variance where the magnitude is that of a normal distribution.
-    const double step = 1.17 / std::min<double>(++count_, memory_samples);
-    median_ = std::max(least, median_ * std::exp(magnitude > median_ ? step : -step));
+    // Twice 1.17 is the step of least variance for the median of a normal magnitude.
+    const double step = 2.34 / std::min<double>(++count_, memory_samples);
+    value_ = std::max(least,
+                      value_ * std::exp(magnitude > value_ ? step * share_ : -step * (1 - share_)));
   }
-  double median() const { return median_; }
+  double value() const { return value_; }
   // Samples, as far as they count.
   std::uint32_t count() const {
     return std::min(count_, static_cast<std::uint32_t>(memory_samples));
   }
-  // The standard deviation that belongs to it, were the distribution normal; larger by the doubt
-  // that is left while few samples are in.
-  double deviation() const {
-    const double samples = std::min<double>(count_, memory_samples);
-    return 1.4826 * median_ * (1 + 1 / std::sqrt(samples));
+  // The standard deviation that belongs to it, were the distribution normal.
+  double deviation() const { return value_ / normal_; }
+  // Larger by the doubt that is left while few samples are in.
+  double doubted_deviation() const {
+    return deviation() * (1 + 1 / std::sqrt(std::min<double>(count_, memory_samples)));
   }
 
  private:
   static constexpr double memory_samples = 1440;
-  double median_ = 0;
+  double share_;
+  double normal_;
+  double value_ = 0;
   std::uint32_t count_ = 0;
 };
 
@@ -50,9 +56,10 @@ class TwoSidedCusum {
   // Half of the shift that is found soonest, in standard deviations.
   static constexpr double allowance = 1.0;
   // By Siegmund's approximation (Sequential Analysis, 1985, section 2.6) the sums of independent
-  // normal residuals go beyond it once in 3.1 million samples: six years of one a minute.
-  static constexpr double threshold = 7.0;
-  // One residual counts no more than this: it takes three to go beyond the threshold.
+  // normal residuals go beyond it once in 420 000 samples of one minute, ten months; the deviations
+  // that they are divided by are on the safe side, and make years of it.
+  static constexpr double threshold = 6.0;
+  // One residual counts no more than this: it takes five to go beyond the threshold.
   static constexpr double residual_max = 2.5;
   // A sum grows no farther, so that a sensor which agrees again is clear after about ten samples.
   static constexpr double sum_max = threshold + 3.0;
@@ -71,7 +78,7 @@ class TwoSidedCusum {
   double fall() const { return fall_; }
   double sum() const { return std::max(rise_, fall_); }
   bool is_beyond() const { return sum() > threshold; }
-  bool is_suspicious() const { return sum() > threshold / 2; }
+  bool is_suspicious() const { return sum() > threshold / 3; }
   bool is_clear() const { return sum() == 0; }
 
  private:

@@ -8,9 +8,6 @@ namespace etcm::firmware {
 
 namespace {
 
-// Noise, as a share of the kernel at the farthest place. README.md has the errors by which it was
-// chosen.
-constexpr double smoothing = 0.05;
 // Places that are no farther from a line than this share of their spread along it are on it.
 constexpr double line_tolerance = 1e-9;
 
@@ -109,7 +106,7 @@ bool invert(Matrix& matrix, std::size_t size) {
 
 }  // namespace
 
-bool ThinPlate::fit(std::span<const Offset> places) {
+bool ThinPlate::fit(std::span<const Offset> places, double smoothing) {
   size_ = places.size();
   const Trend trend = trend_of(places);
   if (trend.size == 0) return false;
@@ -152,9 +149,12 @@ bool ThinPlate::fit(std::span<const Offset> places) {
     }
   }
   variance_factor_ = std::max(0.0, smoothing + among - 2 * to_here);
+  double trace = 0;
   for (std::size_t i = 0, k = 0; i < size_; ++i) {
     for (std::size_t j = 0; j <= i; ++j, ++k) roughness_[k] = (i == j ? 1 : 2) * inverse[i][j];
+    trace += inverse[i][i];
   }
+  deviation_of_noise_ = has_deviation() ? deviation_of(trace) : 0;
   return true;
 }
 
@@ -172,7 +172,11 @@ double ThinPlate::deviation(std::span<const double> values) const {
     for (std::size_t j = 0; j <= i; ++j, ++k) row += roughness_[k] * (values[j] - values[0]);
     form += row * (values[i] - values[0]);
   }
-  // The scale by restricted maximum likelihood (Cressie, section 2.6).
+  return deviation_of(form);
+}
+
+// The scale by restricted maximum likelihood (Cressie, section 2.6).
+double ThinPlate::deviation_of(double form) const {
   const auto freedom = static_cast<double>(size_ - trend_size_);
   return std::sqrt(std::max(0.0, form) / freedom * variance_factor_);
 }

@@ -22,10 +22,17 @@ struct LearnedSensor {
   double followed = 0;  // of that, since it was learned
   bool has_slow_change = false;
   double slow_change = 0;
-  double residual = 0;  // medians, of so many samples
+  double slow_residual = 0;
+  // Quantiles, of so many samples.
+  double residual = 0;
   double roughness = 0;
+  double step = 0;
+  double wander = 0;
   std::uint32_t residual_count = 0;
   std::uint32_t roughness_count = 0;
+  std::uint32_t step_count = 0;
+  std::uint32_t wander_count = 0;
+  bool is_noisy = false;  // the smoother surface predicts it
   // The cumulative sums, and whether the alarm stands.
   double rise = 0;
   double fall = 0;

@@ -51,7 +51,7 @@ void write_all(StateWriter& writer) {
 
 constexpr std::int64_t saved_at_s = 1'800'000'000;
 constexpr std::size_t quantities_size = 9 + 5;
-constexpr std::size_t sensor_size_saved = 96;
+constexpr std::size_t sensor_size_saved = 124;
 
 // Each number differs from the others.
 LearnedSensor learned_sensor() {
@@ -65,10 +65,16 @@ LearnedSensor learned_sensor() {
           .followed = 0.1,
           .has_slow_change = true,
           .slow_change = -3e-99,
+          .slow_residual = -10,
           .residual = 4,
           .roughness = 5,
+          .step = 11,
+          .wander = 12,
           .residual_count = 1440,
           .roughness_count = 7,
+          .step_count = 13,
+          .wander_count = 1439,
+          .is_noisy = true,
           .rise = 8,
           .fall = 9,
           .disagrees = true};
@@ -184,12 +190,14 @@ TEST(SavedStateForm, IsTheOneItsHeaderDescribes) {
   const std::size_t sensor = bytes.size() - sensor_size_saved;
   EXPECT_EQ(at(sensor), 1001u & 0xff);
   EXPECT_EQ(at(sensor + 4), 1u);
-  EXPECT_EQ(at(sensor + 6), 3u);
+  EXPECT_EQ(at(sensor + 6), 7u);
   EXPECT_EQ(at(sensor + 7), 240u);
   EXPECT_EQ(at(sensor + 8), 0x10u);
   EXPECT_EQ(at(sensor + 24), 78u);
   EXPECT_EQ(at(sensor + 32), 61u);
-  EXPECT_EQ(at(bytes.size() - 2), 7u);
+  EXPECT_EQ(at(bytes.size() - 6), 7u);
+  EXPECT_EQ(at(bytes.size() - 4), 13u);
+  EXPECT_EQ(at(bytes.size() - 2), 1439u & 0xff);
 }
 
 TEST(SavedStateForm, RefusesWhatIsCutOffOrTooLong) {
@@ -273,6 +281,12 @@ TEST(SavedStateForm, RefusesWhatContradictsItself) {
   write_learned(writer);
   LearnedSensor sensor = learned_sensor();
   sensor.roughness = std::numeric_limits<double>::quiet_NaN();
+  writer.add(sensor);
+  EXPECT_EQ(decode_state(writer.finish(), state), "what it says of a sensor is no number");
+  writer.begin(7, 8, 0);
+  write_learned(writer);
+  sensor = learned_sensor();
+  sensor.wander = std::numeric_limits<double>::infinity();
   writer.add(sensor);
   EXPECT_EQ(decode_state(writer.finish(), state), "what it says of a sensor is no number");
 }
