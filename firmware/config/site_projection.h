@@ -39,8 +39,8 @@ struct SiteFrame {
 SiteFrame project_site(Settings& settings, const GeoJsonFrame* file, port::ProjectionSource* source,
                        std::vector<std::string>& mistakes);
 
-// Sets where each [[node]] stands that was surveyed: at the nearest unit, with a warning where that is
-// not what it says in the plane. REQUIRES: project_site().
+// Sets where each [[node]] stands that was surveyed: at the nearest unit, with a warning where that
+// is not what it says in the plane. REQUIRES: project_site().
 void place_nodes(Settings& settings, std::vector<std::string>& mistakes);
 
 }  // namespace etcm::firmware

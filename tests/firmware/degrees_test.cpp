@@ -11,7 +11,7 @@
 #include "firmware/config/configuration.h"
 #include "firmware/config/reload.h"
 #include "firmware/publish/snapshot_image.h"
-#include "firmware/status/status_page.h"
+#include "page_reader.h"
 #include "proj/proj_source.h"
 #include "support/scratch_folder.h"
 
@@ -285,35 +285,15 @@ TEST_F(Degrees, ComeBackToTheSameUnit) {
 }
 
 // What the page of a gateway gives out.
-class DegreesOnThePage : public testing::Test {
+class DegreesOnThePage : public RigTest, protected PageReader {
  protected:
-  std::string get(const std::string& path) {
-    page_->begin(0, path);
-    std::string text;
-    std::array<char, 100> out;
-    while (const std::size_t size = page_->read(0, out)) text.append(out.data(), size);
-    page_->end(0);
-    return text;
-  }
+  DegreesOnThePage() : PageReader(rig_) {}
   void start() {
     rig_.put_square();
     rig_.start();
-    sources_.emplace(StatusSources{.gateway = *rig_.gateway,
-                                   .events = events_,
-                                   .masters = masters_,
-                                   .readers = readers_,
-                                   .version = "1.2.3",
-                                   .started_at = rig_.clock.now()});
-    page_.emplace(*sources_, 1);
+    make_page();
     rig_.run(1s);
   }
-
-  Rig rig_{{}};
-  RecentEvents events_{rig_.clock, rig_.log};
-  port::ServiceCounters masters_;
-  port::ServiceCounters readers_;
-  std::optional<StatusSources> sources_;
-  std::optional<StatusPage> page_;
 };
 
 TEST_F(DegreesOnThePage, AreThereBesideTheUnits) {

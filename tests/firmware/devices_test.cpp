@@ -6,11 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "device_bus.h"
-#include "fakes.h"
-#include "firmware/config/configuration.h"
+#include "device_test.h"
 #include "firmware/polling/device.h"
-#include "support/scratch_folder.h"
 
 namespace etcm::firmware {
 namespace {
@@ -18,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 
 // Position of 32 bits in two blocks far apart, and whether it is good in the second.
-constexpr const char* settings_text = R"(
+const std::string settings_text = R"(
 [[profile]]
 name = "rover"
 function = 4
@@ -30,19 +27,7 @@ name = "meter"
 [[profile.reading]]
 name = "level"
 value = { register = 3, type = "u16" }
-[mesh]
-vertices_max = 100
-[poll]
-interval = "100ms"
-timeout = "50ms"
-stale_after = "1s"
-leave_after = "3s"
-[[bus]]
-tcp = "127.0.0.1:502"
-name = "yard"
-outstanding = 1
-units = "1"
-[[bus.device]]
+)" + device_line + R"([[bus.device]]
 units = "2-3"
 profile = "rover"
 [[bus.device]]
@@ -55,21 +40,14 @@ x = "2.6"
 y = "-400"
 )";
 
-class Devices : public testing::Test {
+class Devices : public DeviceTest {
  protected:
-  void start(const std::string& more = "") { start_with(settings_text + more); }
+  void start(const std::string& more = "") { DeviceTest::start(settings_text + more); }
   void start_at_speed(const std::string& speed_max) {
     std::string text = settings_text;
     const std::string rovers = "units = \"2-3\"\n";
     text.insert(text.find(rovers), "speed_max = \"" + speed_max + "\"\n");
-    start_with(text);
-  }
-  void start_with(const std::string& text) {
-    std::vector<std::string> mistakes;
-    rig_.settings = read_configuration(folder_.write("site.toml", text), nullptr, mistakes);
-    ASSERT_TRUE(mistakes.empty()) << mistakes.front();
-    rig_.settings.files = FileSettings{.folder = "", .name = "", .interval = 500ms};
-    rig_.start_with({&bus_});
+    DeviceTest::start(text);
   }
   // A node of our own.
   void put_node(std::uint8_t unit, std::int32_t x, std::int32_t y) {
@@ -94,10 +72,6 @@ class Devices : public testing::Test {
     }
     return found;
   }
-
-  test::ScratchFolder folder_;
-  DeviceBus bus_;
-  Rig rig_;
 };
 
 using Places = std::map<std::uint32_t, std::pair<std::int64_t, std::int64_t>>;

@@ -1,25 +1,20 @@
 // A gateway on a line with devices that measure.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <bit>
 #include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "device_bus.h"
-#include "fakes.h"
-#include "firmware/config/configuration.h"
+#include "device_test.h"
 #include "firmware/publish/reading_snapshot.h"
-#include "support/scratch_folder.h"
 
 namespace etcm::firmware {
 
 // A tank and a well both measure a level in m, and the well a temperature too. A rover measures
 // where it is not surveyed.
-inline constexpr const char* measuring_settings = R"(
+inline const std::string measuring_settings = R"(
 [[profile]]
 name = "tank"
 [[profile.reading]]
@@ -52,19 +47,7 @@ name = "unused"
 [[profile.reading]]
 name = "nothing"
 value = { register = 3 }
-[mesh]
-vertices_max = 100
-[poll]
-interval = "100ms"
-timeout = "50ms"
-stale_after = "1s"
-leave_after = "3s"
-[[bus]]
-tcp = "127.0.0.1:502"
-name = "yard"
-outstanding = 1
-units = "1"
-[[bus.device]]
+)" + device_line + R"([[bus.device]]
 units = "2-3"
 profile = "tank"
 [[bus.device]]
@@ -87,16 +70,9 @@ x = 0
 y = 100
 )";
 
-class Measuring : public testing::Test {
+class Measuring : public DeviceTest {
  protected:
-  void start(std::string text = measuring_settings) {
-    std::vector<std::string> mistakes;
-    rig_.settings = read_configuration(folder_.write("site.toml", text), nullptr, mistakes);
-    ASSERT_TRUE(mistakes.empty()) << mistakes.front();
-    rig_.settings.files =
-        FileSettings{.folder = "", .name = "", .interval = std::chrono::milliseconds(500)};
-    rig_.start_with({&bus_});
-  }
+  void start(const std::string& text = measuring_settings) { DeviceTest::start(text); }
   void put_tank(std::uint8_t unit, std::int16_t level_mm) {
     bus_.put(unit, 3, {static_cast<std::uint16_t>(level_mm)});
   }
@@ -130,10 +106,6 @@ class Measuring : public testing::Test {
     const PublishedReading* const found = reading(serial, name);
     return found != nullptr && found->is_stale;
   }
-
-  test::ScratchFolder folder_;
-  DeviceBus bus_;
-  Rig rig_;
 };
 
 }  // namespace etcm::firmware

@@ -8,38 +8,23 @@
 
 #include "firmware/status/status_page.h"
 #include "measuring.h"
+#include "page_reader.h"
 
 namespace etcm::firmware {
 namespace {
 
 using namespace std::chrono_literals;
 
-class ShownReadings : public Measuring {
+class ShownReadings : public Measuring, protected PageReader {
  protected:
+  ShownReadings() : PageReader(rig_) {}
   void open(const std::string& text = measuring_settings) {
     start(text);
-    sources_.emplace(StatusSources{.gateway = *rig_.gateway,
-                                   .events = events_,
-                                   .masters = masters_,
-                                   .readers = readers_,
-                                   .version = "1.2.3",
-                                   .started_at = rig_.clock.now()});
-    page_.emplace(*sources_, 4);
+    make_page();
   }
   void run_page(port::Duration duration) {
     rig_.run(duration);
     page_->advance(rig_.clock.now());
-  }
-  std::string rest_of(std::size_t reader, std::size_t piece = 11) {
-    std::string text;
-    std::vector<char> out(piece);
-    while (const std::size_t size = page_->read(reader, out)) text.append(out.data(), size);
-    page_->end(reader);
-    return text;
-  }
-  std::string get(const std::string& path, std::size_t piece = 11) {
-    answer_ = page_->begin(0, path);
-    return rest_of(0, piece);
   }
   // With ages as "AGE".
   std::string readings() {
@@ -50,13 +35,6 @@ class ShownReadings : public Measuring {
   static bool has(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
   }
-
-  RecentEvents events_{rig_.clock, rig_.log};
-  port::ServiceCounters masters_;
-  port::ServiceCounters readers_;
-  std::optional<StatusSources> sources_;
-  std::optional<StatusPage> page_;
-  port::WebAnswer answer_;
 };
 
 TEST_F(ShownReadings, AreAListOfTheirOwn) {
@@ -157,7 +135,7 @@ TEST_F(ShownReadings, ASlowReaderHasOneTableToTheEnd) {
     EXPECT_TRUE(
         has(readings(), "[1002,0," + value + ",AGE,false,null,false],[1003,0," + value + ","));
   }
-  slow += rest_of(1);
+  slow += rest(1);
   EXPECT_TRUE(has(slow, "[1002,0,0.001,")) << slow;
   EXPECT_TRUE(has(slow, "[1003,0,0.001,")) << slow;
 }

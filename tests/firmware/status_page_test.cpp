@@ -8,6 +8,7 @@
 
 #include "fakes.h"
 #include "firmware/status/page_files.h"
+#include "page_reader.h"
 #include "support/utf8_check.h"
 
 namespace etcm::firmware {
@@ -52,18 +53,15 @@ testing::AssertionResult is_sound_json(const std::string& text) {
   return testing::AssertionSuccess();
 }
 
-class StatusPageTest : public testing::Test {
+class StatusPageTest : public RigTest, protected PageReader {
  protected:
+  StatusPageTest()
+      : RigTest({{.from = Serial{1001}, .to = Serial{1003}, .source = "site.toml:1"}}),
+        PageReader(rig_) {}
   // The gateway must not be started before.
   void open_page() {
     rig_.start();
-    sources_.emplace(StatusSources{.gateway = *rig_.gateway,
-                                   .events = events_,
-                                   .masters = masters_,
-                                   .readers = readers_,
-                                   .version = "1.2.3",
-                                   .started_at = rig_.clock.now()});
-    page_.emplace(*sources_, 4);
+    make_page();
   }
   void run(port::Duration duration) {
     for (port::Duration passed{}; passed < duration; passed += 100ms) {
@@ -71,29 +69,10 @@ class StatusPageTest : public testing::Test {
       page_->advance(rig_.clock.now());
     }
   }
-  std::string rest(std::size_t reader, std::size_t piece = 7) {
-    std::string text;
-    std::vector<char> out(piece);
-    while (const std::size_t size = page_->read(reader, out)) text.append(out.data(), size);
-    page_->end(reader);
-    return text;
-  }
-  std::string get(const std::string& path, std::size_t piece = 7) {
-    answer_ = page_->begin(0, path);
-    return rest(0, piece);
-  }
   void put_square() {
     rig_.put_square();
     rig_.put(5, 50, 40);
   }
-
-  Rig rig_{{{.from = Serial{1001}, .to = Serial{1003}, .source = "site.toml:1"}}};
-  RecentEvents events_{rig_.clock, rig_.log};
-  port::ServiceCounters masters_;
-  port::ServiceCounters readers_;
-  std::optional<StatusSources> sources_;
-  std::optional<StatusPage> page_;
-  port::WebAnswer answer_;
 };
 
 TEST_F(StatusPageTest, TheMeshIsTheSameHoweverItIsRead) {
