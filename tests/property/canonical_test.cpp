@@ -110,6 +110,20 @@ TEST(Canonical, LaysAllAgainUnderAPolicyOfOnesOwn) {
   EXPECT_EQ((*mesh)->hash(), hash_of_build(**mesh));
 }
 
+TEST(Canonical, IsAMeshWhoseFeaturesHaveAllGone) {
+  const auto mesh = grown(inputs::random_graph(60, inputs::FeatureLength::any, 5));
+  VertexId id;
+  for (std::int32_t i = 0; i < 40; ++i) static_cast<void>((*mesh)->join({i * 25, i * 24}, id));
+  for (IdValue i = 0; i < (*mesh)->feature_id_end(); ++i) {
+    if ((*mesh)->is_feature(FeatureId{i})) {
+      ASSERT_EQ((*mesh)->remove_feature(FeatureId{i}), Status::ok);
+    }
+  }
+  ASSERT_EQ((*mesh)->canonicalize(), Status::ok);
+  EXPECT_TRUE((*mesh)->is_canonical());
+  EXPECT_EQ((*mesh)->hash(), hash_of_build(**mesh));
+}
+
 TEST(Canonical, IsRefusedWhereBuildLeftAPartUndone) {
   const Graph graph = inputs::random_graph(60, inputs::FeatureLength::any, 5);
   MeshConfig config = inputs::config_for(graph, 100);

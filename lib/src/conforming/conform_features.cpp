@@ -12,7 +12,8 @@ namespace {
 
 // All features are linked before the first is laid: where a policy asks which features meet at a
 // node, the answer must not depend on which of them have been laid.
-Status link_features(Change& change, FeatureList& features, PendingSegments& pending) noexcept {
+[[gnu::noinline]] Status link_features(Change& change, FeatureList& features,
+                                       PendingSegments& pending) noexcept {
   MeshState& m = change.mesh;
   features.sort(m);
   for (FeatureList::Cursor at(m, features); !at.segment().is_none();) {
@@ -28,7 +29,7 @@ Status link_features(Change& change, FeatureList& features, PendingSegments& pen
 
 // Two that run along each other lie side by side in canonical order. No later step would see it:
 // an edge is known to be that of the first segment found between its ends.
-Status find_repeated(Change& change, PendingSegments& pending) noexcept {
+[[gnu::noinline]] Status find_repeated(Change& change, PendingSegments& pending) noexcept {
   MeshState& m = change.mesh;
   SegmentId before{};
   for (PendingSegments::Cursor at(m, pending); !at.segment().is_none(); at.advance()) {
@@ -40,7 +41,8 @@ Status find_repeated(Change& change, PendingSegments& pending) noexcept {
 }
 
 // What can be an edge as it is. Then no split ignores it.
-Status lay_edges(Change& change, PendingSegments& pending) noexcept {
+// Not inline, like find_repeated(), or the deepest call would have the room of this too.
+[[gnu::noinline]] Status lay_edges(Change& change, PendingSegments& pending) noexcept {
   MeshState& m = change.mesh;
   for (PendingSegments::Cursor at(m, pending); !at.segment().is_none();) {
     Subsegment whole;

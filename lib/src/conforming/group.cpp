@@ -88,7 +88,8 @@ bool explore(Change& change, SegmentId s) noexcept {
 
 // Until it has no influence on another segment, nor has one on it. `explored` is the first of those
 // that are known.
-bool close_group(Change& change, SegmentId& explored) noexcept {
+// Not inline, like strip(), or the deepest call would have the room of this too.
+[[gnu::noinline]] bool close_group(Change& change, SegmentId& explored) noexcept {
   while (change.group != explored) {
     const SegmentId end = explored;
     explored = change.group;
@@ -100,7 +101,7 @@ bool close_group(Change& change, SegmentId& explored) noexcept {
   return true;
 }
 
-void strip(Change& change, SegmentId first, SegmentId end) noexcept {
+[[gnu::noinline]] void strip(Change& change, SegmentId first, SegmentId end) noexcept {
   MeshState& m = change.mesh;
   for_each(change, first, end, [&](SegmentId s) {
     strip_segment(change, s);
@@ -108,7 +109,7 @@ void strip(Change& change, SegmentId first, SegmentId end) noexcept {
   });
 }
 
-void settle_group(Change& change) noexcept {
+[[gnu::noinline]] void settle_group(Change& change) noexcept {
   MeshState& m = change.mesh;
   for_each(change, change.group, end_of_group, [&](SegmentId s) {
     const VertexId to = m.segment(s).to;

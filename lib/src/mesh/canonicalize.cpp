@@ -89,16 +89,25 @@ bool looks_around_only(SplitPolicy policy) noexcept {
   return policy == split_default || policy == split_paper;
 }
 
+// What places of changes make stale. Not inline, or the deepest call would have the room of its
+// change too.
+[[gnu::noinline]] void find_stale(MeshState& m) noexcept {
+  Change change(m);
+  look_at_places(change);
+  if (m.feature_count == 0) m.is_all_stale = false;
+  if (m.stale_count != 0 && !looks_around_only(m.config.policy)) make_all_stale(m);
+}
+
 Status lay_stale_again(MeshState& m, std::uint32_t steps_max) noexcept {
   std::uint32_t steps = 0;
-  for (IdValue i = 0; i < m.segment_end && m.stale_count != 0; ++i) {
+  for (IdValue i = 0; i < m.segment_end && (m.is_all_stale || m.stale_count != 0); ++i) {
     const SegmentId s{i};
     if (!is_linked(m, s) || !is_stale(m, s)) continue;
-    Change change(m, Change::Extent::group);
+    Change change(m, m.is_all_stale ? Change::Extent::whole : Change::Extent::group);
     change.steps = steps;
     change.steps_max = steps_max;
-    bool is_too_wide = false;
-    const Status status = lay_group_again(change, s, is_too_wide);
+    bool is_too_wide = m.is_all_stale;
+    const Status status = is_too_wide ? Status::ok : lay_group_again(change, s, is_too_wide);
     if (is_too_wide) return lay_all_again(change);
     if (status != Status::ok) return status;
     steps = change.steps;
@@ -117,13 +126,10 @@ Status Mesh::rebuild() noexcept {
 
 Status Mesh::canonicalize(std::uint32_t steps_max) noexcept {
   MeshState& m = opened(*this, Call::canonicalize);
-  Change change(m, Change::Extent::whole);
+  m.error_detail = ErrorDetail{};
   if (m.unresolved != 0) return m.error_detail.status = Status::mesh_unresolved;
-  look_at_places(change);
-  if (m.stale_count != 0 && !looks_around_only(m.config.policy)) make_all_stale(m);
-  if (!m.is_all_stale) return lay_stale_again(m, steps_max);
-  change.steps_max = steps_max;
-  return lay_all_again(change);
+  find_stale(m);
+  return lay_stale_again(m, steps_max);
 }
 
 bool Mesh::is_canonical() const noexcept {
