@@ -170,6 +170,7 @@ Status insert_features(Change& change, std::span<const FeatureEnds> features, co
     const SurveyResult surveyed = survey(m, root);
     if (surveyed.status != Status::ok) return surveyed.status;
     link_feature(change, root, surveyed.nodes_between);
+    for (SegmentId s = root; !s.is_none(); s = m.segment(s).next) make_dirty(change, s);
     const Status status = conformer.run();
     looked_at = conformer.looked_at();
     if (status != Status::ok) return status;
