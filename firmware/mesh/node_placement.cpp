@@ -12,9 +12,9 @@ TextLine& operator<<(TextLine& text, Position position) {
 }
 
 // In millionths of a degree, some 11 cm: "63.430500".
-TextLine& write_angle(TextLine& text, std::int64_t nano) {
+TextLine& write_angle(TextLine& text, std::int64_t nanodegrees) {
   constexpr std::int64_t one = 1'000'000;
-  const std::int64_t angle = std::abs(nearest_unit(nano, site_nano / one));
+  const std::int64_t angle = std::abs(nearest_unit(nanodegrees, site_nano / one));
   text << angle / one << ".";
   for (std::int64_t digit = one / 10; digit > angle % one && digit > 1; digit /= 10) text << "0";
   return text << angle % one;
