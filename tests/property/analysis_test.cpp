@@ -172,8 +172,8 @@ RC_GTEST_PROP(Analysis, RelaysAreAsFewAsTheRangeAllows, ()) {
       mpz_class hops = sqrt(mpz_class(length / step));
       while (hops * hops * step < length) ++hops;
       const Point from = (*mesh)->point(chain[i - 1]), to = (*mesh)->point(chain[i]);
-      const mpz_class across = (std::abs(to.x - from.x) + hops - 1) / hops;
-      const mpz_class up = (std::abs(to.y - from.y) + hops - 1) / hops;
+      const mpz_class across = (integer(std::abs(to.x - from.x)) + hops - 1) / hops;
+      const mpz_class up = (integer(std::abs(to.y - from.y)) + hops - 1) / hops;
       if (across * across + up * up > step) ++hops;
       expected += hops.get_ui() - 1;
     }
