@@ -194,7 +194,7 @@ unsigned Surroundings::encroachments(Parameter t, unsigned enough) noexcept {
   if (found.type == LocateType::on_vertex || found.type == LocateType::outside) return enough;
   // The triangles whose circles hold p hang together like a tree: goes round it, its edges u -> v
   // on the left hand, and back through the edge by which a triangle was entered.
-  Edge entries[triangles_most];
+  Edge entries[triangles_most - 1];
   unsigned depth = 0;
   unsigned triangles = 1;
   unsigned encroachments = 0;

@@ -35,6 +35,9 @@ struct Change {
   std::uint32_t steps = 0;        // it has spent
   std::uint32_t steps_max;        // it may spend; 0: no bound
   Extent extent;
+  // Extent::group: what is laid has an influence on a segment that has come to the group since: it
+  // must be laid again with that one.
+  bool has_grown = false;
 
   // Of MeshState, to be put back where the change is.
   const std::uint8_t places_before;
@@ -45,9 +48,6 @@ struct Change {
   // Extent::group: the segments that are laid, linked by next_in_group.
   SegmentId group{};
   std::uint32_t work_left = 0;  // on the group, before laying all segments is less
-  // What is laid has an influence on a segment that has come to the group since: it must be laid
-  // again with that one.
-  bool has_grown = false;
 };
 
 // The change may have to put the segment back: all of it, or from u to v.
