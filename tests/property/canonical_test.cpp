@@ -110,6 +110,16 @@ TEST(Canonical, LaysAllAgainUnderAPolicyOfOnesOwn) {
   EXPECT_EQ((*mesh)->hash(), hash_of_build(**mesh));
 }
 
+// Far from all features, so no surroundings have changed; but there is one node more.
+TEST(Canonical, LaysAllAgainUnderAPolicyOfOnesOwnWhereverTheChangeWas) {
+  const auto mesh = built(inputs::random_graph(100, inputs::FeatureLength::any, 5),
+                          split_in_the_middle_of_a_large_mesh);
+  VertexId id;
+  ASSERT_EQ((*mesh)->join({3'000'000, 3'000'000}, id), Status::ok);
+  ASSERT_EQ((*mesh)->canonicalize(), Status::ok);
+  EXPECT_EQ((*mesh)->hash(), hash_of_build(**mesh));
+}
+
 TEST(Canonical, IsAMeshWhoseFeaturesHaveAllGone) {
   const auto mesh = grown(inputs::random_graph(60, inputs::FeatureLength::any, 5));
   VertexId id;

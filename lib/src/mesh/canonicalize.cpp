@@ -93,9 +93,10 @@ bool looks_around_only(SplitPolicy policy) noexcept {
 // change too.
 [[gnu::noinline]] void find_stale(MeshState& m) noexcept {
   Change change(m);
+  const bool is_changed = m.stale_count != 0 || m.place_count != 0;
+  if (is_changed && !looks_around_only(m.config.policy)) make_all_stale(m);
   look_at_places(change);
   if (m.feature_count == 0) m.is_all_stale = false;
-  if (m.stale_count != 0 && !looks_around_only(m.config.policy)) make_all_stale(m);
 }
 
 Status lay_stale_again(MeshState& m, std::uint32_t steps_max) noexcept {
