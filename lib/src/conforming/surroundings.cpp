@@ -193,8 +193,10 @@ unsigned Surroundings::encroachments(Parameter t, unsigned enough) noexcept {
   const Found found = find(mesh_, p, near);
   if (found.type == LocateType::on_vertex || found.type == LocateType::outside) return enough;
   // The triangles whose circles hold p hang together like a tree: goes round it, its edges u -> v
-  // on the left hand, and back through the edge by which a triangle was entered.
-  Edge entries[triangles_most - 1];
+  // on the left hand, and back through the edge by which a triangle was entered. Of the triangles
+  // on the way back that edge's side is enough: the edge before it leads to the triangle.
+  std::uint8_t sides_of_entries[triangles_most - 1];
+  Edge entry{};
   unsigned depth = 0;
   unsigned triangles = 1;
   unsigned encroachments = 0;
@@ -216,7 +218,8 @@ unsigned Surroundings::encroachments(Parameter t, unsigned enough) noexcept {
           watch_subsegment(e.value);
         }
         if (encroachments >= enough || ++triangles > triangles_most) return enough;
-        entries[depth++] = beyond;
+        sides_of_entries[depth++] = static_cast<std::uint8_t>(Topology::side_of(entry));
+        entry = beyond;
         e = Topology::next(beyond);
         v = w;
         uv = uw;
@@ -225,8 +228,10 @@ unsigned Surroundings::encroachments(Parameter t, unsigned enough) noexcept {
     }
     if (depth == 0 && ++sides == 3) return encroachments;
     e = Topology::next(e);
-    while (depth != 0 && e == entries[depth - 1]) {
-      e = Topology::next(topo.twin(entries[--depth]));
+    while (depth != 0 && e == entry) {
+      const Edge back = topo.twin(entry);
+      entry = Topology::edge(Topology::triangle_of(back), sides_of_entries[--depth]);
+      e = Topology::next(back);
       if (depth == 0 && ++sides == 3) return encroachments;
     }
     u = v;
