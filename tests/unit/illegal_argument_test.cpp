@@ -14,6 +14,7 @@
 
 #include "etcm/analysis.h"
 #include "etcm/audit.h"
+#include "etcm/bound.h"
 #include "etcm/domain.h"
 #include "etcm/incidence.h"
 #include "etcm/locate.h"
@@ -50,7 +51,7 @@ Interpolated some_value;
 const VertexId v{1};
 const FeatureId f{0};
 const TriangleId t{0};
-constexpr Call last_call = Call::feature_between;
+constexpr Call last_call = Call::least_steiner;
 
 // The square of each test stands here too, for calls that take two meshes.
 const Mesh& open_mesh() {
@@ -64,6 +65,7 @@ const std::vector<Case> unopened{
     {Call::restore, {}, "restore", [](Mesh& m) { drop(m.restore({}, {}, {})); }},
     {Call::rebuild, {}, "rebuild", [](Mesh& m) { drop(m.rebuild()); }},
     {Call::canonicalize, {}, "canonicalize", [](Mesh& m) { drop(m.canonicalize()); }},
+    {Call::optimise, {}, "optimise", [](Mesh& m) { drop(m.optimise(1)); }},
     {Call::is_canonical, {}, "is_canonical", [](Mesh& m) { drop(m.is_canonical()); }},
     {Call::join, {}, "join", [](Mesh& m) { drop(m.join({}, some_vertex)); }},
     {Call::leave, {}, "leave", [](Mesh& m) { drop(m.leave(v)); }},
@@ -136,6 +138,7 @@ const std::vector<Case> unopened{
     {Call::nearest_nodes, {}, "nearest_nodes", [](Mesh& m) { drop(nearest_nodes(m, {}, {})); }},
     {Call::nodes_within, {}, "nodes_within", [](Mesh& m) { drop(nodes_within(m, {}, 0, {})); }},
     {Call::features_at, {}, "features_at", [](Mesh& m) { drop(features_at(m, v, {})); }},
+    {Call::least_steiner, {}, "least_steiner", [](Mesh& m) { drop(least_steiner(m, {v, v})); }},
     {Call::feature_between, {}, "feature_between", [](Mesh& m) { drop(feature_between(m, v, v)); }},
 };
 
@@ -199,6 +202,8 @@ const std::vector<Case> illegal{
      [](Mesh& m) { drop(feature_between(m, v, vertex_beyond)); }},
     {Call::feature_between, Fault::no_vertex, "feature_between_one_and_infinity",
      [](Mesh& m) { drop(feature_between(m, v, infinite_vertex)); }},
+    {Call::least_steiner, Fault::has_features, "least_steiner_beside_features",
+     [](Mesh& m) { drop(least_steiner(m, {v, v})); }},
     {Call::links_at, Fault::no_vertex, "links_at_none",
      [](Mesh& m) { drop(links_at(m, no_vertex, {})); }},
     {Call::connectivity, Fault::zero_range, "connectivity_in_no_range",
@@ -255,7 +260,7 @@ TEST(IllegalArgumentNames, AreOnesOwn) {
   for (int call = 0; call <= static_cast<int>(last_call); ++call) {
     EXPECT_TRUE(names.insert(to_string(static_cast<Call>(call))).second) << call;
   }
-  for (int fault = 0; fault <= static_cast<int>(Fault::no_region); ++fault) {
+  for (int fault = 0; fault <= static_cast<int>(Fault::has_features); ++fault) {
     EXPECT_TRUE(names.insert(to_string(static_cast<Fault>(fault))).second) << fault;
   }
   EXPECT_EQ(names.count("unknown"), 0u);

@@ -74,16 +74,19 @@ enum class Call : std::uint8_t {
   nodes_within,
   features_at,
   feature_between,
+  optimise,
+  least_steiner,
 };
 
 enum class Fault : std::uint8_t {
-  not_open,     // the mesh has no storage: open() was not called, or was refused
-  bad_storage,  // null, or not aligned to 8
-  no_vertex,    // the id is none, out of range or not in use (anymore)
-  no_triangle,  // none or out of range
-  no_feature,   // none, out of range or not in use (anymore)
-  zero_range,   // ranges are at least 1
-  no_region,    // fewer regions than triangles
+  not_open,      // the mesh has no storage: open() was not called, or was refused
+  bad_storage,   // null, or not aligned to 8
+  no_vertex,     // the id is none, out of range or not in use (anymore)
+  no_triangle,   // none or out of range
+  no_feature,    // none, out of range or not in use (anymore)
+  zero_range,    // ranges are at least 1
+  no_region,     // fewer regions than triangles
+  has_features,  // it must be a mesh of nodes alone
 };
 
 // The name of the call, such as "join", and a few words for a person. Never null.

@@ -138,6 +138,16 @@ class Mesh {
   // the new Steiner vertices at once.
   Status rebuild() noexcept;
 
+  // Looks for fewer Steiner vertices: each trial lays a few that stand together in another way, and
+  // keeps it where it needs no more of them. Never worse, so a few trials now and a few later are
+  // well; each trial has a number and does something else than those with others, so later ones go
+  // on from `first_trial`. The same calls on the same canonical mesh make the same mesh, whatever
+  // the ids, the history and the machine; but it is no longer the one that build() makes, and
+  // canonicalize() takes it all back. O(f log f) for f features, and for each trial what laying
+  // some 8 Steiner vertices takes, and taking it back. A trial needs room for up to 19 more
+  // vertices, and is without effect where there is none. Errors: mesh_unresolved.
+  Status optimise(std::uint32_t trials, std::uint32_t first_trial = 0) noexcept;
+
   // A node joins. It may stand on a Steiner vertex (and takes its place), on a feature (which then
   // runs through it), on the hull or outside. Sets `id` on success only.
   // Errors: bad_coordinate, duplicate_vertex (error_detail().vertex), and the room-and-bounds

@@ -29,6 +29,9 @@ struct SplitSite {
   // Whether each end of the subsegment is a node (else a Steiner vertex).
   bool head_is_node = false;
   bool tail_is_node = false;
+  // Whether nothing of another feature is near the segment: then the farthest that a split finishes
+  // is the best, as there is nobody to make room for.
+  bool is_lone = false;
   // The mesh as it stands, and the triangles by which the subsegment leaves head and arrives at
   // tail: for rules that look further (surroundings.h).
   const Mesh* mesh = nullptr;

@@ -15,6 +15,10 @@ const char* to_string(Call call) noexcept {
       return "restore";
     case Call::rebuild:
       return "rebuild";
+    case Call::least_steiner:
+      return "least_steiner";
+    case Call::optimise:
+      return "optimise";
     case Call::canonicalize:
       return "canonicalize";
     case Call::is_canonical:
@@ -119,6 +123,8 @@ const char* to_string(Fault fault) noexcept {
       return "the range is 0";
     case Fault::no_region:
       return "a triangle has no region";
+    case Fault::has_features:
+      return "the mesh has features";
   }
   return "unknown";
 }

@@ -58,6 +58,8 @@ namespace {
   return Status::ok;
 }
 
+}  // namespace
+
 Status lay_segment(Change& change, SegmentId s) noexcept {
   touch(change, s);
   make_dirty(change, s);
@@ -69,8 +71,6 @@ Status lay_segment(Change& change, SegmentId s) noexcept {
   }
   return status;
 }
-
-}  // namespace
 
 Status lay_segments(Change& change, PendingSegments& pending) noexcept {
   MeshState& m = change.mesh;

@@ -15,4 +15,7 @@ Status conform_features(Change& change, FeatureList& features) noexcept;
 // repeated_feature, with error_detail set; what has not been laid is dirty then.
 Status lay_segments(Change& change, PendingSegments& pending) noexcept;
 
+// Makes one segment a union of edges, and those again that it breaks on the way.
+Status lay_segment(Change& change, SegmentId s) noexcept;
+
 }  // namespace etcm::internal

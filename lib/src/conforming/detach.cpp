@@ -23,8 +23,12 @@ void touch_around(Change& change, VertexId v) noexcept {
 }
 
 void detach(Change& change, VertexId steiner) noexcept {
-  MeshState& m = change.mesh;
   touch_around(change, steiner);
+  detach_alone(change, steiner);
+}
+
+void detach_alone(Change& change, VertexId steiner) noexcept {
+  MeshState& m = change.mesh;
   const Owner owner = m.owner(steiner);
   if (owner.role() == Role::steiner) note_place(change, m.at(steiner));
   remove_steiner(m, steiner);

@@ -5,6 +5,7 @@
 #include "conforming/conform_features.h"
 #include "conforming/detach.h"
 #include "conforming/influence.h"
+#include "conforming/lone.h"
 #include "conforming/transaction.h"
 #include "triangulation/change.h"
 #include "triangulation/march.h"
@@ -22,8 +23,6 @@ constexpr std::uint32_t work_least = 40;
 constexpr std::uint32_t a_fifth_of_all(const MeshState& m) noexcept {
   return m.node_count / 16 + m.steiner_count / 4;
 }
-
-constexpr SegmentId end_of_group{static_cast<IdValue>(SegmentId::none_value - 2u)};
 
 bool is_in_group(const MeshState& m, SegmentId s) noexcept {
   const SegmentId next = m.segment(s).next_in_group;
@@ -162,6 +161,7 @@ Status lay_group_again(Change& change, SegmentId stale, bool& is_too_wide) noexc
     PendingSegments pending;
     for_each(change, change.group, end_of_group, [&](SegmentId s) { pending.push(m, s); });
     status = lay_segments(change, pending);
+    if (status == Status::ok) status = lay_lone_again(change);
     if (change.work_left != 0 && !change.has_grown) break;
     change.dirty.clear(m);
     strip(change, explored, end_of_group);

@@ -4,6 +4,7 @@
 
 #include "conforming/canonical.h"
 #include "conforming/conform.h"
+#include "conforming/detach.h"
 #include "conforming/influence.h"
 #include "geometry/predicates_inline.h"
 #include "triangulation/change.h"
@@ -37,23 +38,6 @@ bool is_needless(const MeshState& m, Edge to_a, Edge to_b) noexcept {
   return true;
 }
 
-// The subsegments of a Steiner vertex, from it.
-struct Neighbours {
-  Edge back;
-  Edge onward;
-};
-
-Neighbours neighbours(const MeshState& m, VertexId v) noexcept {
-  Spokes spokes(m.topology, v);
-  Neighbours found;
-  do {
-    const Edge e = spokes.edge();
-    if (!m.topology.is_constrained(e)) continue;
-    (m.at(spokes.target()) < m.at(v) ? found.back : found.onward) = e;
-  } while ((found.back.is_none() || found.onward.is_none()) && spokes.turn());
-  return found;
-}
-
 // Other segments' Steiner vertices beside v, which goes. Its own segment's neighbours are looked at
 // again anyway.
 void queue_around(Change& change, PruneQueue& queue, VertexId v) noexcept {
@@ -72,6 +56,7 @@ void queue_around(Change& change, PruneQueue& queue, VertexId v) noexcept {
 // What stands here because of v does not tell of it once v has gone.
 void note_taken_out(Change& change, SegmentId s, VertexId v) noexcept {
   MeshState& m = change.mesh;
+  if (change.extent == Change::Extent::trial) return;
   if (change.extent == Change::Extent::local) {
     if (m.owner(v).role() == Role::steiner) note_place(change, m.at(v));
   } else if (!find_influenced(change, v, s, on_dependent)) {
@@ -90,7 +75,7 @@ void prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
   r.first = infinite_vertex;
   if (v == from) v = march(m, v, to).tail;
   while (v != to && m.at(v) <= last) {
-    const Neighbours beside = neighbours(m, v);
+    const OwnEdges beside = own_edges(m, v);
     const VertexId before = m.topology.target(beside.back),
                    after = m.topology.target(beside.onward);
     if (!is_needless(m, beside.back, beside.onward)) {
@@ -100,9 +85,13 @@ void prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
     }
     note_taken_out(change, s, v);
     queue_around(change, queue, v);
-    remove_steiner(m, v);
-    free_vertex(m, v);
-    --m.steiner_count;
+    if (change.extent == Change::Extent::trial) {
+      detach_alone(change, v);
+    } else {
+      remove_steiner(m, v);
+      free_vertex(m, v);
+      --m.steiner_count;
+    }
     constrain_subsegment(m, between(m, before, after));
     // Both neighbours have lost an edge: what was needed may be no longer.
     if (last < m.at(after)) last = m.at(after);

@@ -72,13 +72,18 @@ void forget_new_ids(Change& change) noexcept {
   lower_ends(change.mesh, change.vertex_end_before, change.segment_end_before);
 }
 
-void commit(Change& change) noexcept {
+void free_detached(Change& change) noexcept {
   MeshState& m = change.mesh;
   while (!change.detached.is_none()) {
     const VertexId v = change.detached;
     change.detached = VertexId{m.vertex_edges[v.value].value};
     free_vertex(m, v);
   }
+}
+
+void commit(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  free_detached(change);
   prune(change);
   if (change.extent == Change::Extent::local) {
     for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched)

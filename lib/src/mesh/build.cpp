@@ -5,6 +5,7 @@
 #include "conforming/conform_features.h"
 #include "conforming/detach.h"
 #include "conforming/features.h"
+#include "conforming/lone.h"
 #include "conforming/transaction.h"
 #include "triangulation/change.h"
 #include "triangulation/hilbert_order.h"
@@ -217,6 +218,7 @@ Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds>
   if (status != Status::ok) return status;
   if (nodes_stand != nullptr) nodes_stand(context);
   status = conform_features(change, pending);
+  if (status == Status::ok) status = lay_lone_again(change);
   if (is_bad_input(status)) return reject(*this, change, status);
   if (status != Status::ok) return keep_what_stands(change, status);
   commit(change);

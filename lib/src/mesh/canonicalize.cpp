@@ -2,6 +2,7 @@
 #include "conforming/canonical.h"
 #include "conforming/conform_features.h"
 #include "conforming/group.h"
+#include "conforming/lone.h"
 #include "conforming/transaction.h"
 #include "triangulation/change.h"
 #include "triangulation/hilbert_order.h"
@@ -65,7 +66,8 @@ Status lay_all_again(Change& change) noexcept {
     m.segment(s).next_dependent = s;
     pending.push(m, s);
   }
-  const Status status = lay_segments(change, pending);
+  Status status = lay_segments(change, pending);
+  if (status == Status::ok) status = lay_lone_again(change);
   if (status == Status::ok) {
     for (IdValue i = 0; i < m.segment_end; ++i) make_canonical(m, SegmentId{i});
     m.is_all_stale = false;

@@ -258,7 +258,9 @@ Parameter split_paper(const SplitSite& site) noexcept {
   return within(site, from_head >= from_tail ? site.feasible_head : site.feasible_tail);
 }
 
-Parameter split_default(const SplitSite& site) noexcept { return Choice(site).best(); }
+Parameter split_default(const SplitSite& site) noexcept {
+  return site.is_lone ? split_paper(site) : Choice(site).best();
+}
 
 }  // namespace ETCM_IDS
 }  // namespace etcm

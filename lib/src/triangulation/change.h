@@ -7,11 +7,14 @@
 
 namespace etcm::internal {
 
+inline constexpr SegmentId end_of_group{static_cast<IdValue>(SegmentId::none_value - 2u)};
+
 struct Change {
   enum class Extent : std::uint8_t {
     local,  // looks at the segments it has touched
     group,  // lays some segments as `whole` would, and prunes after each
     whole,  // lays all segments, and prunes after each
+    trial,  // lays some segments otherwise, and may be taken back when it has been pruned
   };
 
   explicit Change(MeshState& state, Extent how_much = Extent::local) noexcept
@@ -45,7 +48,14 @@ struct Change {
   const IdValue vertex_end_before;
   const IdValue segment_end_before;
 
-  // Extent::group: the segments that are laid, linked by next_in_group.
+  // The segment that is laid is lone (lone.h).
+  SegmentId lone{};
+
+  // Extent::trial: what is drawn from, and how many Steiner vertices are too many to go on.
+  std::uint64_t random = 0;
+  std::uint32_t steiner_most = 0;
+
+  // Extent::group: the segments that are laid, linked by next_in_group up to end_of_group.
   SegmentId group{};
   std::uint32_t work_left = 0;  // on the group, before laying all segments is less
 };

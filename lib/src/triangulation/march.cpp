@@ -106,4 +106,15 @@ Subsegment between(const MeshState& m, VertexId head, VertexId tail) noexcept {
   return subsegment;
 }
 
+OwnEdges own_edges(const MeshState& m, VertexId steiner) noexcept {
+  Spokes spokes(m.topology, steiner);
+  OwnEdges found;
+  do {
+    const Edge e = spokes.edge();
+    if (!m.topology.is_constrained(e)) continue;
+    (m.at(spokes.target()) < m.at(steiner) ? found.back : found.onward) = e;
+  } while ((found.back.is_none() || found.onward.is_none()) && spokes.turn());
+  return found;
+}
+
 }  // namespace etcm::internal

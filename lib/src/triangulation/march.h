@@ -20,4 +20,11 @@ Subsegment march(const MeshState& m, VertexId head, VertexId toward) noexcept;
 // only, and at nothing it crosses.
 Subsegment between(const MeshState& m, VertexId head, VertexId tail) noexcept;
 
+// The subsegments of a Steiner vertex, from it.
+struct OwnEdges {
+  Edge back;  // to its neighbour that is lexicographically before it; none: it is not marked
+  Edge onward;
+};
+OwnEdges own_edges(const MeshState& m, VertexId steiner) noexcept;
+
 }  // namespace etcm::internal

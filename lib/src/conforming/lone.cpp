@@ -1,0 +1,87 @@
+#include "conforming/lone.h"
+
+#include "conforming/canonical.h"
+#include "conforming/conform_features.h"
+#include "conforming/detach.h"
+#include "conforming/influence.h"
+#include "triangulation/change.h"
+#include "triangulation/march.h"
+#include "triangulation/mesh_state.h"
+#include "triangulation/segment_store.h"
+
+namespace etcm::internal {
+namespace {
+
+// Whether around a Steiner vertex there is neither one of another segment nor a subsegment.
+bool stands_alone(const MeshState& m, SegmentId s, VertexId v) noexcept {
+  const Topology& topo = m.topology;
+  Spokes spokes(topo, v);
+  do {
+    const Owner owner = m.owner(spokes.target());
+    if (is_in_mesh(owner.role()) && owner.role() != Role::node && owner.segment() != s)
+      return false;
+    if (topo.is_constrained(Topology::next(spokes.edge()))) return false;
+  } while (spokes.turn());
+  return true;
+}
+
+// One Steiner vertex is the fewest there can be: with none it would be an edge.
+bool is_lone(const MeshState& m, SegmentId s) noexcept {
+  const VertexId to = m.segment(s).to;
+  VertexId v = march(m, m.segment(s).from, to).tail;
+  if (v == to || !stands_alone(m, s, v)) return false;
+  v = march(m, v, to).tail;
+  if (v == to) return false;
+  for (; v != to; v = march(m, v, to).tail) {
+    if (!stands_alone(m, s, v)) return false;
+  }
+  return true;
+}
+
+// What stood there may have had an influence on others, and nothing will tell of it.
+void note_dependents(Change& change, SegmentId s) noexcept {
+  MeshState& m = change.mesh;
+  const VertexId to = m.segment(s).to;
+  for (VertexId v = march(m, m.segment(s).from, to).tail; v != to; v = march(m, v, to).tail) {
+    if (!find_influenced(change, v, s, on_dependent)) m.knows_dependence = false;
+  }
+}
+
+// In canonical order.
+void list_lone(Change& change, PendingSegments& lone) noexcept {
+  MeshState& m = change.mesh;
+  const auto list = [&](SegmentId s) {
+    if (is_lone(m, s)) lone.push(m, s);
+  };
+  if (change.extent == Change::Extent::group) {
+    for (SegmentId s = change.group; s != end_of_group; s = m.segment(s).next_in_group) list(s);
+  } else {
+    for (IdValue i = 0; i < m.segment_end; ++i) {
+      if (is_linked(m, SegmentId{i})) list(SegmentId{i});
+    }
+  }
+  lone.sort(m);
+}
+
+}  // namespace
+
+Status lay_lone_again(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  PendingSegments pending;
+  list_lone(change, pending);
+  for (PendingSegments::Cursor at(m, pending); !at.segment().is_none(); at.advance()) {
+    note_dependents(change, at.segment());
+    strip_segment(change, at.segment());
+  }
+  clear_touched(change);
+  Status status = Status::ok;
+  while (status == Status::ok && !pending.is_empty()) {
+    change.lone = pending.pop(m);
+    status = lay_segment(change, change.lone);
+  }
+  change.lone = SegmentId::none();
+  while (!pending.is_empty()) make_dirty(change, pending.pop(m));
+  return status;
+}
+
+}  // namespace etcm::internal

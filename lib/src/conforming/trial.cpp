@@ -1,0 +1,115 @@
+#include "conforming/trial.h"
+
+#include <utility>
+
+#include "conforming/conform.h"
+#include "conforming/detach.h"
+#include "conforming/prune.h"
+#include "conforming/transaction.h"
+#include "triangulation/march.h"
+#include "triangulation/mesh_state.h"
+#include "triangulation/segment_store.h"
+
+namespace etcm::internal {
+namespace {
+
+// A trial that needs more than this many vertices too many on the way has failed: pruning will not
+// take out so many.
+constexpr std::uint32_t surplus_most = 3;
+// Of 100 splits so many are where the policy has them, and so many of the others as far as they
+// finish.
+constexpr std::uint32_t usual = 95;
+constexpr std::uint32_t farthest = 50;
+// The others stop short by at most this part, in 1024ths.
+constexpr std::uint32_t short_most = 700;
+
+Parameter part_of(std::int64_t length, std::uint32_t part) noexcept {
+  return static_cast<Parameter>(length * part / 1024);
+}
+
+// Takes the vertices out, and lists their segments in the order of the vertices.
+unsigned take_out(Change& change, std::span<const VertexId> vertices,
+                  SegmentId* segments) noexcept {
+  MeshState& m = change.mesh;
+  unsigned count = 0;
+  // While all stand: the range that is missing ends at vertices that stay.
+  for (const VertexId v : vertices) {
+    const SegmentId s = m.owner(v).segment();
+    const OwnEdges own = own_edges(m, v);
+    touch(change, s, m.topology.target(own.back), m.topology.target(own.onward));
+    unsigned i = 0;
+    while (i < count && segments[i] != s) ++i;
+    if (i == count) segments[count++] = s;
+  }
+  for (const VertexId v : vertices) detach(change, v);
+  return count;
+}
+
+Status lay_in_drawn_order(Change& change, SegmentId* segments, unsigned count) noexcept {
+  for (unsigned left = count; left != 0; --left) {
+    std::swap(segments[left - 1], segments[draw(change, left)]);
+    make_dirty(change, segments[left - 1]);
+    const Status status = conform(change);
+    if (status != Status::ok) return status;
+  }
+  return Status::ok;
+}
+
+void keep(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched) {
+    const VertexId to = m.segment(s).to;
+    for (VertexId v = march(m, m.segment(s).from, to).tail; v != to; v = march(m, v, to).tail) {
+      m.owner(v) = Owner(Role::steiner, s);
+    }
+  }
+  free_detached(change);
+  end_change(change);
+}
+
+}  // namespace
+
+// Xorshift (Marsaglia 2003): its state is not 0.
+std::uint32_t draw(Change& change, std::uint32_t end) noexcept {
+  std::uint64_t& state = change.random;
+  state ^= state << 13;
+  state ^= state >> 7;
+  state ^= state << 17;
+  return static_cast<std::uint32_t>(((state >> 32) * end) >> 32);
+}
+
+Parameter stray(Change& change, const SplitSite& site, Parameter t) noexcept {
+  if (draw(change, 100) < usual) return t;
+  const bool goes_far = draw(change, 100) < farthest;
+  const bool from_head = draw(change, 2) == 0;
+  const std::uint32_t part = draw(change, short_most);
+  if (site.feasible_head >= site.feasible_tail) {
+    return static_cast<Parameter>(
+        site.feasible_tail +
+        part_of(std::int64_t{site.feasible_head} - site.feasible_tail, part + 162));
+  }
+  const std::uint32_t kept = goes_far ? 1024 : 1024 - part;
+  return from_head
+             ? static_cast<Parameter>(site.head + part_of(site.feasible_head - site.head, kept))
+             : static_cast<Parameter>(site.tail - part_of(site.tail - site.feasible_tail, kept));
+}
+
+bool try_without(Change& change, std::span<const VertexId> vertices) noexcept {
+  MeshState& m = change.mesh;
+  const std::uint32_t before = m.steiner_count;
+  change.steiner_most = before + surplus_most;
+  SegmentId segments[trial_most];
+  const unsigned count = take_out(change, vertices, segments);
+  const Status status = lay_in_drawn_order(change, segments, count);
+  if (status == Status::ok) prune(change);
+  if (status == Status::ok && m.steiner_count <= before) {
+    keep(change);
+    return true;
+  }
+  change.dirty.clear(m);
+  drop_fresh(change);
+  restore_detached(change);
+  return false;
+}
+
+}  // namespace etcm::internal

@@ -1,0 +1,128 @@
+// Fewer Steiner vertices, by trials: a few that stand together are taken out, and what is missing
+// is laid again in another order, with some splits elsewhere.
+#include "conforming/canonical.h"
+#include "conforming/trial.h"
+#include "triangulation/march.h"
+#include "triangulation/mesh_state.h"
+#include "triangulation/segment_list.h"
+#include "triangulation/segment_store.h"
+
+namespace etcm {
+inline namespace ETCM_IDS {
+
+using namespace internal;
+
+namespace {
+
+// Of 100 Steiner vertices beside those of a trial, so many join it.
+constexpr std::uint32_t joining = 50;
+
+// Numbers that have nothing to do with each other for 0, 1, 2, ... (Steele, Lea and Flood 2014).
+std::uint64_t scattered(std::uint64_t number) noexcept {
+  std::uint64_t x = (number + 1) * 0x9e3779b97f4a7c15u;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  x ^= x >> 31;
+  return x != 0 ? x : 1;
+}
+
+// The segments with Steiner vertices in canonical order, linked by next_in_group: which are stale is
+// not asked meanwhile.
+SegmentId list_segments(MeshState& m) noexcept {
+  PendingSegments sorted;
+  for (IdValue i = 0; i < m.segment_end; ++i) {
+    const SegmentId s{i};
+    if (!is_linked(m, s)) continue;
+    if (march(m, m.segment(s).from, m.segment(s).to).tail != m.segment(s).to) sorted.push(m, s);
+  }
+  sorted.sort(m);
+  SegmentId first{};
+  SegmentId* end = &first;
+  for (SegmentId s = sorted.pop(m); !s.is_none(); s = sorted.pop(m)) {
+    *end = s;
+    end = &m.segment(s).next_in_group;
+  }
+  *end = SegmentId::none();
+  return first;
+}
+
+void unlist_segments(MeshState& m) noexcept {
+  for (IdValue i = 0; i < m.segment_end; ++i) m.segment(SegmentId{i}).next_in_group = not_listed;
+  m.stale_count = 0;
+}
+
+// One of the Steiner vertices of a segment; none: it has none.
+VertexId draw_vertex(Change& change, SegmentId s) noexcept {
+  const MeshState& m = change.mesh;
+  const VertexId to = m.segment(s).to;
+  VertexId drawn{};
+  std::uint32_t count = 0;
+  for (VertexId v = march(m, m.segment(s).from, to).tail; v != to; v = march(m, v, to).tail) {
+    if (draw(change, ++count) == 0) drawn = v;
+  }
+  return drawn;
+}
+
+// Steiner vertices around the first, nearest in edges first. Spokes are taken from the vertex's own
+// segment on, so that it does not matter with which the mesh happens to begin.
+unsigned gather(Change& change, VertexId* vertices) noexcept {
+  const MeshState& m = change.mesh;
+  const unsigned most = 1 + draw(change, trial_most);
+  unsigned count = 1;
+  for (unsigned i = 0; i < count && count < most; ++i) {
+    const Edge first = own_edges(m, vertices[i]).onward;
+    Edge e = first;
+    do {
+      const VertexId w = m.topology.target(e);
+      if (w != infinite_vertex && m.owner(w).role() == Role::steiner &&
+          draw(change, 100) < joining) {
+        bool is_known = false;
+        for (unsigned k = 0; k < count; ++k) is_known = is_known || vertices[k] == w;
+        if (!is_known) vertices[count++] = w;
+      }
+      e = m.topology.rotate_ccw(e);
+    } while (e != first && count < most);
+  }
+  return count;
+}
+
+bool make_trial(MeshState& m, SegmentId s, std::uint32_t number) noexcept {
+  Change change(m, Change::Extent::trial);
+  change.random = scattered(number);
+  VertexId vertices[trial_most];
+  vertices[0] = draw_vertex(change, s);
+  if (vertices[0].is_none()) return false;
+  const unsigned count = gather(change, vertices);
+  return try_without(change, {vertices, count});
+}
+
+}  // namespace
+
+Status Mesh::optimise(std::uint32_t trials, std::uint32_t first_trial) noexcept {
+  MeshState& m = opened(*this, Call::optimise);
+  m.error_detail = ErrorDetail{};
+  if (m.unresolved != 0) return m.error_detail.status = Status::mesh_unresolved;
+  bool is_changed = !is_canonical();
+  const SegmentId first = list_segments(m);
+  SegmentId s = first;
+  std::uint32_t count = 0;
+  for (SegmentId i = first; !i.is_none(); i = m.segment(i).next_in_group) ++count;
+  for (std::uint32_t i = count != 0 ? first_trial % count : 0; i != 0; --i) {
+    s = m.segment(s).next_in_group;
+  }
+  for (std::uint32_t i = 0; i < trials && !first.is_none(); ++i) {
+    if (make_trial(m, s, first_trial + i)) is_changed = true;
+    s = m.segment(s).next_in_group;
+    if (s.is_none()) s = first;
+  }
+  unlist_segments(m);
+  if (is_changed) {
+    m.place_count = 0;
+    make_all_stale(m);
+  }
+  m.error_detail = ErrorDetail{};
+  return Status::ok;
+}
+
+}  // namespace ETCM_IDS
+}  // namespace etcm
