@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bench/corpus_table.h"
+#include "bench/fewer_table.h"
 #include "bench/poly_entries.h"
 #include "bench/speed.h"
 #include "inputs/corpus.h"
@@ -38,13 +39,16 @@ int main(int argc, char** argv) {
       "Without options: the timed benchmarks, with all of Google Benchmark's own\n"
       "options (--benchmark_filter=REGEX, --benchmark_format=json, ...).");
   bool corpus = false;
+  bool fewer = false;
   std::vector<std::string> poly_paths;
   app.add_flag("--corpus", corpus, "Print the table of Steiner counts over the corpus instead");
+  app.add_flag("--fewer", fewer, "Print what looking for fewer Steiner vertices comes to instead");
   app.add_option("--poly", poly_paths, "More inputs for the table: .poly files in whole units");
   const bool asks_for_help = argc == 2 && std::string(argv[1]) == "--help";
   if (!asks_for_help) benchmark::Initialize(&argc, argv);
   CLI11_PARSE(app, argc, argv);
   try {
+    if (fewer) return etcm::bench::print_fewer_table(std::cout) ? 0 : 1;
     return corpus || !poly_paths.empty() ? print_corpus(poly_paths) : run_benchmarks();
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';

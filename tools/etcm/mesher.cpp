@@ -1,5 +1,7 @@
 #include "mesher.h"
 
+#include <array>
+
 #include "etcm/files/decimal.h"
 #include "etcm/files/error.h"
 
@@ -41,6 +43,26 @@ void build_timed(Meshed& meshed, const files::GridGraph& grid) {
   meshed.conform_us = microseconds_between(nodes_stand, Clock::now());
 }
 
+// Trials for each Steiner vertex of the mesh, by effort. The last takes some 10 s on 1000 nodes
+// with 150 long features.
+constexpr std::array<std::uint32_t, effort_most + 1> trials_each{0,  1,  2,   5,   10,
+                                                                 25, 60, 150, 300, 700};
+// A trial may have so many Steiner vertices more than the mesh.
+constexpr std::uint32_t optimise_room = 20;
+
+void optimise(Meshed& meshed, unsigned effort) {
+  const Clock::time_point start = Clock::now();
+  Mesh& mesh = **meshed.mesh;
+  const std::uint64_t trials = std::uint64_t{mesh.steiner_count()} * trials_each.at(effort);
+  static_cast<void>(
+      mesh.optimise(static_cast<std::uint32_t>(std::min<std::uint64_t>(trials, 0xffffffffu))));
+  meshed.optimise_us = microseconds_since(start);
+}
+
+bool has_room_to_optimise(const Mesh& mesh) {
+  return mesh.node_count() + mesh.steiner_count() + optimise_room <= mesh.config().vertices_max;
+}
+
 }  // namespace
 
 double microseconds_since(Clock::time_point start) {
@@ -62,7 +84,10 @@ Meshed build_mesh(const files::ConstraintGraph& graph, const files::GridGraph& g
   while (true) {
     meshed.mesh = open_mesh(config);
     build_timed(meshed, grid);
-    if (meshed.status != Status::out_of_vertices || config.vertices_max == vertices_max) break;
+    const bool has_room = plan.effort == 0 || has_room_to_optimise(**meshed.mesh);
+    if (meshed.status == Status::ok && has_room) break;
+    if (meshed.status != Status::ok && meshed.status != Status::out_of_vertices) break;
+    if (config.vertices_max == vertices_max) break;
     config.vertices_max = at_most(std::size_t{config.vertices_max} * 2, vertices_max);
   }
   if (meshed.status != Status::ok && !is_shortfall(meshed.status)) {
@@ -74,6 +99,7 @@ Meshed build_mesh(const files::ConstraintGraph& graph, const files::GridGraph& g
                                 " nodes; this build meshes at most " +
                                 std::to_string(vertices_max));
   }
+  if (meshed.status == Status::ok && plan.effort != 0) optimise(meshed, plan.effort);
   return meshed;
 }
 

@@ -19,6 +19,7 @@ inline constexpr std::uint32_t vertices_max = std::min(std::uint32_t{1} << 24, v
 struct MeshingPlan {
   SplitPolicy policy = split_default;
   std::uint32_t steiner_max = 0;   // as in MeshConfig
+  unsigned effort = 0;             // to find fewer Steiner vertices than build(): 0 none, up to 9
   std::size_t spare_vertices = 0;  // room left for nodes that come later
   std::size_t spare_features = 0;
 };
@@ -29,7 +30,10 @@ struct Meshed {
   // Of the build that made the mesh: its nodes, then its features.
   double delaunay_us = 0;
   double conform_us = 0;
+  double optimise_us = 0;
 };
+
+inline constexpr unsigned effort_most = 9;
 
 // Builds once, and once more each time the room was too small. Throws InputError where the library
 // refuses the graph.

@@ -9,6 +9,7 @@
 #include "etcm/files/error.h"
 #include "events.h"
 #include "history.h"
+#include "lower_bound.h"
 #include "mesher.h"
 #include "output.h"
 #include "report.h"
@@ -115,13 +116,14 @@ int run_replay(const ReplayOptions& options) {
   files::MeshImage image = files::image_of(mesh, options.output.exterior(), grid.holes);
   files::carry_through(replayed.graph, placement, image);
   options.output.write(mesh, image);
-  Members members = describe_mesh(replayed.meshed, image, options.policy);
+  const std::uint64_t least = least_steiner_of(mesh);
+  Members members = describe_mesh(replayed.meshed, image, least, options.policy);
   const Members about_events = describe_events(replayed);
   if (options.json) {
     members.insert(members.end(), about_events.begin(), about_events.end());
     print(json_object(members));
   } else {
-    std::string text = options.output.base() + ": " + summary(replayed.meshed, image);
+    std::string text = options.output.base() + ": " + summary(replayed.meshed, image, least);
     for (const auto& [name, value] : about_events) text += name + " " + value + "\n";
     print(text);
   }

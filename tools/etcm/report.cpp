@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "etcm/files/decimal.h"
+#include "lower_bound.h"
 
 namespace etcm::cli {
 
@@ -50,7 +51,7 @@ std::string json_object(const Members& members) {
   return text + "}\n";
 }
 
-Members describe_mesh(const Meshed& meshed, const files::MeshImage& image,
+Members describe_mesh(const Meshed& meshed, const files::MeshImage& image, std::uint64_t least,
                       const std::string& policy) {
   const Mesh& mesh = **meshed.mesh;
   const files::Quality quality = files::quality_of(image);
@@ -59,10 +60,12 @@ Members describe_mesh(const Meshed& meshed, const files::MeshImage& image,
   return {{"nodes", std::to_string(mesh.node_count())},
           {"features", std::to_string(mesh.feature_count())},
           {"steiner", std::to_string(mesh.steiner_count())},
+          {"least_steiner", std::to_string(least)},
           {"triangles", std::to_string(image.triangles.size())},
           {"unresolved", std::to_string(mesh.unresolved())},
           {"dt_us", fixed(meshed.delaunay_us, 1)},
           {"conform_us", fixed(meshed.conform_us, 1)},
+          {"optimise_us", fixed(meshed.optimise_us, 1)},
           {"bytes", std::to_string(bytes)},
           {"bytes_per_vertex", fixed(static_cast<double>(bytes) / vertices, 2)},
           {"mean_edge_ratio", json_number(quality.mean_edge_ratio)},
@@ -71,7 +74,7 @@ Members describe_mesh(const Meshed& meshed, const files::MeshImage& image,
           {"policy", "\"" + policy + "\""}};
 }
 
-std::string summary(const Meshed& meshed, const files::MeshImage& image) {
+std::string summary(const Meshed& meshed, const files::MeshImage& image, std::uint64_t least) {
   const Mesh& mesh = **meshed.mesh;
   const files::Quality quality = files::quality_of(image);
   const auto counted = [](std::size_t count, const char* one, const char* many) {
@@ -79,12 +82,16 @@ std::string summary(const Meshed& meshed, const files::MeshImage& image) {
   };
   return counted(mesh.node_count(), "node", "nodes") + ", " +
          counted(mesh.feature_count(), "feature", "features") + ": " +
-         counted(mesh.steiner_count(), "Steiner vertex", "Steiner vertices") + ", " +
+         counted(mesh.steiner_count(), "Steiner vertex", "Steiner vertices") + " (" +
+         describe_bound(least, mesh.steiner_count()) + "), " +
          counted(image.triangles.size(), "triangle", "triangles") + " in " +
-         fixed((meshed.delaunay_us + meshed.conform_us) / 1000, 2) + " ms (Delaunay " +
-         fixed(meshed.delaunay_us / 1000, 2) + ", conforming " +
-         fixed(meshed.conform_us / 1000, 2) + "); mean edge ratio " +
-         fixed(quality.mean_edge_ratio, 3) + ", hash " + hex16(mesh.hash()) + "\n";
+         fixed((meshed.delaunay_us + meshed.conform_us + meshed.optimise_us) / 1000, 2) +
+         " ms (Delaunay " + fixed(meshed.delaunay_us / 1000, 2) + ", conforming " +
+         fixed(meshed.conform_us / 1000, 2) +
+         (meshed.optimise_us != 0 ? ", looking for fewer " + fixed(meshed.optimise_us / 1000, 2)
+                                  : "") +
+         "); mean edge ratio " + fixed(quality.mean_edge_ratio, 3) + ", hash " +
+         hex16(mesh.hash()) + "\n";
 }
 
 }  // namespace etcm::cli

@@ -18,10 +18,11 @@ std::string json_number(double value);
 // One object on one line.
 std::string json_object(const Members& members);
 
-Members describe_mesh(const Meshed& meshed, const files::MeshImage& image,
+// `least` as in lower_bound.h.
+Members describe_mesh(const Meshed& meshed, const files::MeshImage& image, std::uint64_t least,
                       const std::string& policy);
 
 // For people.
-std::string summary(const Meshed& meshed, const files::MeshImage& image);
+std::string summary(const Meshed& meshed, const files::MeshImage& image, std::uint64_t least);
 
 }  // namespace etcm::cli

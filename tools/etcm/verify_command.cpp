@@ -5,6 +5,7 @@
 #include "command.h"
 #include "conformity.h"
 #include "etcm/files/mesh_text.h"
+#include "lower_bound.h"
 
 namespace etcm::cli {
 
@@ -14,6 +15,7 @@ struct VerifyOptions {
   std::string input;
   std::string base;
   PlacementOptions placement;
+  bool bound = false;
 };
 
 int run_verify(const VerifyOptions& options) {
@@ -25,9 +27,12 @@ int run_verify(const VerifyOptions& options) {
     std::cerr << "etcm: " << options.base << ": " << *violation << std::endl;
     return exit_not_a_mesh;
   }
+  const std::size_t steiner = image.vertices.size() - grid.nodes.size();
+  const std::string bound =
+      options.bound ? " (" + describe_bound(least_steiner_of(grid), steiner) + ")" : "";
   print(options.base + ": exactly conforming and Delaunay: " + std::to_string(grid.nodes.size()) +
         " nodes, " + std::to_string(grid.features.size()) + " features, " +
-        std::to_string(image.vertices.size() - grid.nodes.size()) + " Steiner vertices, " +
+        std::to_string(steiner) + " Steiner vertices" + bound + ", " +
         std::to_string(image.triangles.size()) + " triangles\n");
   return exit_ok;
 }
@@ -42,6 +47,9 @@ void add_verify_command(CLI::App& program, Run& run) {
       ->required();
   command.add_option("OUT", options->base, "The mesh, as -o of mesh named it")->required();
   options->placement.add_to(command);
+  command.add_flag(
+      "--bound", options->bound,
+      "Work out from the input, too, how few Steiner vertices any mesh of it can have");
   command.callback([options, &run] { run = [options] { return run_verify(*options); }; });
 }
 

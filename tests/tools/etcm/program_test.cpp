@@ -184,6 +184,60 @@ TEST(Program, WritesTheMeshThatStandsWhenTheBudgetIsHit) {
   EXPECT_THAT(folder.read("out.svg"), HasSubstr("unresolved"));
 }
 
+std::string number_in(const std::string& json, const std::string& name) {
+  const std::size_t at = json.find("\"" + name + "\":");
+  return at == std::string::npos ? "none"
+                                 : json.substr(at + name.size() + 3,
+                                               json.find_first_of(",}", at) - at - name.size() - 3);
+}
+
+TEST(Program, LooksForFewerSteinerVerticesWithMoreEffort) {
+  const ScratchFolder folder;
+  const std::string input = std::string(ETCM_DATA) + "/norway.poly";
+  const std::string base = folder.path("out");
+  const Outcome plain = run("mesh " + input + " -o " + base + " --json");
+  const Outcome little = run("mesh " + input + " -o " + base + " --json --effort 2");
+  ASSERT_EQ(little.code, 0) << little.errors;
+  const int built = std::stoi(number_in(plain.output, "steiner"));
+  const int fewer = std::stoi(number_in(little.output, "steiner"));
+  const int least = std::stoi(number_in(little.output, "least_steiner"));
+  EXPECT_LT(fewer, built);
+  EXPECT_LE(least, fewer);
+  EXPECT_GT(least, built / 2);
+  EXPECT_EQ(number_in(plain.output, "least_steiner"), std::to_string(least));
+
+  const Outcome verified = run("verify " + input + " " + base + " --bound");
+  EXPECT_EQ(verified.code, 0) << verified.errors;
+  EXPECT_THAT(verified.output,
+              HasSubstr(std::to_string(fewer) + " Steiner vertices (no mesh has fewer than " +
+                        std::to_string(least) + ")"));
+  // The same again: no clock decides.
+  const Outcome again = run("mesh " + input + " -o " + folder.path("again") + " --json --effort 2");
+  EXPECT_EQ(number_in(again.output, "mesh_hash"), number_in(little.output, "mesh_hash"));
+}
+
+TEST(Program, RefusesAnEffortThatThereIsNot) {
+  const ScratchFolder folder;
+  const std::string input = folder.write("in.poly", small_plate);
+  for (const std::string effort : {"10", "-1", "much"}) {
+    const Outcome outcome =
+        run("mesh " + input + " -o " + folder.path("out") + " --effort " + effort);
+    EXPECT_EQ(outcome.code, 2) << effort;
+    EXPECT_THAT(outcome.errors, HasSubstr("--effort")) << effort;
+  }
+  EXPECT_EQ(run("mesh " + input + " -o " + folder.path("out") + " --effort 9").code, 0);
+}
+
+TEST(Program, SaysWhereNoMeshHasFewer) {
+  const ScratchFolder folder;
+  // A feature between two rows, alone.
+  const std::string input = folder.write(
+      "in.poly", "6 2\n1 0 0\n2 1000 0\n3 300 40\n4 300 -40\n5 700 45\n6 700 -45\n1 0\n1 1 2\n0\n");
+  const Outcome outcome = run("mesh " + input + " -o " + folder.path("out"));
+  EXPECT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_THAT(outcome.output, HasSubstr("(no mesh has fewer), "));
+}
+
 TEST(Program, NamesTheViolation) {
   const ScratchFolder folder;
   const std::string input = folder.write("in.poly", small_plate);
