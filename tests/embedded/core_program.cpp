@@ -8,6 +8,7 @@
 
 #include "console.h"
 #include "etcm/audit.h"
+#include "etcm/bound.h"
 #include "etcm/domain.h"
 #include "etcm/locate.h"
 #include "etcm/mesh.h"
@@ -203,12 +204,22 @@ void rebuild_from_list() {
   demand(mesh.rebuild() == Status::ok, "rebuild");
   const std::uint64_t rebuilt = mesh.hash();
   mesh.clear();
+  demand(mesh.build(std::span(nodes).first(node_count), {}) == Status::ok, "build of nodes");
+  std::uint32_t least = 0;
+  for (std::uint32_t i = 0; i < feature_count; ++i) least += least_steiner(mesh, features[i]);
+  mesh.clear();
   demand(mesh.build(std::span(nodes).first(node_count), std::span(features).first(feature_count)) ==
              Status::ok,
          "build");
   demand(mesh.hash() == rebuilt, "rebuild() makes the mesh that build() makes");
   audit_mesh();
   put_line("built afresh:");
+  demand(least <= mesh.steiner_count(), "no mesh has fewer");
+  digest.add(std::uint64_t{least});
+  demand(mesh.optimise(100) == Status::ok, "optimise");
+  audit_mesh();
+  put_line("looked for fewer:");
+  demand(mesh.canonicalize() == Status::ok && mesh.hash() == rebuilt, "canonicalize");
 }
 
 void live_a_life(const char* name, SplitPolicy policy) {

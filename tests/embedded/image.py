@@ -4,8 +4,8 @@
 Usage: image.py --nm NM --map MAP --library ARCHIVE --library-text-limit BYTES --ram-limit BYTES
                 IMAGE -- EMULATOR...
 
-The image uses every public call of the library, so what the linker kept of the archive is the
-library's size. The last row of the table comes from running the image, which reports its stack.
+What the linker kept of the archive is the size of what the image uses of the library, which is most
+of it. The last row of the table comes from running the image, which reports its stack.
 """
 
 import argparse

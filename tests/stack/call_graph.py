@@ -20,7 +20,7 @@ INDIRECT = {
     "build.cpp": None,
     "audit.cpp": r"^etcm::Audit etcm::\{anonymous\}::Auditor::\w+\(\) const$",
     "influence.cpp": r"^void etcm::internal::\{anonymous\}::on_\w+\(",
-    "conform.cpp": r"^etcm::Parameter etcm::\w+\(const SplitSite&\)$",
+    "conform.cpp": r"^etcm::Parameter etcm::(\w+\(const SplitSite&\)|.*::stray\(.*)$",
 }
 # Bytes for a function of the compiler's or C's run-time: memset, memcpy, division and the soft
 # floating point of machines without a unit for it. More than any of them takes.

@@ -28,6 +28,9 @@ class Surroundings {
     double aside = 0;  // how far it stands from its line, in the same unit
   };
 
+  // One over the squared length of the segment in user units: sub-units to parameters.
+  [[nodiscard]] double per_squared_length() const noexcept { return per_squared_length_; }
+
   // Goes along the triangles from one end on: next() answers with the two ends of the edge that the
   // subsegment crosses first, then with the vertex of each triangle that it enters. It answers
   // false where the other end is reached, and from tail where it comes to what head's walk has

@@ -8,7 +8,6 @@
 
 #include "conforming/feasible_parameter.h"
 #include "conforming/group.h"
-#include "conforming/trial.h"
 #include "geometry/predicates_inline.h"
 #include "triangulation/change.h"
 #include "triangulation/insert.h"
@@ -63,13 +62,13 @@ Status split(Change& change, SegmentId s, const Subsegment& subsegment, const Sp
   const std::uint32_t budget = m.config.steiner_max;
   if (budget != 0 && m.steiner_count >= budget)
     return fail(m, Status::steiner_budget, s, subsegment);
-  const bool is_trial = change.extent == Change::Extent::trial;
+  const bool is_trial = change.stray != nullptr;
   if (is_trial && m.steiner_count >= change.steiner_most)
     return fail(m, Status::steiner_budget, s, subsegment);
   v = allocate_vertex(m);
   if (v.is_none()) return fail(m, Status::out_of_vertices, s, subsegment);
   t = m.config.policy(site);
-  if (is_trial) t = stray(change, site, t);
+  if (is_trial) t = change.stray(change, site, t);
   if (t <= site.head) t = static_cast<Parameter>(site.head + 1);
   if (t >= site.tail) t = static_cast<Parameter>(site.tail - 1);
   m.points[v.value] = site.at(t);

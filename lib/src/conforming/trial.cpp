@@ -6,6 +6,7 @@
 #include "conforming/detach.h"
 #include "conforming/prune.h"
 #include "conforming/transaction.h"
+#include "etcm/split_site.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
@@ -27,28 +28,31 @@ Parameter part_of(std::int64_t length, std::uint32_t part) noexcept {
   return static_cast<Parameter>(length * part / 1024);
 }
 
-// Takes the vertices out, and lists their segments in the order of the vertices.
-unsigned take_out(Change& change, std::span<const VertexId> vertices,
-                  SegmentId* segments) noexcept {
+// Takes the vertices out. Their segments, in the order of the vertices, take their places in the
+// list: one list, for the stack is deepest below it.
+std::span<IdValue> take_out(Change& change, std::span<IdValue> ids) noexcept {
   MeshState& m = change.mesh;
-  unsigned count = 0;
   // While all stand: the range that is missing ends at vertices that stay.
-  for (const VertexId v : vertices) {
-    const SegmentId s = m.owner(v).segment();
-    const OwnEdges own = own_edges(m, v);
-    touch(change, s, m.topology.target(own.back), m.topology.target(own.onward));
-    unsigned i = 0;
-    while (i < count && segments[i] != s) ++i;
-    if (i == count) segments[count++] = s;
+  for (const IdValue id : ids) {
+    const OwnEdges own = own_edges(m, VertexId{id});
+    touch(change, m.owner(VertexId{id}).segment(), m.topology.target(own.back),
+          m.topology.target(own.onward));
   }
-  for (const VertexId v : vertices) detach(change, v);
-  return count;
+  std::size_t count = 0;
+  for (const IdValue id : ids) {
+    const IdValue segment = m.owner(VertexId{id}).segment().value;
+    detach(change, VertexId{id});
+    std::size_t i = 0;
+    while (i < count && ids[i] != segment) ++i;
+    if (i == count) ids[count++] = segment;
+  }
+  return ids.first(count);
 }
 
-Status lay_in_drawn_order(Change& change, SegmentId* segments, unsigned count) noexcept {
-  for (unsigned left = count; left != 0; --left) {
+Status lay_in_drawn_order(Change& change, std::span<IdValue> segments) noexcept {
+  for (auto left = static_cast<std::uint32_t>(segments.size()); left != 0; --left) {
     std::swap(segments[left - 1], segments[draw(change, left)]);
-    make_dirty(change, segments[left - 1]);
+    make_dirty(change, SegmentId{segments[left - 1]});
     const Status status = conform(change);
     if (status != Status::ok) return status;
   }
@@ -67,17 +71,7 @@ void keep(Change& change) noexcept {
   end_change(change);
 }
 
-}  // namespace
-
-// Xorshift (Marsaglia 2003): its state is not 0.
-std::uint32_t draw(Change& change, std::uint32_t end) noexcept {
-  std::uint64_t& state = change.random;
-  state ^= state << 13;
-  state ^= state >> 7;
-  state ^= state << 17;
-  return static_cast<std::uint32_t>(((state >> 32) * end) >> 32);
-}
-
+// Where a trial splits: mostly where the policy would, at t.
 Parameter stray(Change& change, const SplitSite& site, Parameter t) noexcept {
   if (draw(change, 100) < usual) return t;
   const bool goes_far = draw(change, 100) < farthest;
@@ -94,13 +88,23 @@ Parameter stray(Change& change, const SplitSite& site, Parameter t) noexcept {
              : static_cast<Parameter>(site.tail - part_of(site.tail - site.feasible_tail, kept));
 }
 
-bool try_without(Change& change, std::span<const VertexId> vertices) noexcept {
+}  // namespace
+
+// Xorshift (Marsaglia 2003): its state is not 0.
+std::uint32_t draw(Change& change, std::uint32_t end) noexcept {
+  std::uint64_t& state = change.random;
+  state ^= state << 13;
+  state ^= state >> 7;
+  state ^= state << 17;
+  return static_cast<std::uint32_t>(((state >> 32) * end) >> 32);
+}
+
+bool try_without(Change& change, std::span<IdValue> vertices) noexcept {
   MeshState& m = change.mesh;
   const std::uint32_t before = m.steiner_count;
+  change.stray = stray;
   change.steiner_most = before + surplus_most;
-  SegmentId segments[trial_most];
-  const unsigned count = take_out(change, vertices, segments);
-  const Status status = lay_in_drawn_order(change, segments, count);
+  const Status status = lay_in_drawn_order(change, take_out(change, vertices));
   if (status == Status::ok) prune(change);
   if (status == Status::ok && m.steiner_count <= before) {
     keep(change);

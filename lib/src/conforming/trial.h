@@ -3,22 +3,16 @@
 
 #include <span>
 
-#include "etcm/split_site.h"
 #include "triangulation/change.h"
 
 namespace etcm::internal {
 
-inline constexpr unsigned trial_most = 16;
-
 // A number from 0 up to below `end`.
 std::uint32_t draw(Change& change, std::uint32_t end) noexcept;
 
-// Where a trial splits: mostly where the policy would, at t.
-Parameter stray(Change& change, const SplitSite& site, Parameter t) noexcept;
-
-// Takes out some Steiner vertices, at most trial_most of them, and lays their segments again in an
-// order that is drawn. The change is of the extent `trial`, and is ended: true where the mesh has
-// no more Steiner vertices than before, else it is as it was.
-bool try_without(Change& change, std::span<const VertexId> vertices) noexcept;
+// Takes out some Steiner vertices, and lays their segments again in an order that is drawn. The
+// change is of the extent `trial`, and is ended: true where the mesh has no more Steiner vertices
+// than before, else it is as it was. The list of the vertices is used up.
+bool try_without(Change& change, std::span<IdValue> vertices) noexcept;
 
 }  // namespace etcm::internal

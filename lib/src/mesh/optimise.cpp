@@ -14,6 +14,8 @@ using namespace internal;
 
 namespace {
 
+// A trial is of so many at most.
+constexpr unsigned trial_most = 16;
 // Of 100 Steiner vertices beside those of a trial, so many join it.
 constexpr std::uint32_t joining = 50;
 
@@ -26,9 +28,9 @@ std::uint64_t scattered(std::uint64_t number) noexcept {
   return x != 0 ? x : 1;
 }
 
-// The segments with Steiner vertices in canonical order, linked by next_in_group: which are stale is
-// not asked meanwhile.
-SegmentId list_segments(MeshState& m) noexcept {
+// The segments with Steiner vertices in canonical order, linked by next_in_group: which are stale
+// is not asked meanwhile.
+[[gnu::noinline]] SegmentId list_segments(MeshState& m) noexcept {
   PendingSegments sorted;
   for (IdValue i = 0; i < m.segment_end; ++i) {
     const SegmentId s{i};
@@ -52,7 +54,7 @@ void unlist_segments(MeshState& m) noexcept {
 }
 
 // One of the Steiner vertices of a segment; none: it has none.
-VertexId draw_vertex(Change& change, SegmentId s) noexcept {
+[[gnu::noinline]] VertexId draw_vertex(Change& change, SegmentId s) noexcept {
   const MeshState& m = change.mesh;
   const VertexId to = m.segment(s).to;
   VertexId drawn{};
@@ -65,20 +67,22 @@ VertexId draw_vertex(Change& change, SegmentId s) noexcept {
 
 // Steiner vertices around the first, nearest in edges first. Spokes are taken from the vertex's own
 // segment on, so that it does not matter with which the mesh happens to begin.
-unsigned gather(Change& change, VertexId* vertices) noexcept {
+// Not inline, like draw_vertex() and list_segments(), or the deepest call would have the room of
+// this too.
+[[gnu::noinline]] unsigned gather(Change& change, IdValue* vertices) noexcept {
   const MeshState& m = change.mesh;
   const unsigned most = 1 + draw(change, trial_most);
   unsigned count = 1;
   for (unsigned i = 0; i < count && count < most; ++i) {
-    const Edge first = own_edges(m, vertices[i]).onward;
+    const Edge first = own_edges(m, VertexId{vertices[i]}).onward;
     Edge e = first;
     do {
       const VertexId w = m.topology.target(e);
       if (w != infinite_vertex && m.owner(w).role() == Role::steiner &&
           draw(change, 100) < joining) {
         bool is_known = false;
-        for (unsigned k = 0; k < count; ++k) is_known = is_known || vertices[k] == w;
-        if (!is_known) vertices[count++] = w;
+        for (unsigned k = 0; k < count; ++k) is_known = is_known || vertices[k] == w.value;
+        if (!is_known) vertices[count++] = w.value;
       }
       e = m.topology.rotate_ccw(e);
     } while (e != first && count < most);
@@ -89,9 +93,10 @@ unsigned gather(Change& change, VertexId* vertices) noexcept {
 bool make_trial(MeshState& m, SegmentId s, std::uint32_t number) noexcept {
   Change change(m, Change::Extent::trial);
   change.random = scattered(number);
-  VertexId vertices[trial_most];
-  vertices[0] = draw_vertex(change, s);
-  if (vertices[0].is_none()) return false;
+  IdValue vertices[trial_most];
+  const VertexId drawn = draw_vertex(change, s);
+  if (drawn.is_none()) return false;
+  vertices[0] = drawn.value;
   const unsigned count = gather(change, vertices);
   return try_without(change, {vertices, count});
 }

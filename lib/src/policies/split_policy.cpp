@@ -50,8 +50,6 @@ class Choice {
         surroundings_(site),
         from_(surroundings_.shared_node(End::head)),
         to_(surroundings_.shared_node(End::tail)),
-        per_squared_length_(1.0 / squared_length(site)),
-        nearest_(nearest_to_node * (site.tail - site.head)),
         overlap_(site.feasible_head >= site.feasible_tail) {
     const Parameter at_head = site.feasible_head - site.head;
     const Parameter at_tail = site.tail - site.feasible_tail;
@@ -64,11 +62,6 @@ class Choice {
   using End = Surroundings::End;
   using Beside = Surroundings::Beside;
 
-  static double squared_length(const SplitSite& site) noexcept {
-    const double dx = static_cast<double>(site.to.x) - site.from.x;
-    const double dy = static_cast<double>(site.to.y) - site.from.y;
-    return dx * dx + dy * dy;
-  }
   double distance(const Point& a, const Position& node) const noexcept;
   bool is_clear_of_nodes(Parameter t) const noexcept;
   void add(Parameter t, double worth) noexcept;
@@ -85,8 +78,6 @@ class Choice {
   // The nodes at the ends of the segment, where other features end too.
   VertexId from_;
   VertexId to_;
-  double per_squared_length_;
-  double nearest_;
   bool overlap_;
   double per_longest_;
   // Rarely more than a dozen; what finds no room goes without.
@@ -120,8 +111,9 @@ void Choice::add(Parameter t, double worth) noexcept {
 }
 
 bool Choice::is_clear_of_nodes(Parameter t) const noexcept {
-  return !(site_.head_is_node && t - site_.head < nearest_) &&
-         !(site_.tail_is_node && site_.tail - t < nearest_);
+  const double nearest = nearest_to_node * (site_.tail - site_.head);
+  return !(site_.head_is_node && t - site_.head < nearest) &&
+         !(site_.tail_is_node && site_.tail - t < nearest);
 }
 
 void Choice::add_clear(Parameter t) noexcept {
@@ -165,7 +157,7 @@ void Choice::aim_along(double along, bool is_node, double worth) noexcept {
 double Choice::distance(const Point& a, const Position& node) const noexcept {
   const Point b = to_point(node);
   const auto dx = static_cast<double>(a.x - b.x), dy = static_cast<double>(a.y - b.y);
-  return std::sqrt((dx * dx + dy * dy) * per_squared_length_);
+  return std::sqrt((dx * dx + dy * dy) * surroundings_.per_squared_length());
 }
 
 void Choice::aim_at(const Beside& seen) noexcept {

@@ -2,6 +2,7 @@
 // back. Nothing of it outlives the call that makes it.
 #pragma once
 
+#include "etcm/policy.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_list.h"
 
@@ -51,7 +52,9 @@ struct Change {
   // The segment that is laid is lone (lone.h).
   SegmentId lone{};
 
-  // Extent::trial: what is drawn from, and how many Steiner vertices are too many to go on.
+  // Extent::trial: where it splits instead, what it draws from, and how many Steiner vertices are
+  // too many to go on. By a pointer, so that only who makes trials links them.
+  Parameter (*stray)(Change& change, const SplitSite& site, Parameter t) = nullptr;
   std::uint64_t random = 0;
   std::uint32_t steiner_most = 0;
 
