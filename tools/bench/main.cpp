@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/cliffs.h"
 #include "bench/corpus_table.h"
 #include "bench/fewer_table.h"
 #include "bench/poly_entries.h"
@@ -41,6 +42,12 @@ int main(int argc, char** argv) {
   bool corpus = false;
   bool fewer = false;
   std::vector<std::string> poly_paths;
+  std::string cliff_filter;
+  auto* const cliffs =
+      app.add_option("--cliffs", cliff_filter,
+                     "Print how the time of hard inputs grows with their size instead; of those "
+                     "whose name has this in it")
+          ->expected(0, 1);
   app.add_flag("--corpus", corpus, "Print the table of Steiner counts over the corpus instead");
   app.add_flag("--fewer", fewer, "Print what looking for fewer Steiner vertices comes to instead");
   app.add_option("--poly", poly_paths, "More inputs for the table: .poly files in whole units");
@@ -49,6 +56,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     if (fewer) return etcm::bench::print_fewer_table(std::cout) ? 0 : 1;
+    if (cliffs->count() != 0) return etcm::bench::print_cliffs(cliff_filter, std::cout) ? 0 : 1;
     return corpus || !poly_paths.empty() ? print_corpus(poly_paths) : run_benchmarks();
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
