@@ -71,10 +71,8 @@ Edge Topology::unsplit_triangle(VertexId v) noexcept {
   vertex_edges_[a.value] = next(to_a);
   vertex_edges_[b.value] = prev(to_a);
   vertex_edges_[c.value] = to_a;
-  Edge kept = to_a;
-  release(s > q ? s : q, kept);
-  release(s > q ? q : s, kept);
-  return kept;
+  leave_over(s, q);
+  return to_a;
 }
 
 void Topology::unsplit_open(VertexId v) noexcept {
@@ -86,10 +84,32 @@ void Topology::unsplit_open(VertexId v) noexcept {
   join(outer_u, word);
   vertex_edges_[w.value] = outer_u;
   vertex_edges_[u.value] = twin(outer_u);
-  const IdValue s = triangle_of(to_u), q = triangle_of(to_w);
-  Edge nothing{};
-  release(s > q ? s : q, nothing);
-  release(s > q ? q : s, nothing);
+  leave_over(triangle_of(to_u), triangle_of(to_w));
+}
+
+void Topology::leave_over(IdValue s, IdValue q) noexcept {
+  left_over_[0] = s > q ? s : q;
+  left_over_[1] = s > q ? q : s;
+}
+
+void Topology::release_left_over(Edge& follow) noexcept {
+  for (const IdValue t : left_over_) release(t, follow);
+}
+
+Edge Topology::cut_ear(Edge spoke, Edge below) noexcept {
+  const Edge ear = next(twin(spoke));
+  flip(spoke);
+  mark(ear);
+  triangles_[triangle_of(ear)].corner[side_of(prev(ear))] = VertexId{below.value};
+  return ear;
+}
+
+Edge Topology::open_ear(Edge ear) noexcept {
+  VertexId& corner = triangles_[triangle_of(ear)].corner[side_of(prev(ear))];
+  const Edge below{corner.value};
+  unmark(ear);
+  corner = origin(twin(ear));
+  return below;
 }
 
 void Topology::release(IdValue t, Edge& follow) noexcept {

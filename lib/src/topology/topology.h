@@ -121,10 +121,20 @@ class Topology {
   Edge split_triangle(IdValue t, VertexId v) noexcept;
   // Opens e into two edges and puts v between them, a vertex of degree 2 (a collinear mesh grows).
   void split_open(Edge e, VertexId v) noexcept;
-  // The inverses: v has degree 3, or 2. Afterwards triangle ids may have changed; the returned edge
-  // is on the boundary of the gap that closed.
+  // The inverses: v has degree 3, or 2. Two triangles are left over, linked to nothing, until they
+  // are released. Returns an edge of the triangle that takes the gap.
   Edge unsplit_triangle(VertexId v) noexcept;
   void unsplit_open(VertexId v) noexcept;
+  // Frees what unsplitting has left over. Other triangles may have other ids afterwards; keeps
+  // `follow` right.
+  void release_left_over(Edge& follow) noexcept;
+
+  // Cuts the end b of a spoke off the star of the spoke's origin: the spoke flips, and b is the tip
+  // of a triangle outside of the star, an ear. Returns the ear's edge to the star, which is marked.
+  // Until it is opened again an ear holds `below` in place of a corner: a stack of ears.
+  Edge cut_ear(Edge spoke, Edge below) noexcept;
+  // Makes the ear that was cut last a triangle like others, and returns what is below it.
+  Edge open_ear(Edge ear) noexcept;
 
  private:
   IdValue& link(Edge e) noexcept { return triangles_[triangle_of(e)].link[side_of(e)]; }
@@ -132,12 +142,14 @@ class Topology {
   // Makes the edges of two links twins; a constrained bit in either word stays with the edge.
   void join(Edge e, IdValue twin_word) noexcept;
   void set_corners(IdValue t, VertexId a, VertexId b, VertexId c) noexcept;
+  void leave_over(IdValue s, IdValue q) noexcept;
   // Frees a triangle that nothing links to; the last one takes its place. Keeps `follow` right.
   void release(IdValue t, Edge& follow) noexcept;
 
   TriangleRecord* triangles_ = nullptr;
   Edge* vertex_edges_ = nullptr;
   IdValue triangle_count_ = 0;
+  IdValue left_over_[2] = {};  // the greater first
 };
 
 // The edges from a vertex, once around it counter-clockwise, while nothing flips. A triangle has

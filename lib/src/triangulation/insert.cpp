@@ -21,13 +21,12 @@ void break_subsegment(Change& change, Edge e) noexcept {
   make_dirty(change, s);
 }
 
-// Goes round the link of the new vertex, of which e is an edge, and flips what must be. Says what
-// must_flip() says; but each vertex of the link is looked at once, and each pair of neighbours.
-void legalize_link(Change& change, Edge e, const Point& p) noexcept {
-  MeshState& m = change.mesh;
+}  // namespace
+
+// Each vertex of the link is looked at once, and each pair of neighbours.
+void legalize_link(MeshState& m, Edge e, VertexId last, const Point& p, Change* change) noexcept {
   Topology& topo = m.topology;
-  const VertexId first = topo.origin(e);
-  Relative u = relative_to(m, first, p);
+  Relative u = relative_to(m, topo.origin(e), p);
   Relative v = relative_to(m, topo.target(e), p);
   double uv = cross_value(u.at, v.at);
   for (;;) {
@@ -39,13 +38,16 @@ void legalize_link(Change& change, Edge e, const Point& p) noexcept {
       side = incircle_coarse(u.height, wv, w.height, -uv, v.height, uw);
     }
     if (side > 0 || (side == 0 && must_flip(m, e, p))) {
-      if (topo.is_constrained(e)) break_subsegment(change, e);
-      topo.flip(e);
-      v = w;
-      uv = uw;
-      continue;
+      const bool is_kept = topo.is_constrained(e);
+      if (is_kept && change != nullptr) break_subsegment(*change, e);
+      if (!is_kept || change != nullptr) {
+        topo.flip(e);
+        v = w;
+        uv = uw;
+        continue;
+      }
     }
-    if (v.id == first) {
+    if (v.id == last) {
       m.walk_start = e;
       return;
     }
@@ -56,8 +58,6 @@ void legalize_link(Change& change, Edge e, const Point& p) noexcept {
   }
 }
 
-}  // namespace
-
 bool conflicts_with_ghost(const MeshState& m, VertexId u, VertexId v, const Point& p) noexcept {
   const int side = orient2d_fast(m.at(u), m.at(v), p);
   return side > 0 || (side == 0 && strictly_between(p, m.at(u), m.at(v)));
@@ -65,9 +65,9 @@ bool conflicts_with_ghost(const MeshState& m, VertexId u, VertexId v, const Poin
 
 bool must_flip(const MeshState& m, Edge e, const Point& p) noexcept {
   const Topology& topo = m.topology;
-  const Edge beyond = topo.twin(e);
-  // Counter-clockwise: a, b, c with b -> c being the twin of e.
-  const VertexId a = topo.apex(beyond), b = topo.origin(beyond), c = topo.target(beyond);
+  // Counter-clockwise: a, b, c with b -> c being the twin of e. Of the triangle beyond only the
+  // apex is read: an ear has no more (Topology::cut_ear()).
+  const VertexId a = topo.apex(topo.twin(e)), b = topo.target(e), c = topo.origin(e);
   if (a == infinite_vertex) return conflicts_with_ghost(m, b, c, p);
   if (b == infinite_vertex) return conflicts_with_ghost(m, c, a, p);
   if (c == infinite_vertex) return conflicts_with_ghost(m, a, b, p);
@@ -102,7 +102,7 @@ void insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
   for (unsigned side = Topology::side_of(found.edge); side != 0; --side) {
     e = topo.next_link_edge(e);
   }
-  legalize_link(change, e, p);
+  legalize_link(m, e, topo.origin(e), p, &change);
 }
 
 }  // namespace etcm::internal
