@@ -84,7 +84,7 @@ Status insert_nodes(Change& change, std::span<const Position> nodes) noexcept {
     insert_vertex(change, v, found);
   }
   number_as_given(m, nodes);
-  spread_hints(m, nullptr);
+  spread_hints(m);
   return Status::ok;
 }
 

@@ -78,8 +78,9 @@ void Mesh::clear() noexcept {
   m.vertex_edges = reinterpret_cast<Edge*>(take(vertices * sizeof(Edge)));
   m.owners = reinterpret_cast<Owner*>(take(vertices * sizeof(Owner)));
   m.segments = reinterpret_cast<SegmentRecord*>(take(config.features_max * sizeof(SegmentRecord)));
-  m.hints.side_bits = hint_side_bits(config.vertices_max);
-  m.hints.nodes = reinterpret_cast<VertexId*>(take(sizeof(VertexId) << (2 * m.hints.side_bits)));
+  m.hints.side_bits_most = hint_side_bits(config.vertices_max);
+  m.hints.nodes =
+      reinterpret_cast<VertexId*>(take(sizeof(VertexId) << (2 * m.hints.side_bits_most)));
   m.topology = Topology(reinterpret_cast<TriangleRecord*>(m.triangle_memory), m.vertex_edges);
 }
 

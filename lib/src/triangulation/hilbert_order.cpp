@@ -63,27 +63,21 @@ void radix_sort(OrderEntry* entries, OrderEntry* buffer, std::size_t count, int 
   }
 }
 
-}  // namespace
+Position unit_position(const MeshState& m, IdValue i) noexcept {
+  return {static_cast<std::int32_t>(m.points[i].x >> subunit_bits),
+          static_cast<std::int32_t>(m.points[i].y >> subunit_bits)};
+}
 
-OrderEntry* hilbert_order(const MeshState& m) noexcept {
-  const std::size_t count = m.node_count;
-  std::byte* const end = m.triangle_memory + m.config.vertices_max * bytes_per_vertex_triangles;
-  auto* const entries = ::new (end - count * sizeof(OrderEntry)) OrderEntry[count];
-  auto* const buffer = ::new (end - 2 * count * sizeof(OrderEntry)) OrderEntry[count];
-  const auto unit = [&m](IdValue i) {
-    return Position{static_cast<std::int32_t>(m.points[i].x >> subunit_bits),
-                    static_cast<std::int32_t>(m.points[i].y >> subunit_bits)};
-  };
+// Sorts entries along the curve through their own bounding box, by rounds first where asked.
+void sort_along_curve(const MeshState& m, OrderEntry* entries, OrderEntry* buffer,
+                      std::size_t count, bool by_rounds) noexcept {
   Position low{position_max, position_max}, high{-position_max, -position_max};
-  std::size_t found = 0;
-  for (IdValue i = 1; i < m.vertex_end; ++i) {
-    if (m.owners[i].role() != Role::node) continue;
-    const Position p = unit(i);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Position p = unit_position(m, static_cast<IdValue>(entries[i].vertex));
     if (p.x < low.x) low.x = p.x;
     if (p.y < low.y) low.y = p.y;
     if (p.x > high.x) high.x = p.x;
     if (p.y > high.y) high.y = p.y;
-    entries[found++].vertex = i;
   }
   const auto width = static_cast<std::uint32_t>(high.x - low.x);
   const auto height = static_cast<std::uint32_t>(high.y - low.y);
@@ -93,13 +87,52 @@ OrderEntry* hilbert_order(const MeshState& m) noexcept {
   int cell_bits = 0;
   while (((width | height) >> (cell_bits + levels)) != 0) ++cell_bits;
   for (std::size_t i = 0; i < count; ++i) {
-    const Position p = unit(static_cast<IdValue>(entries[i].vertex));
+    const Position p = unit_position(m, static_cast<IdValue>(entries[i].vertex));
     const auto x = static_cast<std::uint32_t>(p.x - low.x);
     const auto y = static_cast<std::uint32_t>(p.y - low.y);
-    entries[i].key = (round_of(entries[i].vertex) << (2 * levels)) |
-                     hilbert_key(x >> cell_bits, y >> cell_bits, levels);
+    const std::uint32_t round = by_rounds ? round_of(entries[i].vertex) : 0;
+    entries[i].key = (round << (2 * levels)) | hilbert_key(x >> cell_bits, y >> cell_bits, levels);
   }
   radix_sort(entries, buffer, count, 2 * levels + 2);
+}
+
+// Half as many of one cell need no order.
+constexpr std::size_t crowd = 64;
+// Cells of crowds are cut into 8 by 8 at least, so after as many turns they are of one place.
+constexpr int turns_most = 8;
+
+// Where many stand in one cell of the curve, as all but a few may where those are far away, each
+// such crowd is sorted along a curve of its own. Returns whether there was one.
+bool sort_crowds(const MeshState& m, OrderEntry* entries, OrderEntry* buffer,
+                 std::size_t count) noexcept {
+  bool found = false;
+  for (std::size_t i = crowd / 2; i < count; i += crowd / 2) {
+    std::size_t first = i - crowd / 2;
+    const std::uint32_t key = entries[first].key;
+    if (entries[i].key != key) continue;
+    while (first != 0 && entries[first - 1].key == key) --first;
+    while (i < count && entries[i].key == key) ++i;
+    if (i - first < crowd) continue;
+    sort_along_curve(m, entries + first, buffer, i - first, false);
+    found = true;
+  }
+  return found;
+}
+
+}  // namespace
+
+OrderEntry* hilbert_order(const MeshState& m) noexcept {
+  const std::size_t count = m.node_count;
+  std::byte* const end = m.triangle_memory + m.config.vertices_max * bytes_per_vertex_triangles;
+  auto* const entries = ::new (end - count * sizeof(OrderEntry)) OrderEntry[count];
+  auto* const buffer = ::new (end - 2 * count * sizeof(OrderEntry)) OrderEntry[count];
+  std::size_t found = 0;
+  for (IdValue i = 1; i < m.vertex_end; ++i) {
+    if (m.owners[i].role() == Role::node) entries[found++].vertex = i;
+  }
+  sort_along_curve(m, entries, buffer, count, true);
+  for (int turn = 0; turn < turns_most && sort_crowds(m, entries, buffer, count); ++turn) {
+  }
   return entries;
 }
 

@@ -1,35 +1,52 @@
 // Where to start a walk: a coarse grid over the nodes that knows one node for each cell, so that
-// finding a place costs the same in a small mesh and in a large one. Only hints: what they say
-// shortens walks and never shows in a mesh.
+// finding a place costs the same in a small mesh and in a large one. Each axis is cut into eighths
+// of the nodes first, so that a few that stand far away take nothing from the others. When as many
+// have come again, it is laid anew. Only hints: what they say shortens walks and never shows in a
+// mesh.
 #include "triangulation/hints.h"
+
+#include <new>
 
 #include "triangulation/mesh_state.h"
 
 namespace etcm::internal {
 namespace {
 
-struct Bounds {
-  Point low;
-  Point high;
-  void include(const Point& p) noexcept {
-    if (p.x < low.x) low.x = p.x;
-    if (p.y < low.y) low.y = p.y;
-    if (p.x > high.x) high.x = p.x;
-    if (p.y > high.y) high.y = p.y;
-  }
-};
+// As many of the nodes say where the others are.
+constexpr std::size_t sample_most = 128;
+// A node that comes outside of the grid tells of more like it.
+constexpr std::uint32_t cost_outside = 8;
 
 std::size_t cell_count(const Hints& h) noexcept { return std::size_t{1} << (2 * h.side_bits); }
 
-bool covers(const Hints& h, const Point& p) noexcept {
-  const std::int64_t limit = std::int64_t{1} << (h.cell_bits + h.side_bits);
-  return p.x >= h.low.x && p.y >= h.low.y && p.x - h.low.x < limit && p.y - h.low.y < limit;
+std::int32_t unit_of(std::int64_t coordinate) noexcept {
+  return static_cast<std::int32_t>(coordinate >> subunit_bits);
 }
 
-VertexId& cell_of(const Hints& h, const Point& p) noexcept {
-  const auto column = static_cast<std::size_t>((p.x - h.low.x) >> h.cell_bits);
-  const auto row = static_cast<std::size_t>((p.y - h.low.y) >> h.cell_bits);
-  return h.nodes[(row << h.side_bits) | column];
+// Each eighth of an axis is cut into this many columns, as a power of two.
+int step_bits(const Hints& h) noexcept { return h.side_bits < 3 ? 0 : h.side_bits - 3; }
+
+// The column, or row, of a coordinate. What is outside belongs to the first or the last. Without
+// branches: half of them would be guessed wrong.
+std::size_t place_on(const Hints& h, const HintAxis& axis, std::int32_t at) noexcept {
+  unsigned eighth = at >= axis.knot[4] ? 4u : 0u;
+  eighth += at >= axis.knot[eighth + 2] ? 2u : 0u;
+  eighth += at >= axis.knot[eighth + 1] ? 1u : 0u;
+  const auto last = static_cast<float>((1 << step_bits(h)) - 1);
+  const float steps = static_cast<float>(at - axis.knot[eighth]) * axis.steps_per_unit[eighth];
+  const float below = steps < last ? steps : last;
+  const auto step = static_cast<std::size_t>(static_cast<std::int32_t>(below > 0 ? below : 0));
+  return ((std::size_t{eighth} << step_bits(h)) | step) >> (3 + step_bits(h) - h.side_bits);
+}
+
+std::size_t cell_at(const Hints& h, const Point& p) noexcept {
+  return (place_on(h, h.y, unit_of(p.y)) << h.side_bits) | place_on(h, h.x, unit_of(p.x));
+}
+
+VertexId& cell_of(const Hints& h, const Point& p) noexcept { return h.nodes[cell_at(h, p)]; }
+
+bool is_outside(const HintAxis& axis, std::int32_t at) noexcept {
+  return at < axis.knot[0] || at > axis.knot[8];
 }
 
 double distance2(const Point& a, const Point& b) noexcept {
@@ -37,40 +54,70 @@ double distance2(const Point& a, const Point& b) noexcept {
   return dx * dx + dy * dy;
 }
 
-}  // namespace
-
-void spread_hints(MeshState& m, const Point* also) noexcept {
-  Hints& h = m.hints;
-  Bounds bounds{};
-  bool is_first = true;
-  const auto include = [&](const Point& p) {
-    if (is_first) bounds = {p, p};
-    is_first = false;
-    bounds.include(p);
-  };
+// Visits every k-th node, `most` at most and about half as many at least, or all.
+template <class Visit>
+void for_some_nodes(const MeshState& m, std::size_t most, Visit visit) noexcept {
+  const auto stride = static_cast<std::uint32_t>(m.node_count / (most + 1) + 1);
+  std::uint32_t wait = stride;
   for (IdValue i = 1; i < m.vertex_end; ++i) {
-    if (m.owners[i].role() == Role::node) include(m.points[i]);
-  }
-  if (also != nullptr) include(*also);
-  // Twice the extent, with what is there in the middle: a growing network seldom leaves it, and
-  // every time it does, it has doubled.
-  const std::int64_t width = bounds.high.x - bounds.low.x, height = bounds.high.y - bounds.low.y;
-  const std::int64_t extent = width > height ? width : height;
-  h.cell_bits = 0;
-  while ((std::int64_t{1} << (h.cell_bits + h.side_bits)) <= 2 * extent) ++h.cell_bits;
-  const std::int64_t margin = ((std::int64_t{1} << (h.cell_bits + h.side_bits)) - extent) / 2;
-  h.low = {bounds.low.x - margin, bounds.low.y - margin};
-  for (std::size_t i = 0; i < cell_count(h); ++i) h.nodes[i] = VertexId::none();
-  for (IdValue i = 1; i < m.vertex_end; ++i) {
-    if (m.owners[i].role() == Role::node) cell_of(h, m.points[i]) = VertexId{i};
+    if (m.owners[i].role() != Role::node || --wait != 0) continue;
+    wait = stride;
+    visit(VertexId{i});
   }
 }
 
-void add_hint(MeshState& m, VertexId node) noexcept {
-  if (m.node_count < 2 || !covers(m.hints, m.at(node))) {
-    spread_hints(m, &m.at(node));
+// Cuts an axis where a sample says that an eighth of the nodes lies between, without the outermost
+// of the sample. The sample lies in the memory of the cells.
+void cut(MeshState& m, HintAxis& axis, std::int64_t Point::*coordinate) noexcept {
+  const Hints& h = m.hints;
+  // As many as there is room for with ids of 16 bits: the same walks whatever the width.
+  std::size_t most = cell_count(h) / 2;
+  if (most > sample_most) most = sample_most;
+  auto* const sample = ::new (static_cast<void*>(h.nodes)) std::int32_t[most];
+  std::size_t count = 0;
+  for_some_nodes(m, most, [&](VertexId v) {
+    const std::int32_t at = unit_of(m.at(v).*coordinate);
+    std::size_t k = count++;
+    for (; k != 0 && at < sample[k - 1]; --k) sample[k] = sample[k - 1];
+    sample[k] = at;
+  });
+  const std::size_t trimmed = count / 64;
+  for (std::size_t i = 0; i <= 8; ++i) {
+    axis.knot[i] = count == 0 ? 0 : sample[trimmed + i * (count - 1 - 2 * trimmed) / 8];
   }
-  cell_of(m.hints, m.at(node)) = node;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const std::int32_t width = axis.knot[i + 1] - axis.knot[i];
+    axis.steps_per_unit[i] =
+        width == 0 ? 0 : static_cast<float>(1 << step_bits(h)) / static_cast<float>(width);
+  }
+}
+
+}  // namespace
+
+void spread_hints(MeshState& m) noexcept {
+  Hints& h = m.hints;
+  // Two nodes a cell at least, or many would be empty.
+  h.side_bits = 0;
+  while (h.side_bits < h.side_bits_most &&
+         (std::uint64_t{8} << (2 * h.side_bits)) <= m.node_count) {
+    ++h.side_bits;
+  }
+  cut(m, h.x, &Point::x);
+  cut(m, h.y, &Point::y);
+  h.patience = 2 * m.node_count + 16;
+  for (std::size_t i = 0; i < cell_count(h); ++i) h.nodes[i] = VertexId::none();
+  // A few nodes for each cell are enough.
+  for_some_nodes(m, 4 * cell_count(h), [&](VertexId v) { cell_of(h, m.at(v)) = v; });
+}
+
+void add_hint(MeshState& m, VertexId node) noexcept {
+  Hints& h = m.hints;
+  const Point& p = m.at(node);
+  const bool outside = is_outside(h.x, unit_of(p.x)) || is_outside(h.y, unit_of(p.y));
+  const std::uint32_t cost = outside ? cost_outside : 1;
+  if (m.node_count < 2 || h.patience < cost) spread_hints(m);
+  h.patience -= cost;
+  cell_of(h, p) = node;
 }
 
 void remove_hint(MeshState& m, VertexId node) noexcept {
@@ -94,19 +141,25 @@ void remove_hint(MeshState& m, VertexId node) noexcept {
 Edge edge_near(const MeshState& m, const Point& p) noexcept {
   const Hints& h = m.hints;
   if (m.topology.triangle_count() == 0 || m.node_count < 2) return m.walk_start;
-  VertexId best = covers(h, p) ? cell_of(h, p) : VertexId::none();
-  if (best.is_none()) {
-    // An empty cell: the nearest of a few other cells, spread over the grid, will do.
-    const std::size_t cells = cell_count(h);
-    const std::size_t stride = cells / 16 + 1;
-    for (std::size_t i = 0; i < cells; i += stride) {
-      const VertexId v = h.nodes[i];
-      if (v.is_none()) continue;
-      if (best.is_none() || distance2(m.at(v), p) < distance2(m.at(best), p)) best = v;
+  const std::size_t cells = cell_count(h), here = cell_at(h, p);
+  if (!h.nodes[here].is_none()) return m.topology.edge_at(h.nodes[here]);
+  // An empty cell: one near it in its row or its column, ...
+  const std::size_t row = std::size_t{1} << h.side_bits;
+  for (std::size_t away = 1; away <= 4; ++away) {
+    for (const std::size_t other :
+         {here + away, here - away, here + away * row, here - away * row}) {
+      if (other < cells && !h.nodes[other].is_none()) return m.topology.edge_at(h.nodes[other]);
     }
-    if (best.is_none()) return m.walk_start;
   }
-  return m.topology.edge_at(best);
+  // ... or the nearest of a few others, spread over the grid, will do.
+  VertexId best{};
+  const std::size_t stride = cells / 16 + 1;
+  for (std::size_t i = 0; i < cells; i += stride) {
+    const VertexId v = h.nodes[i];
+    if (v.is_none()) continue;
+    if (best.is_none() || distance2(m.at(v), p) < distance2(m.at(best), p)) best = v;
+  }
+  return best.is_none() ? m.walk_start : m.topology.edge_at(best);
 }
 
 }  // namespace etcm::internal

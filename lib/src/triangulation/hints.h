@@ -8,8 +8,8 @@ namespace etcm::internal {
 // Takes in a node that has joined or come back; forget() before it leaves the triangulation.
 void add_hint(MeshState& m, VertexId node) noexcept;
 void remove_hint(MeshState& m, VertexId node) noexcept;
-// For all nodes at once, and the place of one that has yet to come. O(n).
-void spread_hints(MeshState& m, const Point* also) noexcept;
+// For all nodes at once. O(n).
+void spread_hints(MeshState& m) noexcept;
 // An edge near p.
 Edge edge_near(const MeshState& m, const Point& p) noexcept;
 

@@ -13,11 +13,17 @@
 namespace etcm::internal {
 
 // See hints.cpp.
+struct HintAxis {
+  std::int32_t knot[9] = {};     // in units; about an eighth of the nodes lies between two
+  float steps_per_unit[8] = {};  // columns, or rows, between them
+};
 struct Hints {
   VertexId* nodes = nullptr;  // by cell
-  Point low;
-  int cell_bits = 0;  // a cell is 2^cell_bits sub-units wide
-  int side_bits = 0;  // there are 2^side_bits by 2^side_bits of them
+  HintAxis x;
+  HintAxis y;
+  int side_bits_most = 0;      // there is room for 2^side_bits_most rows of as many cells, ...
+  int side_bits = 0;           // ... and so many are used
+  std::uint32_t patience = 0;  // nodes that may come before the grid is laid anew
 };
 
 inline constexpr unsigned places_most = 16;
