@@ -130,6 +130,56 @@ TEST(Hub, ThatCannotLeaveStaysAsItWas) {
   EXPECT_EQ((*mesh)->hash(), hash);
 }
 
+// Features from the origin, the last node, to all of a ring.
+Graph star(std::int32_t deviation) {
+  Graph graph = arc(inputs::full_turn_millidegrees, deviation, 7);
+  const std::size_t count = graph.nodes.size();
+  graph.nodes.push_back({0, 0});
+  for (std::size_t i = 0; i < count; ++i) graph.features.push_back(between_nodes(count, i));
+  return graph;
+}
+
+TEST(Hub, WithManyFeaturesMoves) {
+  for (const std::int32_t deviation : {0, 5, 50}) {
+    Graph graph = star(deviation);
+    const auto mesh = built(graph, split_default, 20'000);
+    graph.nodes.back() = {101, -57};
+    ASSERT_EQ((*mesh)->move(vertex_of(around), graph.nodes.back()), Status::ok);
+    EXPECT_TRUE(passes_audit(**mesh));
+    ASSERT_EQ((*mesh)->canonicalize(), Status::ok);
+    EXPECT_EQ((*mesh)->hash(), (*built(graph, split_default, 20'000))->hash()) << deviation;
+  }
+}
+
+TEST(Hub, LosesItsFeaturesInAnyOrder) {
+  Graph graph = star(radius / 1000);
+  const auto mesh = built(graph, split_default, 20'000);
+  std::vector<IdValue> order;
+  for (std::size_t i = 0; i < around; ++i) order.push_back(static_cast<IdValue>(i));
+  inputs::Random random(8);
+  inputs::shuffle(order, random);
+  for (const IdValue i : order) ASSERT_EQ((*mesh)->remove_feature(FeatureId{i}), Status::ok);
+  EXPECT_TRUE(passes_audit(**mesh));
+  graph.features.clear();
+  EXPECT_EQ((*mesh)->hash(), (*built(graph))->hash());
+}
+
+// Both ends of a feature have many neighbours, and all that is between is on its line.
+TEST(Hub, FacingAnotherIsJoinedToIt) {
+  Graph graph = arc(inputs::full_turn_millidegrees, 3, 9);
+  std::erase_if(graph.nodes, [](Position p) { return p.y == 0; });
+  const std::size_t count = graph.nodes.size();
+  graph.nodes.insert(graph.nodes.end(), {{-1000, 0}, {1000, 0}, {0, 0}, {10, 0}});
+  const auto mesh = built(graph);
+  FeatureId feature;
+  ASSERT_EQ((*mesh)->add_feature(between_nodes(count, count + 1), feature), Status::ok);
+  EXPECT_EQ((*mesh)->chain(feature, {}), 4u);
+  EXPECT_TRUE(passes_audit(**mesh));
+  ASSERT_EQ((*mesh)->leave(vertex_of(count + 2)), Status::ok);
+  EXPECT_EQ((*mesh)->chain(feature, {}), 3u);
+  EXPECT_TRUE(passes_audit(**mesh));
+}
+
 // The star shrinks with each of them.
 TEST(Hub, AndItsNeighboursLeaveInAnyOrder) {
   Graph graph = arc(inputs::full_turn_millidegrees, 3, 5);

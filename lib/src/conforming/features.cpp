@@ -22,14 +22,7 @@ Status refuse(MeshState& m, Status status, SegmentId root, SegmentId other) noex
 
 // The segment of a marked edge; where two stand on it, not the one that is asked for.
 SegmentId segment_at(const MeshState& m, Edge e, SegmentId asking) noexcept {
-  const VertexId u = m.topology.origin(e), v = m.topology.target(e);
-  SegmentId s = segment_of_edge(m, u, v);
-  if (s != asking) return s;
-  for (s = next_at(m, s, u); !s.is_none(); s = next_at(m, s, u)) {
-    const SegmentRecord& r = m.segment(s);
-    if (r.from == v || r.to == v) return s;
-  }
-  return s;
+  return segment_of_edge(m, m.topology.origin(e), m.topology.target(e), asking);
 }
 
 // What is wrong with a feature that meets a part of another.

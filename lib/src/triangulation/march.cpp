@@ -1,5 +1,6 @@
 // Along a straight line from a vertex: rotate around it to the triangle (or edge) that looks the
-// right way, then step across edges until a vertex stands on the line.
+// right way, then step across edges until a vertex stands on the line. A vertex with many
+// neighbours is come to from the other end of the line.
 #include "triangulation/march.h"
 
 #include "geometry/predicates_inline.h"
@@ -27,29 +28,76 @@ bool leave_by_subsegment(const MeshState& m, VertexId head, bool forward, Start&
   return false;
 }
 
-Start leave(const MeshState& m, VertexId head, const Point& goal) noexcept {
+// Around most vertices there are fewer edges than this, ...
+constexpr std::uint32_t turns_few = 24;
+// ... and where there are more, the way back from the other end is mostly shorter than this.
+constexpr std::uint32_t steps_back_most = 256;
+
+// Rotates around the head until an edge lies on the line or a triangle spans it: the near end of
+// its outer edge on the right, the far one on the left. False: not in so many turns.
+bool leave_within(const MeshState& m, VertexId head, const Point& goal, std::uint32_t& turns,
+                  Start& start) noexcept {
   const Topology& topo = m.topology;
   const Point& origin = m.at(head);
   const bool forward = origin < goal;
   const auto side_of = [&](VertexId v) {
     return v == infinite_vertex ? 0 : orient2d_fast(origin, goal, m.at(v));
   };
-  const auto lies_ahead = [&](VertexId v, int side) {
-    return side == 0 && v != infinite_vertex && (origin < m.at(v)) == forward;
-  };
-  // Rotate until an edge lies on the line or a triangle spans it: the near end of its outer edge on
-  // the right, the far one on the left.
   Edge e = topo.edge_at(head);
   int side = side_of(topo.target(e));
-  for (StepBound bound(topo.triangle_count());; bound.step()) {
+  for (; turns != 0; --turns) {
     const VertexId v = topo.target(e);
-    if (lies_ahead(v, side)) return {true, e};
+    if (side == 0 && v != infinite_vertex && (origin < m.at(v)) == forward) {
+      start = {true, e};
+      return true;
+    }
     const Edge onward = topo.rotate_ccw(e);
     const int next_side = side_of(topo.target(onward));
-    if (side < 0 && next_side > 0) return {false, Topology::next(e)};
+    if (side < 0 && next_side > 0) {
+      start = {false, Topology::next(e)};
+      return true;
+    }
     e = onward;
     side = next_side;
   }
+  return false;
+}
+
+// The same by the way along the line from its other end. False: it is too long.
+bool leave_backwards(const MeshState& m, VertexId head, VertexId toward, Start& start) noexcept {
+  const Topology& topo = m.topology;
+  const Point& goal = m.at(head);
+  std::uint32_t left = steps_back_most;
+  for (VertexId v = toward; leave_within(m, v, goal, left, start);) {
+    if (start.is_edge) {
+      v = topo.target(start.edge);
+      start.edge = topo.twin(start.edge);
+      if (v == head) return true;
+      continue;
+    }
+    for (const VertexId from = v; v == from;) {
+      if (left == 0) return false;
+      --left;
+      start.edge = topo.twin(start.edge);
+      const VertexId apex = topo.apex(start.edge);
+      if (apex == head) return true;
+      if (apex == infinite_vertex) return false;
+      const int side = orient2d_fast(m.at(from), goal, m.at(apex));
+      if (side == 0) v = apex;
+      start.edge = side > 0 ? Topology::next(start.edge) : Topology::prev(start.edge);
+    }
+  }
+  return false;
+}
+
+Start leave(const MeshState& m, VertexId head, VertexId toward) noexcept {
+  Start start{};
+  std::uint32_t turns = turns_few;
+  if (leave_within(m, head, m.at(toward), turns, start)) return start;
+  if (leave_backwards(m, head, toward, start)) return start;
+  turns = m.topology.triangle_count();
+  if (!leave_within(m, head, m.at(toward), turns, start)) stop_lost_walk();
+  return start;
 }
 
 }  // namespace
@@ -60,7 +108,7 @@ Subsegment march(const MeshState& m, VertexId head, VertexId toward) noexcept {
   const Point& goal = m.at(toward);
   Start start;
   if (m.owner(head).role() == Role::node || !leave_by_subsegment(m, head, origin < goal, start)) {
-    start = leave(m, head, goal);
+    start = leave(m, head, toward);
   }
   Subsegment subsegment;
   subsegment.head = head;
@@ -95,13 +143,13 @@ Subsegment between(const MeshState& m, VertexId head, VertexId tail) noexcept {
   Subsegment subsegment;
   subsegment.head = head;
   subsegment.tail = tail;
-  const Start start = leave(m, head, m.at(tail));
+  const Start start = leave(m, head, tail);
   subsegment.is_edge = start.is_edge;
   if (start.is_edge) {
     subsegment.edge = start.edge;
   } else {
     subsegment.head_edge = start.edge;
-    subsegment.tail_edge = leave(m, tail, m.at(head)).edge;
+    subsegment.tail_edge = leave(m, tail, head).edge;
   }
   return subsegment;
 }

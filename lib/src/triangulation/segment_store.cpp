@@ -123,12 +123,21 @@ SegmentId next_at(const MeshState& m, SegmentId s, VertexId node) noexcept {
   return r.from == node ? r.next_at_from : r.next_at_to;
 }
 
-SegmentId segment_of_edge(const MeshState& m, VertexId u, VertexId v) noexcept {
-  if (m.owner(u).role() != Role::node) return m.owner(u).segment();
-  if (m.owner(v).role() != Role::node) return m.owner(v).segment();
-  for (SegmentId s = m.owner(u).segment(); !s.is_none(); s = next_at(m, s, u)) {
-    const SegmentRecord& r = m.segment(s);
-    if (r.from == v || r.to == v) return s;
+SegmentId segment_of_edge(const MeshState& m, VertexId u, VertexId v, SegmentId except) noexcept {
+  for (const VertexId end : {u, v}) {
+    if (m.owner(end).role() == Role::node) continue;
+    const SegmentId s = m.owner(end).segment();
+    return s == except ? SegmentId::none() : s;
+  }
+  // Both lists side by side: one of them may be long.
+  SegmentId at_u = m.owner(u).segment(), at_v = m.owner(v).segment();
+  while (!at_u.is_none() && !at_v.is_none()) {
+    const SegmentRecord& r = m.segment(at_u);
+    const SegmentRecord& q = m.segment(at_v);
+    if ((r.from == v || r.to == v) && at_u != except) return at_u;
+    if ((q.from == u || q.to == u) && at_v != except) return at_v;
+    at_u = next_at(m, at_u, u);
+    at_v = next_at(m, at_v, v);
   }
   return SegmentId::none();
 }

@@ -19,8 +19,10 @@ bool is_free(const MeshState& m, SegmentId s) noexcept;
 // Whether it is in them: part of a feature that lies in the mesh.
 bool is_linked(const MeshState& m, SegmentId s) noexcept;
 SegmentId next_at(const MeshState& m, SegmentId s, VertexId node) noexcept;
-// The segment that has a subsegment between u and v. O(features at u) if both are nodes, else O(1).
-SegmentId segment_of_edge(const MeshState& m, VertexId u, VertexId v) noexcept;
+// The segment that has a subsegment between u and v, and is not `except`. O(1), but if both are
+// nodes the features at u or at v, whichever are fewer.
+SegmentId segment_of_edge(const MeshState& m, VertexId u, VertexId v,
+                          SegmentId except = SegmentId::none()) noexcept;
 bool is_feature(const MeshState& m, FeatureId feature) noexcept;
 FeatureId feature_of(const MeshState& m, SegmentId s) noexcept;
 // Canonical order: by the lexicographically smaller end, then by the greater.
