@@ -1,9 +1,9 @@
 #include "bench/cliff_families.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <ctime>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -29,11 +29,12 @@ void expect(Status status, Status wanted = Status::ok) {
   if (status != wanted) throw std::runtime_error(to_string(status));
 }
 
+// Of the processor, so that others on the machine do not show.
 template <class Operation>
 double seconds_of(const Operation& operation) {
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();
   operation();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
 std::int32_t to_coordinate(std::size_t i) { return static_cast<std::int32_t>(i); }
@@ -75,8 +76,19 @@ Graph grid(std::size_t count) {
 // One feature along a line, through all nodes but its ends.
 Graph long_feature(std::size_t count) {
   Graph graph{"feature", {}, {}};
-  for (std::size_t i = 0; i < count; ++i) graph.nodes.push_back({to_coordinate(10 * i), 0});
+  for (std::size_t i = 0; i < count; ++i) graph.nodes.push_back({to_coordinate(100 * i), 0});
   graph.features.push_back(between_nodes(0, count - 1));
+  return graph;
+}
+
+// And two nodes beside each part of it, so that each needs a Steiner vertex.
+Graph beset_feature(std::size_t count) {
+  Graph graph = long_feature(count);
+  for (std::size_t i = 1; i < count; ++i) {
+    const std::int32_t x = to_coordinate(100 * i - 50);
+    graph.nodes.push_back({x, 3});
+    graph.nodes.push_back({x + 1, -3});
+  }
   return graph;
 }
 
@@ -110,9 +122,17 @@ double build_seconds(const Graph& graph, std::size_t room = 0) {
   return seconds_of([&] { expect(mesh->build(graph.nodes, graph.features)); });
 }
 
-double restore_seconds(const Graph& graph) {
-  OwnedMesh mesh(inputs::config_for(graph, 0));
-  return seconds_of([&] { expect(mesh->restore(graph.nodes, graph.features, {})); });
+double restore_seconds(const Graph& graph, std::size_t room) {
+  Built built(graph, room);
+  std::vector<SteinerPlace> steiner;
+  for (IdValue i = 1; i < built.mesh->vertex_id_end(); ++i) {
+    const VertexId v{i};
+    if (built.mesh->kind(v) == VertexKind::steiner) {
+      steiner.push_back({built.mesh->feature_of(v).value, built.mesh->point(v)});
+    }
+  }
+  OwnedMesh mesh(inputs::config_for(graph, room));
+  return seconds_of([&] { expect(mesh->restore(graph.nodes, graph.features, steiner)); });
 }
 
 double first_leaves(const Graph& graph) {
@@ -141,11 +161,11 @@ double grid_leaves(std::size_t n) {
   });
 }
 
-double feature_builds(std::size_t n) { return build_seconds(long_feature(n)); }
-double feature_restores(std::size_t n) { return restore_seconds(long_feature(n)); }
+double feature_builds(std::size_t n) { return build_seconds(beset_feature(n), 4 * n); }
+double feature_restores(std::size_t n) { return restore_seconds(beset_feature(n), 4 * n); }
 
 double feature_goes_and_comes(std::size_t n) {
-  Built built(long_feature(n));
+  Built built(beset_feature(n), 4 * n);
   FeatureId id{0};
   return seconds_of([&] {
     const FeatureEnds ends = built.mesh->ends(id);
@@ -161,21 +181,22 @@ double feature_nodes_leave(std::size_t n) {
   });
 }
 
+// Off the line and back.
+double feature_nodes_move(std::size_t n) {
+  const Graph graph = beset_feature(n);
+  Built built(graph, 4 * n);
+  return seconds_of([&] {
+    for (std::size_t i = 1; i + 1 < n; ++i) {
+      const Position place = graph.nodes[i];
+      expect(built.mesh->move(vertex_of(i), {place.x, place.y + 1}));
+      expect(built.mesh->move(vertex_of(i), place));
+    }
+  });
+}
+
 double star_builds(std::size_t n) { return build_seconds(star(n), 4 * n); }
 
-double star_restores(std::size_t n) {
-  const Graph graph = star(n);
-  Built built(graph, 4 * n);
-  std::vector<SteinerPlace> steiner;
-  for (IdValue i = 1; i < built.mesh->vertex_id_end(); ++i) {
-    const VertexId v{i};
-    if (built.mesh->kind(v) == VertexKind::steiner) {
-      steiner.push_back({built.mesh->feature_of(v).value, built.mesh->point(v)});
-    }
-  }
-  OwnedMesh mesh(inputs::config_for(graph, 4 * n));
-  return seconds_of([&] { expect(mesh->restore(graph.nodes, graph.features, steiner)); });
-}
+double star_restores(std::size_t n) { return restore_seconds(star(n), 4 * n); }
 
 double star_goes(std::size_t n) {
   Built built(star(n), 4 * n);
@@ -213,6 +234,11 @@ double joins_seconds(OwnedMesh& mesh, std::size_t n) {
       (void)mesh->join({x, random.between(0, side)}, id);
     }
   });
+}
+
+double even_joins(std::size_t n) {
+  Built built(inputs::random_nodes(n, 1), n);
+  return joins_seconds(built.mesh, n);
 }
 
 double cluster_joins(std::size_t n) {
@@ -260,11 +286,13 @@ constexpr CliffFamily families[] = {
     {"the same: restore", 4000, feature_restores},
     {"the same: goes and comes back", 4000, feature_goes_and_comes},
     {"the same: its nodes leave", 2000, feature_nodes_leave},
+    {"the same: its nodes move off and back", 2000, feature_nodes_move},
     {"n features at a node: build", 2000, star_builds},
     {"the same: restore", 2000, star_restores},
     {"the same: one by one they come", 2000, star_comes},
     {"the same: one by one they go", 2000, star_goes},
     {"the same: the node moves", 2000, star_moves},
+    {"n nodes, n more join", 37'500, even_joins},
     {"n nodes in a cluster, one far away: build", 37'500, cluster_builds},
     {"the same: n more join", 37'500, cluster_joins},
     {"the same: n more join when the one has left", 37'500, cluster_joins_after},

@@ -39,19 +39,12 @@ std::size_t place_on(const Hints& h, const HintAxis& axis, std::int32_t at) noex
   return ((std::size_t{eighth} << step_bits(h)) | step) >> (3 + step_bits(h) - h.side_bits);
 }
 
-std::size_t cell_at(const Hints& h, const Point& p) noexcept {
-  return (place_on(h, h.y, unit_of(p.y)) << h.side_bits) | place_on(h, h.x, unit_of(p.x));
+VertexId& cell_of(const Hints& h, const Point& p) noexcept {
+  return h.nodes[(place_on(h, h.y, unit_of(p.y)) << h.side_bits) | place_on(h, h.x, unit_of(p.x))];
 }
-
-VertexId& cell_of(const Hints& h, const Point& p) noexcept { return h.nodes[cell_at(h, p)]; }
 
 bool is_outside(const HintAxis& axis, std::int32_t at) noexcept {
   return at < axis.knot[0] || at > axis.knot[8];
-}
-
-double distance2(const Point& a, const Point& b) noexcept {
-  const auto dx = static_cast<double>(a.x - b.x), dy = static_cast<double>(a.y - b.y);
-  return dx * dx + dy * dy;
 }
 
 // Visits every k-th node, `most` at most and about half as many at least, or all.
@@ -141,25 +134,19 @@ void remove_hint(MeshState& m, VertexId node) noexcept {
 Edge edge_near(const MeshState& m, const Point& p) noexcept {
   const Hints& h = m.hints;
   if (m.topology.triangle_count() == 0 || m.node_count < 2) return m.walk_start;
-  const std::size_t cells = cell_count(h), here = cell_at(h, p);
-  if (!h.nodes[here].is_none()) return m.topology.edge_at(h.nodes[here]);
-  // An empty cell: one near it in its row or its column, ...
-  const std::size_t row = std::size_t{1} << h.side_bits;
-  for (std::size_t away = 1; away <= 4; ++away) {
-    for (const std::size_t other :
-         {here + away, here - away, here + away * row, here - away * row}) {
-      if (other < cells && !h.nodes[other].is_none()) return m.topology.edge_at(h.nodes[other]);
+  const std::size_t side = std::size_t{1} << h.side_bits;
+  const std::size_t row = place_on(h, h.y, unit_of(p.y)), column = place_on(h, h.x, unit_of(p.x));
+  // Where the cell is empty the next one in its row or its column will do.
+  for (std::size_t away = 0; away < side; ++away) {
+    const std::size_t rows[] = {row, row, row + away, row - away};
+    const std::size_t columns[] = {column + away, column - away, column, column};
+    for (unsigned i = 0; i < 4; ++i) {
+      if (rows[i] >= side || columns[i] >= side) continue;
+      const VertexId v = h.nodes[(rows[i] << h.side_bits) | columns[i]];
+      if (!v.is_none()) return m.topology.edge_at(v);
     }
   }
-  // ... or the nearest of a few others, spread over the grid, will do.
-  VertexId best{};
-  const std::size_t stride = cells / 16 + 1;
-  for (std::size_t i = 0; i < cells; i += stride) {
-    const VertexId v = h.nodes[i];
-    if (v.is_none()) continue;
-    if (best.is_none() || distance2(m.at(v), p) < distance2(m.at(best), p)) best = v;
-  }
-  return best.is_none() ? m.walk_start : m.topology.edge_at(best);
+  return m.walk_start;
 }
 
 }  // namespace etcm::internal
