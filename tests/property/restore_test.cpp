@@ -7,6 +7,7 @@
 #include <map>
 #include <vector>
 
+#include "inputs/random.h"
 #include "support/history.h"
 #include "support/meshes.h"
 #include "support/oracle.h"
@@ -88,6 +89,47 @@ TEST(Restore, OfNothingIsTheEmptyMesh) {
   const auto mesh = empty_mesh();
   EXPECT_EQ((*mesh)->restore({}, {}, {}), Status::ok);
   EXPECT_EQ((*mesh)->hash(), (*empty_mesh())->hash());
+}
+
+// One feature through many nodes, with Steiner vertices between all of them.
+Graph beset_line(std::int32_t nodes) {
+  Graph graph{"", {}, {between_nodes(0, static_cast<std::size_t>(nodes - 1))}};
+  for (std::int32_t i = 0; i < nodes; ++i) graph.nodes.push_back({100 * i, 10 * i});
+  for (std::int32_t i = 1; i < nodes; ++i) {
+    graph.nodes.push_back({100 * i - 50, 10 * i - 1});
+    graph.nodes.push_back({100 * i - 49, 10 * i - 9});
+  }
+  return graph;
+}
+
+TEST(Restore, TakesSteinerVerticesInAnyOrder) {
+  const auto mesh = built(beset_line(50));
+  Kept kept = kept_of(**mesh);
+  ASSERT_GT(kept.steiner.size(), 40u);
+  inputs::Random random(1);
+  for (int turn = 0; turn < 5; ++turn) {
+    inputs::shuffle(kept.steiner, random);
+    const auto again = empty_mesh();
+    ASSERT_EQ(kept.restore(**again), Status::ok);
+    EXPECT_EQ((*again)->hash(), (*mesh)->hash());
+    EXPECT_TRUE(passes_audit(**again));
+  }
+}
+
+TEST(Restore, TakesNoSteinerVertexOnTheLineThatIsNoneOfIt) {
+  const Kept kept = kept_of(**built(beset_line(5)));
+  constexpr std::int64_t unit = subunits_per_unit;
+  // On a node, between places of the grid, before the first node, beyond the last.
+  for (const Point wrong :
+       {Point{200 * unit, 20 * unit}, Point{0, 0}, Point{250 * unit + 5, 0},
+        Point{-10 * unit, -unit}, Point{410 * unit, 41 * unit}, Point{400 * unit, 40 * unit}}) {
+    Kept other = kept;
+    other.steiner.push_back({0, wrong});
+    const auto mesh = empty_mesh();
+    EXPECT_EQ(other.restore(**mesh), Status::bad_coordinate);
+    EXPECT_EQ((*mesh)->node_count() + (*mesh)->steiner_count(), 0u);
+    EXPECT_EQ(kept.restore(**mesh), Status::ok);
+  }
 }
 
 class RestoreRefuses : public testing::Test {

@@ -7,6 +7,7 @@
 #include "conforming/features.h"
 #include "conforming/lone.h"
 #include "conforming/transaction.h"
+#include "geometry/predicates_inline.h"
 #include "triangulation/change.h"
 #include "triangulation/hilbert_order.h"
 #include "triangulation/hints.h"
@@ -142,42 +143,62 @@ Status link_all(Change& change, FeatureList& list) noexcept {
   return Status::ok;
 }
 
-// The segment of a feature on whose grid p stands, its ends excluded; none where p does not.
-SegmentId segment_with(const MeshState& m, SegmentId root, const Point& p) noexcept {
-  for (SegmentId s = root; !s.is_none(); s = m.segment(s).next) {
-    const SegmentRecord& r = m.segment(s);
-    if (!(m.at(r.from) < p && p < m.at(r.to))) continue;
-    // Between the ends in lexicographic order, so the quotient is a parameter.
-    const Point& from = m.at(r.from);
-    const Point& to = m.at(r.to);
-    const bool by_x = from.x != to.x;
-    const std::int64_t length = (by_x ? to.x - from.x : to.y - from.y) / subunits_per_unit;
-    const std::int64_t t = (by_x ? p.x - from.x : p.y - from.y) / length;
-    if (t <= 0 || t >= parameter_end) return SegmentId::none();
-    return point_at(m, s, static_cast<Parameter>(t)) == p ? s : SegmentId::none();
+// Whether p is a place for a Steiner vertex of the segment.
+bool is_on_grid(const MeshState& m, SegmentId s, const Point& p) noexcept {
+  const Point& from = m.at(m.segment(s).from);
+  const Point& to = m.at(m.segment(s).to);
+  if (!(from < p && p < to)) return false;
+  // Between the ends in lexicographic order, so the quotient is a parameter.
+  const bool by_x = from.x != to.x;
+  const std::int64_t length = (by_x ? to.x - from.x : to.y - from.y) / subunits_per_unit;
+  const std::int64_t t = (by_x ? p.x - from.x : p.y - from.y) / length;
+  return t > 0 && t < parameter_end && point_at(m, s, static_cast<Parameter>(t)) == p;
+}
+
+// The segment of a feature on whose grid vertex v stands, its ends excluded; none where it does
+// not. Not the first one's it is found by the vertex before it on the line, for there may be many.
+SegmentId segment_with(const MeshState& m, SegmentId root, VertexId v) noexcept {
+  const SegmentRecord& r = m.segment(root);
+  const Point& p = m.at(v);
+  if (!(m.at(r.from) < p) || orient2d_fast(m.at(r.from), m.at(r.to), p) != 0) {
+    return SegmentId::none();
   }
-  return SegmentId::none();
+  SegmentId s = root;
+  if (m.at(r.to) < p) {
+    const VertexId before = march(m, v, r.from).tail;
+    s = m.owner(before).segment();
+    if (m.is_node(before)) {
+      while (!s.is_none() && (m.segment(s).from != before || m.segment(s).root != r.root)) {
+        s = next_at(m, s, before);
+      }
+    }
+  }
+  return !s.is_none() && m.segment(s).root == r.root && is_on_grid(m, s, p) ? s : SegmentId::none();
 }
 
 Status insert_steiner(Change& change, const SteinerPlace& place) noexcept {
   MeshState& m = change.mesh;
-  const SegmentId s = segment_with(m, SegmentId{static_cast<IdValue>(place.feature)}, place.point);
-  if (s.is_none()) return Status::bad_coordinate;
+  if (!in_range(place.point)) return Status::bad_coordinate;
+  const SegmentId root{static_cast<IdValue>(place.feature)};
   const Found found = find(m, place.point, edge_near(m, place.point));
   if (found.type == LocateType::on_vertex) {
-    const Owner owner = m.owner(found.vertex);
-    if (owner.role() != Role::node && owner.segment() != s) {
-      return reject_meeting(m, s, owner.segment());
-    }
+    if (m.is_node(found.vertex)) return Status::bad_coordinate;
+    const SegmentId s = segment_with(m, root, found.vertex),
+                    other = m.owner(found.vertex).segment();
+    if (s.is_none()) return Status::bad_coordinate;
+    if (other != s) return reject_meeting(m, s, other);
     m.error_detail.vertex = found.vertex;
     return Status::duplicate_vertex;
   }
   const VertexId v = allocate_vertex(m);
   if (v.is_none()) return Status::out_of_vertices;
   m.points[v.value] = place.point;
-  m.owner(v) = Owner(Role::steiner, s);
+  m.owner(v) = Owner(Role::steiner, root);
   insert_vertex(change, v, found);
   ++m.steiner_count;
+  const SegmentId s = segment_with(m, root, v);
+  if (s.is_none()) return Status::bad_coordinate;
+  m.owner(v) = Owner(Role::steiner, s);
   return Status::ok;
 }
 
