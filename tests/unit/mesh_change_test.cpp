@@ -10,17 +10,26 @@
 #include <random>
 #include <vector>
 
+#include "etcm/split_site.h"
 #include "support/meshes.h"
 #include "support/oracle.h"
 
 namespace etcm::test {
 namespace {
 
-// One long feature with nodes close by on both sides. Steiner vertices are needed, and since the
-// feature's length is a power of two, many grid points on it are whole units.
+// As far as a split finishes, but on a whole unit where that is no farther from the head: the
+// feature below is 2^10 units long, its grid 2^28 steps.
+Parameter on_whole_units(const SplitSite& site) noexcept {
+  constexpr Parameter unit = parameter_end / 1024;
+  const Parameter whole = site.feasible_head / unit * unit;
+  return whole > site.head && whole < site.tail ? whole : split_paper(site);
+}
+
+// One long feature with nodes close by on both sides. Steiner vertices are needed, and some of them
+// stand on whole units.
 class MeshChange : public testing::Test {
  protected:
-  MeshChange() : mesh_(empty_mesh(4000, 100)) {
+  MeshChange() : mesh_(empty_mesh(4000, 100, on_whole_units)) {
     Graph graph{"", {{0, 0}, {1024, 0}}, {between_nodes(0, 1)}};
     for (std::int32_t i = 1; i < 16; ++i) graph.nodes.push_back({64 * i, i % 2 == 0 ? 5 : -5});
     EXPECT_EQ(mesh().build(graph.nodes, graph.features), Status::ok);
