@@ -76,8 +76,7 @@ class AnchoredPart {
 
   void check(const std::string& path, std::vector<std::string>& mistakes) const {
     if (positions_.empty()) return;
-    MeshConfig config = settings_.mesh;
-    config.steps_max = 0;  // bounds one change, not a whole mesh
+    const MeshConfig& config = settings_.mesh;
     std::vector<std::byte> memory(storage_bytes(config));
     Mesh mesh;
     Status status = mesh.open(memory, config);

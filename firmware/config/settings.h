@@ -227,6 +227,7 @@ struct UnitRoom {
 
 struct Settings {
   MeshConfig mesh;
+  std::uint32_t work_max = 0;  // of one change of the mesh; 0: no limit
   PollSettings poll;
   WriteBackSettings write_back;
   std::vector<BusSettings> buses;

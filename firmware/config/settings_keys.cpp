@@ -80,8 +80,9 @@ constexpr Key mesh_keys[] = {
      standard("0"), restart, "one for each segment of a feature, from one node on it to the next"},
     {"steiner_max", count<&Settings::mesh, &MeshConfig::steiner_max>(0, vertices_limit),
      standard("0"), restart, "most Steiner vertices; 0: as room allows"},
-    {"steps_max", count<&Settings::mesh, &MeshConfig::steps_max>(0, any_count), standard("0"),
-     restart, "most splits and repairs for one change (what needs more is refused); 0: no bound"},
+    {"work_max", count<&Settings::work_max>(0, any_count), standard("0"), restart,
+     "most work for one change, in units of some 20 ns to 1 us (what needs more is refused); 0: no "
+     "limit"},
     {"policy", choice<policies, &Settings::mesh, &MeshConfig::policy>(), standard(R"("default")"),
      restart,
      "where features are split: for the fewest points, or by the split rule of the ETCM paper"},

@@ -66,8 +66,7 @@ std::vector<DomainEdge> border(const Mesh& mesh, const IsOfKind& is_of_kind) {
 
 // The domain of the graph alone, as Triangle has it: by the mesh of its nodes and segments.
 SiteDomain domain_of(const ConstraintGraph& graph, const files::GridGraph& grid,
-                     const std::vector<Point>& holes, MeshConfig config) {
-  config.steps_max = 0;  // bounds one change, not a whole mesh
+                     const std::vector<Point>& holes, const MeshConfig& config) {
   std::vector<std::byte> memory(storage_bytes(config));
   Mesh mesh;
   Status status = mesh.open(memory, config);

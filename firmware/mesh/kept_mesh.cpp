@@ -6,6 +6,7 @@ namespace etcm::firmware {
 
 KeptMesh::KeptMesh(Mesh& mesh, const Settings& settings)
     : mesh_(mesh),
+      work_limit_(settings.work_max == 0 ? Work::unlimited() : Work{settings.work_max}),
       features_(settings.features, mesh.config().features_max),
       anchors_(settings.anchors),
       serials_(mesh.config().vertices_max + 1, Serial::none()) {}

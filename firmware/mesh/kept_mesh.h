@@ -20,6 +20,8 @@ class KeptMesh {
   KeptMesh(Mesh& mesh, const Settings& settings);
 
   Mesh& mesh() { return mesh_; }
+  // What one change that a node or the site asks for may take.
+  Work work_limit() const { return work_limit_; }
   const Mesh& mesh() const { return mesh_; }
   FeatureTable& features() { return features_; }
   const FeatureTable& features() const { return features_; }
@@ -52,6 +54,7 @@ class KeptMesh {
 
  private:
   Mesh& mesh_;
+  Work work_limit_;
   FeatureTable features_;
   AnchorTable anchors_;
   std::vector<Serial> serials_;  // by vertex id

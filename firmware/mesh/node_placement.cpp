@@ -72,7 +72,8 @@ void NodePlacement::join(NodeRecord& node, std::uint32_t generation) {
   VertexId id;
   if (is_vacant) {
     id = anchor->vertex;
-  } else if (const Status status = kept_.mesh().join(node.position, id); status != Status::ok) {
+  } else if (const Status status = kept_.mesh().join(node.position, id, kept_.work_limit());
+             status != Status::ok) {
     return reject(node, "join", status, start);
   }
   assign_vertex(node, id);
@@ -98,7 +99,7 @@ void NodePlacement::move(NodeRecord& node, std::uint32_t generation) {
   const bool is_vacant = reached != nullptr && reached->is_vacant();
   Status status = Status::ok;
   if (left == nullptr && !is_vacant) {
-    status = kept_.mesh().move(node.vertex, node.position);
+    status = kept_.mesh().move(node.vertex, node.position, kept_.work_limit());
   } else if (left != reached) {
     status = change_vertex(node, left, is_vacant ? reached : nullptr);
   }
@@ -121,7 +122,8 @@ void NodePlacement::leave(NodeRecord& node, const char* why, std::uint32_t gener
   if (node.leave_rejected && node.rejected_epoch == kept_.epoch() && !lost_features) return;
   AnchorRecord* const anchor = anchor_of(node);
   if (anchor != nullptr) anchor->is_taken = false;
-  const Status status = anchor != nullptr ? Status::ok : kept_.mesh().leave(node.vertex);
+  const Status status =
+      anchor != nullptr ? Status::ok : kept_.mesh().leave(node.vertex, kept_.work_limit());
   node.leave_rejected = status != Status::ok;
   // A rejection alone makes no room.
   if (!node.leave_rejected || lost_features) {
@@ -254,7 +256,7 @@ void NodePlacement::assign_vertex(NodeRecord& node, VertexId id) {
 Status NodePlacement::change_vertex(NodeRecord& node, AnchorRecord* from, AnchorRecord* to) {
   VertexId id;
   if (to == nullptr) {
-    const Status status = kept_.mesh().join(node.position, id);
+    const Status status = kept_.mesh().join(node.position, id, kept_.work_limit());
     if (status != Status::ok) return status;
   } else {
     id = to->vertex;
@@ -262,7 +264,8 @@ Status NodePlacement::change_vertex(NodeRecord& node, AnchorRecord* from, Anchor
   site_.remove_features_at(node.serial);
   if (from != nullptr) {
     from->is_taken = false;
-  } else if (const Status status = kept_.mesh().leave(node.vertex); status != Status::ok) {
+  } else if (const Status status = kept_.mesh().leave(node.vertex, kept_.work_limit());
+             status != Status::ok) {
     site_.activate_features_at(node.serial);
     return status;
   }

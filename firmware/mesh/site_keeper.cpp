@@ -52,7 +52,7 @@ void SiteKeeper::place_anchors() {
 
 void SiteKeeper::try_anchor(AnchorRecord& anchor) {
   if (!anchor.rejection.is_none() && anchor.rejected_epoch == kept_.epoch()) return;
-  Status status = kept_.mesh().join(anchor.settings.position, anchor.vertex);
+  Status status = kept_.mesh().join(anchor.settings.position, anchor.vertex, kept_.work_limit());
   if (status == Status::duplicate_vertex) {
     // The node that stands there.
     anchor.vertex = kept_.mesh().error_detail().vertex;
@@ -70,7 +70,7 @@ void SiteKeeper::try_anchor(AnchorRecord& anchor) {
 
 void SiteKeeper::try_to_remove(AnchorRecord& anchor) {
   if (!anchor.rejection.is_none() && anchor.rejected_epoch == kept_.epoch()) return;
-  const Status status = kept_.mesh().leave(anchor.vertex);
+  const Status status = kept_.mesh().leave(anchor.vertex, kept_.work_limit());
   const bool is_news = note_answer(anchor, status);
   if (status == Status::ok) {
     anchor.vertex = VertexId::none();
@@ -125,7 +125,7 @@ void SiteKeeper::try_feature(std::uint32_t number) {
                          .to = vertex_at(record.settings.to)};
   if (ends.from.is_none() || ends.to.is_none()) return;
   FeatureId id;
-  const Status status = kept_.mesh().add_feature(ends, id);
+  const Status status = kept_.mesh().add_feature(ends, id, kept_.work_limit());
   if (status == Status::ok) {
     features.activate(number, id);
     kept_.mark_changed();

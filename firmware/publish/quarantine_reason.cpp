@@ -21,7 +21,7 @@ constexpr auto reasons = std::to_array<QuarantineReason>({
     {20, Status::out_of_vertices, IdentityConflict::none, "vertices_max is reached"},
     {21, Status::out_of_features, IdentityConflict::none, "features_max is reached"},
     {22, Status::steiner_budget, IdentityConflict::none, "steiner_max is reached"},
-    {23, Status::step_limit, IdentityConflict::none, "steps_max is reached"},
+    {23, Status::work_limit, IdentityConflict::none, "work_max is reached"},
     {24, Status::grid_exhausted, IdentityConflict::none,
      "a subsegment of a feature is too short to be split"},
     {30, Status::ok, IdentityConflict::same_serial, "another node has this serial"},

@@ -20,7 +20,7 @@ bool is_want_of_room(const Rejection& rejection) {
     case Status::out_of_vertices:
     case Status::out_of_features:
     case Status::steiner_budget:
-    case Status::step_limit:
+    case Status::work_limit:
     case Status::grid_exhausted:
       return true;
     default:

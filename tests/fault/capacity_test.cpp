@@ -19,16 +19,17 @@ namespace {
 // depends on the Steiner vertices before them.
 struct Run {
   Mesh& mesh;
+  Work limit = Work::unlimited();  // of each call
   std::vector<VertexId> nodes{};
   std::vector<FeatureId> features{};
 
   Status join(Position position) {
     nodes.emplace_back();
-    return mesh.join(position, nodes.back());
+    return mesh.join(position, nodes.back(), limit);
   }
   Status add_feature(std::size_t from, std::size_t to) {
     features.emplace_back();
-    return mesh.add_feature({nodes[from], nodes[to]}, features.back());
+    return mesh.add_feature({nodes[from], nodes[to]}, features.back(), limit);
   }
 };
 
@@ -44,7 +45,7 @@ std::vector<std::function<Status(Run&)>> script() {
   };
   const auto move = [&calls](std::size_t node, Position position) {
     calls.emplace_back(
-        [node, position](Run& run) { return run.mesh.move(run.nodes[node], position); });
+        [node, position](Run& run) { return run.mesh.move(run.nodes[node], position, run.limit); });
   };
   join({0, 0});
   join({1000, 0});
@@ -56,9 +57,9 @@ std::vector<std::function<Status(Run&)>> script() {
   feature(12, 16);
   move(14, {501, 3});
   move(4, {300, 290});
-  calls.emplace_back([](Run& run) { return run.mesh.leave(run.nodes[5]); });
+  calls.emplace_back([](Run& run) { return run.mesh.leave(run.nodes[5], run.limit); });
   move(1, {1100, -70});
-  calls.emplace_back([](Run& run) { return run.mesh.remove_feature(run.features[1]); });
+  calls.emplace_back([](Run& run) { return run.mesh.remove_feature(run.features[1], run.limit); });
   join({620, -1});
   return calls;
 }
@@ -84,10 +85,10 @@ Need need_of_good_run() {
 }
 
 // Runs the script in a mesh that is too small until the first refusal for want of room.
-Status first_refusal(const MeshConfig& config) {
+Status first_refusal(const MeshConfig& config, Work limit = Work::unlimited()) {
   OwnedMesh mesh(config);
   EXPECT_EQ(mesh.opened(), Status::ok);
-  Run run{*mesh};
+  Run run{*mesh, limit};
   for (const auto& change : script()) {
     const Picture before = picture_of(*mesh);
     const Status answer = change(run);
@@ -131,16 +132,13 @@ TEST(Capacity, OfSteinerVerticesMayBeAnything) {
   }
 }
 
-TEST(Capacity, OfStepsMayBeAnything) {
+TEST(Capacity, OfWorkMayBeAnything) {
+  MeshConfig config{.vertices_max = 2000, .features_max = 100};
   bool refused = true;
-  for (std::uint32_t steps = 1; refused; ++steps) {
-    ASSERT_LT(steps, 1000u) << "no number of steps is enough";
-    MeshConfig config;
-    config.vertices_max = 2000;
-    config.features_max = 100;
-    config.steps_max = steps;
-    const Status answer = first_refusal(config);
-    EXPECT_TRUE(answer == Status::step_limit || answer == Status::ok) << to_string(answer);
+  for (std::uint64_t units = 0; refused; units = units < 64 ? units + 1 : units + units / 16) {
+    ASSERT_LT(units, 1'000'000u) << "no limit is enough";
+    const Status answer = first_refusal(config, Work{units});
+    EXPECT_TRUE(answer == Status::work_limit || answer == Status::ok) << to_string(answer);
     refused = answer != Status::ok;
   }
 }

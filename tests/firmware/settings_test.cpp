@@ -62,7 +62,7 @@ file = "coast.poly"
 vertices_max = 10
 features_max = 11
 steiner_max = 5
-steps_max = 12
+work_max = 12
 policy = "paper"
 [poll]
 interval = "250ms"
@@ -98,7 +98,7 @@ to = 2
   EXPECT_EQ(settings.site.path, folder_ / "coast.poly");
   EXPECT_EQ(settings.mesh.features_max, 11u);
   EXPECT_EQ(settings.mesh.steiner_max, 5u);
-  EXPECT_EQ(settings.mesh.steps_max, 12u);
+  EXPECT_EQ(settings.work_max, 12u);
   EXPECT_EQ(settings.mesh.policy, split_paper);
   EXPECT_EQ(settings.poll.interval, 250ms);
   EXPECT_EQ(settings.poll.timeout, 30ms);

@@ -25,7 +25,6 @@ MeshConfig random_config(inputs::Random& random) {
   config.vertices_max = static_cast<std::uint32_t>(one_in(2) ? 1 + random.below(120) : 3000);
   config.features_max = static_cast<std::uint32_t>(one_in(2) ? random.below(40) : 300);
   if (one_in(4)) config.steiner_max = static_cast<std::uint32_t>(1 + random.below(30));
-  if (one_in(4)) config.steps_max = static_cast<std::uint32_t>(1 + random.below(60));
   if (one_in(3)) config.policy = split_paper;
   return config;
 }
@@ -43,6 +42,7 @@ bool live(std::uint64_t seed) {
   const Course course = random.below(3) == 0 ? Course::steady : Course::eventful;
   const std::size_t crowd = course == Course::eventful ? random.index(16) : 4 + random.index(60);
   History history(*mesh, side, crowd, random.next(), course);
+  if (random.below(3) == 0) history.limit_work(4 + static_cast<unsigned>(random.below(12)));
   AnalysisCheck analysis(mesh->config().vertices_max, random.next());
   for (int event = 0; event < 300; ++event) {
     testing::AssertionResult answer = history.step();

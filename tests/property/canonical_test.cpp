@@ -69,14 +69,15 @@ TEST(Canonical, TakesNothingBackWhereAJoinTouchesNoFeature) {
   EXPECT_EQ((*mesh)->hash(), hash_of_build(**mesh));
 }
 
-TEST(Canonical, GoesOnWithMoreStepsWhereItHadTooFew) {
+TEST(Canonical, GoesOnWithMoreWorkWhereItHadTooLittle) {
   const auto mesh = grown(inputs::random_graph(200, inputs::FeatureLength::in_reach, 5));
   ASSERT_FALSE((*mesh)->is_canonical());
   const std::uint32_t standing = (*mesh)->node_count();
   std::uint32_t calls = 0;
-  for (std::uint32_t steps = 1; !(*mesh)->is_canonical(); ++steps) {
-    const Status status = (*mesh)->canonicalize(steps);
-    ASSERT_TRUE(status == Status::ok || status == Status::step_limit) << to_string(status);
+  for (std::uint64_t units = 1; !(*mesh)->is_canonical(); units += 1 + units / 8) {
+    const Status status = (*mesh)->canonicalize(Work{units});
+    ASSERT_LE((*mesh)->work_done().units, units);
+    ASSERT_TRUE(status == Status::ok || status == Status::work_limit) << to_string(status);
     ASSERT_EQ(status == Status::ok, (*mesh)->is_canonical());
     ASSERT_EQ((*mesh)->unresolved(), 0u);
     ++calls;
@@ -87,11 +88,11 @@ TEST(Canonical, GoesOnWithMoreStepsWhereItHadTooFew) {
   EXPECT_EQ((*mesh)->hash(), hash_of_build(**mesh));
 }
 
-TEST(Canonical, StepsTooFewForAnythingChangeNothing) {
+TEST(Canonical, WorkTooLittleForAnythingChangesNothing) {
   const auto mesh = grown(inputs::random_graph(100, inputs::FeatureLength::any, 5));
   ASSERT_FALSE((*mesh)->is_canonical());
   const Picture before = picture_of(**mesh);
-  ASSERT_EQ((*mesh)->canonicalize(1), Status::step_limit);
+  ASSERT_EQ((*mesh)->canonicalize(Work{1}), Status::work_limit);
   EXPECT_TRUE(picture_of(**mesh) == before);
   EXPECT_FALSE((*mesh)->is_canonical());
 }

@@ -45,7 +45,7 @@ Status relation(Position a, Position b, Position c, Position d,
 
 bool is_for_want_of_room(Status status) {
   constexpr std::array codes{Status::out_of_vertices, Status::out_of_features,
-                             Status::steiner_budget, Status::step_limit, Status::grid_exhausted};
+                             Status::steiner_budget, Status::work_limit, Status::grid_exhausted};
   return std::find(codes.begin(), codes.end(), status) != codes.end();
 }
 
@@ -108,6 +108,10 @@ AssertionResult History::step() {
   }
   const bool for_room = is_for_want_of_room(change.answer);
   if (for_room) ++refused_for_room_;
+  if (mesh_.work_done() > limit_) {
+    return AssertionFailure() << change.name << " answered " << to_string(change.answer)
+                              << " and took " << mesh_.work_done().units << " of " << limit_.units;
+  }
   if (!change.expected.contains(change.answer) && !(for_room && change.may_lack_room)) {
     return AssertionFailure() << change.name << " answered " << to_string(change.answer) << ", not "
                               << testing::PrintToString(change.expected);
@@ -152,7 +156,7 @@ AssertionResult History::agrees() const {
 History::Change History::join() {
   const Position position = random_position();
   VertexId id;
-  const Status answer = mesh_.join(position, id);
+  const Status answer = mesh_.join(position, id, next_limit());
   if (is_taken(position, VertexId::none()))
     return {"join", answer, {Status::duplicate_vertex}, true};
   if (answer == Status::ok) standing_.nodes[id] = position;
@@ -168,7 +172,7 @@ History::Change History::leave() {
                   [node](const auto& f) { return f.second.from == node || f.second.to == node; });
   const std::set<Status> expected =
       is_endpoint ? std::set{Status::endpoint_in_use} : faults_of(after);
-  const Status answer = mesh_.leave(node);
+  const Status answer = mesh_.leave(node, next_limit());
   if (answer == Status::ok) standing_ = std::move(after);
   return {"leave", answer, expected, !is_endpoint};
 }
@@ -183,7 +187,7 @@ History::Change History::move() {
           // Without the node, features that met there may cross: then either word is right.
           ? std::set{Status::duplicate_vertex, Status::crossing_features}
           : faults_of(after);
-  const Status answer = mesh_.move(node, position);
+  const Status answer = mesh_.move(node, position, next_limit());
   if (answer == Status::ok) standing_ = std::move(after);
   return {"move", answer, expected, true};
 }
@@ -191,7 +195,7 @@ History::Change History::move() {
 History::Change History::add_feature() {
   const FeatureEnds ends{random_node(), random_node()};
   FeatureId id;
-  const Status answer = mesh_.add_feature(ends, id);
+  const Status answer = mesh_.add_feature(ends, id, next_limit());
   if (ends.from == ends.to) return {"add_feature", answer, {Status::zero_length_feature}};
   Standing after = standing_;
   after.features[FeatureId::none()] = ends;
@@ -202,14 +206,16 @@ History::Change History::add_feature() {
 
 History::Change History::remove_feature() {
   if (standing_.features.empty()) {
-    return {"remove_feature", mesh_.remove_feature(FeatureId{0}), {Status::unknown_feature}};
+    return {"remove_feature",
+            mesh_.remove_feature(FeatureId{0}, next_limit()),
+            {Status::unknown_feature}};
   }
   const auto chosen =
       std::next(standing_.features.begin(),
                 static_cast<std::ptrdiff_t>(random_.below(standing_.features.size())));
-  const Status answer = mesh_.remove_feature(chosen->first);
+  const Status answer = mesh_.remove_feature(chosen->first, next_limit());
   if (answer == Status::ok) standing_.features.erase(chosen);
-  return {"remove_feature", answer, {Status::ok}};
+  return {"remove_feature", answer, {Status::ok}, work_bits_ != 0};
 }
 
 // Of as many nodes as usual, and of features that may be wrong.
@@ -235,7 +241,7 @@ History::Change History::clear_and_build() {
   for (const auto& feature : next.features) features.push_back(feature.second);
   const std::set<Status> faults = faults_of(next);
   mesh_.clear();
-  const Status answer = mesh_.build(nodes, features);
+  const Status answer = mesh_.build(nodes, features, next_limit());
   const bool is_incomplete = mesh_.unresolved() != 0;
   if (is_incomplete) ++times_incomplete_;
   if (is_incomplete && !is_for_want_of_room(answer)) {
@@ -271,14 +277,24 @@ History::Change History::clear_and_restore() {
   }
   const std::uint64_t hash = mesh_.hash();
   mesh_.clear();
-  const Status answer = mesh_.restore(nodes, features, steiner);
-  if (answer != Status::ok) return {"restore", answer, {Status::ok}, false, true};
+  const Status answer = mesh_.restore(nodes, features, steiner, next_limit());
+  if (answer != Status::ok) {
+    standing_ = Standing{};
+    return {"restore", answer, {Status::ok}, work_bits_ != 0, true};
+  }
   standing_ = std::move(next);
   const bool is_same = mesh_.hash() == hash;
   return {"restore", is_same ? answer : Status::bad_coordinate, {Status::ok}, false, true};
 }
 
-History::Change History::rebuild() { return {"rebuild", mesh_.rebuild(), {Status::ok}, true}; }
+History::Change History::rebuild() {
+  return {"rebuild", mesh_.rebuild(next_limit()), {Status::ok}, true};
+}
+
+Work History::next_limit() {
+  if (work_bits_ != 0) limit_ = Work{std::uint64_t{1} << random_.below(work_bits_ + 1)};
+  return limit_;
+}
 
 Position History::random_position() {
   const std::int32_t x = random_.between(0, side_);

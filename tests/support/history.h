@@ -27,8 +27,11 @@ class History {
           Course course = Course::steady)
       : mesh_(mesh), random_(seed), side_(side), crowd_(crowd), course_(course) {}
 
-  // Makes one random change. Fails if the answer is wrong, or if a refused change changed anything
-  // or leaves what fails its audit.
+  // From here on each change may take some random power of two of work, up to 2^`bits`.
+  void limit_work(unsigned bits) noexcept { work_bits_ = bits; }
+
+  // Makes one random change. Fails if the answer is wrong, if a refused change changed anything or
+  // leaves what fails its audit, or if it took more work than it may.
   testing::AssertionResult step();
 
   // The nodes and features of the mesh are those of the list.
@@ -67,6 +70,7 @@ class History {
   Change ebb();
   void turn_the_tide();
 
+  Work next_limit();
   Position random_position();
   VertexId random_node();
   bool is_taken(Position position, VertexId by_other_than) const;
@@ -83,6 +87,8 @@ class History {
   std::size_t low_water_ = 0;  // so many stand, for as many steps
   std::size_t low_steps_ = 0;
   Standing standing_;
+  unsigned work_bits_ = 0;  // 0: no limit
+  Work limit_ = Work::unlimited();
   std::size_t refused_for_room_ = 0;
   std::size_t times_empty_ = 0;
   std::size_t times_incomplete_ = 0;

@@ -185,14 +185,17 @@ TEST(MeshBuild, TellsOnceThatTheNodesStand) {
   const auto count = [](void* calls) noexcept { ++*static_cast<int*>(calls); };
   const auto mesh = empty_mesh();
   int calls = 0;
-  ASSERT_EQ((*mesh)->build(square, std::array{between_nodes(0, 2)}, count, &calls), Status::ok);
+  ASSERT_EQ(
+      (*mesh)->build(square, std::array{between_nodes(0, 2)}, Work::unlimited(), count, &calls),
+      Status::ok);
   EXPECT_EQ(calls, 1);
   const std::uint64_t hash = (*mesh)->hash();
   (*mesh)->clear();
   ASSERT_EQ((*mesh)->build(square, std::array{between_nodes(0, 2)}), Status::ok);
   EXPECT_EQ((*mesh)->hash(), hash);
   (*mesh)->clear();
-  EXPECT_EQ((*mesh)->build(std::array{Position{0, 0}, Position{0, 0}}, {}, count, &calls),
+  EXPECT_EQ((*mesh)->build(std::array{Position{0, 0}, Position{0, 0}}, {}, Work::unlimited(), count,
+                           &calls),
             Status::duplicate_vertex);
   EXPECT_EQ(calls, 1);
 }

@@ -418,7 +418,7 @@ TEST(Refusals, NameBothFeatures) {
 }
 
 TEST(AfterAnIncompleteBuild, ARefusedMoveChangesNothing) {
-  MeshConfig config{.vertices_max = 100, .features_max = 20, .steps_max = 1};
+  MeshConfig config{.vertices_max = 100, .features_max = 20, .steiner_max = 1};
   OwnedMesh mesh(config);
   ASSERT_EQ(mesh.opened(), Status::ok);
   const std::vector<Position> nodes{{3, 3}, {2, 2}, {2, 3}, {1, 0}, {1, 3},

@@ -100,11 +100,10 @@ const std::map<Status, std::function<Status()>> ways{
        config.steiner_max = 1;
        return build_with(config, needy());
      }},
-    {Status::step_limit,
+    {Status::work_limit,
      [] {
-       MeshConfig config = inputs::config_for(needy(), 1000);
-       config.steps_max = 1;
-       return build_with(config, needy());
+       OwnedMesh mesh(inputs::config_for(needy(), 1000));
+       return mesh->build(needy().nodes, needy().features, Work{100});
      }},
     {Status::grid_exhausted,
      [] {

@@ -11,7 +11,7 @@ namespace {
 
 bool is_shortfall(Status status) {
   return status == Status::out_of_vertices || status == Status::steiner_budget ||
-         status == Status::step_limit || status == Status::grid_exhausted;
+         status == Status::grid_exhausted;
 }
 
 std::uint32_t at_most(std::size_t value, std::uint32_t limit) {
@@ -38,7 +38,8 @@ void note_time(void* moment) noexcept { *static_cast<Clock::time_point*>(moment)
 void build_timed(Meshed& meshed, const files::GridGraph& grid) {
   const Clock::time_point start = Clock::now();
   Clock::time_point nodes_stand = start;
-  meshed.status = (*meshed.mesh)->build(grid.nodes, grid.features, note_time, &nodes_stand);
+  meshed.status =
+      (*meshed.mesh)->build(grid.nodes, grid.features, Work::unlimited(), note_time, &nodes_stand);
   meshed.delaunay_us = microseconds_between(start, nodes_stand);
   meshed.conform_us = microseconds_between(nodes_stand, Clock::now());
 }

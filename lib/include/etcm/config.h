@@ -20,11 +20,6 @@ struct MeshConfig {
   std::uint32_t features_max = 0;
   // Most Steiner vertices the mesh may hold. 0: as many as vertices_max leaves room for.
   std::uint32_t steiner_max = 0;
-  // Most splits and repairs one call may make before it gives up with Status::step_limit, so that a
-  // watchdog can trust it. One step costs a few microseconds on a desktop. What can be repaired
-  // without a further split still is, one repair for each broken subsegment. 0: no bound but the
-  // grid's.
-  std::uint32_t steps_max = 0;
   SplitPolicy policy = split_default;
 };
 

@@ -76,6 +76,7 @@ enum class Call : std::uint8_t {
   feature_between,
   optimise,
   least_steiner,
+  work_done,
 };
 
 enum class Fault : std::uint8_t {

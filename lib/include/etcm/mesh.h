@@ -6,8 +6,8 @@
 //   order in which anything was given, on the compiler or on the machine.
 // - Each feature is a union of mesh edges, exactly; each Steiner vertex lies exactly on its
 // feature.
-//   (After build() answered steiner_budget, step_limit or grid_exhausted: but for the segments
-//   that unresolved() counts.)
+//   (After build() answered steiner_budget or grid_exhausted: but for the segments that
+//   unresolved() counts.)
 // - 0, 1, 2 and collinear nodes are meshes too: they have no finite triangle.
 //
 // Guarantee of every call that changes the mesh: it succeeds whole, or the mesh, its hash included,
@@ -15,6 +15,10 @@
 // so). As it was: the same ids name the same vertices and features, and no other ids are in use.
 // Triangles may have other numbers, neighbours() may begin with another, and ids that are free may
 // be given out in another order.
+//
+// Work: each of these calls takes a limit (work.h). One that would need more answers work_limit,
+// and what it has done until then, going back included, was within the limit. That holds for work
+// that is counted; work_done() tells of it. Without a limit a call always ends, too.
 //
 // Room: what a change takes out, Steiner vertices and segments of features that turn to another
 // line, keeps its place until the change ends. So a full mesh may answer out_of_vertices or
@@ -31,6 +35,7 @@
 #include "etcm/config.h"
 #include "etcm/status.h"
 #include "etcm/types.h"
+#include "etcm/work.h"
 
 namespace etcm::internal {
 struct MeshState;
@@ -54,8 +59,8 @@ struct ErrorDetail {
   VertexId rejected{};  // duplicate_vertex in build(): the node that stands there too
   FeatureId feature{};  // the feature that cannot be made (in build(): its index in the input)
   FeatureId other{};    // the feature it crosses, overlaps or repeats (as above)
-  Point from{};         // the unresolved subsegment of `feature`, for steiner_budget, step_limit
-  Point to{};           //   and grid_exhausted
+  Point from{};         // the unresolved subsegment of `feature`, for steiner_budget and
+  Point to{};           //   grid_exhausted
 };
 
 // A Steiner vertex that stood on a feature: its index in the list given beside it, and its place
@@ -98,15 +103,16 @@ class Mesh {
 
   // Builds an empty mesh (node_count() is 0, whatever has been) from nodes and features at once:
   // node i becomes vertex i + 1. Endpoint ids are those vertices. Feature i becomes FeatureId i.
-  // O(n log n). Errors in the input leave the mesh empty, with error_detail() naming the culprit.
-  // steiner_budget, step_limit, grid_exhausted and out_of_vertices during conforming leave the
-  // valid Delaunay mesh of what is done; unresolved() counts the rest, at least one, and changes
-  // are refused until clear(). So a mesh is whole, and may be changed, exactly while unresolved()
-  // is 0. Subsegments that were not made are not compared with each other: features that cross or
-  // overlap there, and nowhere else, may not be named. `nodes_stand`, where given, is called with
-  // `context` between the nodes, which are a Delaunay mesh by then, and the first feature: for who
-  // measures both. It must not use the mesh.
+  // O(n log n). Errors in the input leave the mesh empty, with error_detail() naming the culprit;
+  // so does work_limit. steiner_budget, grid_exhausted and out_of_vertices during conforming leave
+  // the valid Delaunay mesh of what is done; unresolved() counts the rest, at least one, and
+  // changes are refused until clear(). So a mesh is whole, and may be changed, exactly while
+  // unresolved() is 0. Subsegments that were not made are not compared with each other: features
+  // that cross or overlap there, and nowhere else, may not be named. `nodes_stand`, where given, is
+  // called with `context` between the nodes, which are a Delaunay mesh by then, and the first
+  // feature: for who measures both. It must not use the mesh.
   Status build(std::span<const Position> nodes, std::span<const FeatureEnds> features,
+               Work limit = Work::unlimited(),
                void (*nodes_stand)(void* context) noexcept = nullptr,
                void* context = nullptr) noexcept;
 
@@ -117,18 +123,17 @@ class Mesh {
   // mesh_unresolved where a feature would not be a union of edges, and steiner_budget and
   // out_of_vertices where they are too many. O(n log n).
   Status restore(std::span<const Position> nodes, std::span<const FeatureEnds> features,
-                 std::span<const SteinerPlace> steiner) noexcept;
+                 std::span<const SteinerPlace> steiner, Work limit = Work::unlimited()) noexcept;
 
   // Makes the mesh, whatever its history, the one that build() makes of the same nodes and
   // features, bit for bit. Changes keep the mesh conforming at once, with Steiner vertices that
   // depend on what was there before; this takes them back. Lays again what the changes can have had
   // an influence on, group by group of features that depend on each other; the cost goes with
-  // those, and is at most that of rebuild(). It takes at most `steps_max` steps (config.h; 0: no
-  // bound). Between groups the mesh is whole: step_limit leaves what has been done, and the next
-  // call goes on, where it has steps enough for one group. Errors: mesh_unresolved, and the
-  // room-and-bounds codes: build() would answer the same, or the mesh has no room for the old and
-  // the new vertices of a group at once.
-  Status canonicalize(std::uint32_t steps_max = 0) noexcept;
+  // those, and is at most that of rebuild(). Between groups the mesh is whole: work_limit leaves
+  // what has been done, and the next call goes on, where its limit is enough for one group. Errors:
+  // mesh_unresolved, and the room-and-bounds codes: build() would answer the same, or the mesh has
+  // no room for the old and the new vertices of a group at once.
+  Status canonicalize(Work limit = Work::unlimited()) noexcept;
   // Whether it is known to be that mesh: canonicalize() would change nothing.
   [[nodiscard]] bool is_canonical() const noexcept;
 
@@ -136,7 +141,7 @@ class Mesh {
   // to be done. O(n log n), as build(). All or nothing; a mesh that is_canonical() stays as it is.
   // Errors: those of canonicalize(), of all segments as one group: it needs room for the old and
   // the new Steiner vertices at once.
-  Status rebuild() noexcept;
+  Status rebuild(Work limit = Work::unlimited()) noexcept;
 
   // Looks for fewer Steiner vertices: each trial lays a few that stand together in another way, and
   // keeps it where it needs no more of them. Never worse, so a few trials now and a few later are
@@ -145,31 +150,38 @@ class Mesh {
   // the ids, the history and the machine; but it is no longer the one that build() makes, and
   // canonicalize() takes it all back. O(f log f) for f features, and for each trial what laying
   // some 8 Steiner vertices takes, and taking it back. A trial needs room for up to 19 more
-  // vertices, and is without effect where there is none. Errors: mesh_unresolved.
-  Status optimise(std::uint32_t trials, std::uint32_t first_trial = 0) noexcept;
+  // vertices, and is without effect where there is none. Errors: mesh_unresolved; work_limit, and
+  // what has been found by then stays.
+  Status optimise(std::uint32_t trials, std::uint32_t first_trial = 0,
+                  Work limit = Work::unlimited()) noexcept;
 
   // A node joins. It may stand on a Steiner vertex (and takes its place), on a feature (which then
   // runs through it), on the hull or outside. Sets `id` on success only.
   // Errors: bad_coordinate, duplicate_vertex (error_detail().vertex), and the room-and-bounds
   // codes. Expected O(1) for nodes spread evenly, to find the place as well as to change it.
-  Status join(Position position, VertexId& id) noexcept;
+  Status join(Position position, VertexId& id, Work limit = Work::unlimited()) noexcept;
 
   // A node leaves. Errors: unknown_vertex, endpoint_in_use, crossing_features (two features met
   // there), and the room-and-bounds codes (the feature that ran through it may need more Steiner
   // vertices without it).
-  Status leave(VertexId node) noexcept;
+  Status leave(VertexId node, Work limit = Work::unlimited()) noexcept;
 
   // A node moves and keeps its id, and its features follow it. Errors: unknown_vertex, those of
   // join() and leave(), and those of add_feature() for the features that follow.
-  Status move(VertexId node, Position position) noexcept;
+  Status move(VertexId node, Position position, Work limit = Work::unlimited()) noexcept;
 
   // Adds a feature between two nodes and makes it a union of mesh edges. Sets `id` on success only.
   // Errors: unknown_vertex, zero_length_feature, repeated_feature, overlapping_features,
   // crossing_features, and the room-and-bounds codes.
-  Status add_feature(FeatureEnds ends, FeatureId& id) noexcept;
+  Status add_feature(FeatureEnds ends, FeatureId& id, Work limit = Work::unlimited()) noexcept;
 
   // Removes a feature and its Steiner vertices. Errors: unknown_feature.
-  Status remove_feature(FeatureId feature) noexcept;
+  Status remove_feature(FeatureId feature, Work limit = Work::unlimited()) noexcept;
+
+  // The work of the last of these calls. Of one that has succeeded the least limit with which it
+  // does: what it has done, and the room that it kept for going back. Of one that was refused what
+  // it has done, going back included.
+  [[nodiscard]] Work work_done() const noexcept;
 
   // Counts. O(1) each.
   [[nodiscard]] const MeshConfig& config() const noexcept;

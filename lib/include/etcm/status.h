@@ -31,7 +31,7 @@ enum class [[nodiscard]] Status : std::uint8_t{
     out_of_features,  // the feature capacity is used up (a feature needs one place for each
                       // segment between the nodes it runs through)
     steiner_budget,   // conforming would need more Steiner vertices than config.steiner_max
-    step_limit,       // the call would need more steps than config.steps_max
+    work_limit,       // the call would need more work than its limit
     grid_exhausted,   // a segment is so short that no grid point on it can split it
 };
 

@@ -103,6 +103,8 @@ const char* to_string(Call call) noexcept {
       return "features_at";
     case Call::feature_between:
       return "feature_between";
+    case Call::work_done:
+      return "work_done";
   }
   return "unknown";
 }

@@ -78,7 +78,7 @@ void forget_segment(MeshState& m, SegmentId s) noexcept {
 void make_dependent(MeshState& m, SegmentId a, SegmentId b) noexcept {
   SegmentId in_a = m.segment(a).next_dependent, in_b = m.segment(b).next_dependent;
   while (in_a != a && in_b != b) {
-    if (in_a == b || in_b == a) return;
+    if (in_a == b || in_b == a || !m.work.spend_whole(1)) return;
     in_a = m.segment(in_a).next_dependent;
     in_b = m.segment(in_b).next_dependent;
   }
@@ -101,12 +101,15 @@ void note_place(Change& change, const Point& place) noexcept {
   }
 }
 
-void look_at_places(Change& change) noexcept {
+bool look_at_places(Change& change) noexcept {
   MeshState& m = change.mesh;
   for (; m.place_count != 0 && !m.is_all_stale; --m.place_count) {
-    if (!find_influenced(change, m.places[m.place_count - 1], on_stale)) make_all_stale(m);
+    const bool is_known = find_influenced(change, m.places[m.place_count - 1], on_stale);
+    if (m.work.is_over()) return false;
+    if (!is_known) make_all_stale(m);
   }
   m.place_count = 0;
+  return true;
 }
 
 void forget_places(Change& change) noexcept {

@@ -25,8 +25,8 @@ void on_dependent(Change& change, SegmentId found, SegmentId about) noexcept;
 // A vertex comes or goes there. What it has influence on becomes stale when the mesh is made
 // canonical: until then the place is kept, and where there are too many, all is stale.
 void note_place(Change& change, const Point& place) noexcept;
-// Makes stale what those have influence on.
-void look_at_places(Change& change) noexcept;
+// Makes stale what those have influence on. False: the limit of the work does not allow it.
+[[nodiscard]] bool look_at_places(Change& change) noexcept;
 // The change is taken back.
 void forget_places(Change& change) noexcept;
 

@@ -54,6 +54,12 @@ SplitSite site_of(const MeshState& m, SegmentId s, const Subsegment& subsegment)
   return site;
 }
 
+// A split: up to 2 * 29 tests of circles, a few places of the policy's to look around, an
+// insertion, and marks to set.
+constexpr std::uint32_t work_of_split = 64;
+// The most that a policy of the library's may look at beyond its limit.
+constexpr std::uint32_t work_beyond = 192;
+
 // Puts a Steiner vertex on the subsegment.
 Status split(Change& change, SegmentId s, const Subsegment& subsegment, const SplitSite& site,
              Parameter& t, VertexId& v) noexcept {
@@ -67,18 +73,28 @@ Status split(Change& change, SegmentId s, const Subsegment& subsegment, const Sp
     return fail(m, Status::steiner_budget, s, subsegment);
   v = allocate_vertex(m);
   if (v.is_none()) return fail(m, Status::out_of_vertices, s, subsegment);
-  t = m.config.policy(site);
-  if (is_trial) t = change.stray(change, site, t);
+  if (m.work.spend_whole(work_of_split) && m.work.fits(work_beyond)) {
+    t = m.config.policy(site);
+    if (is_trial) t = change.stray(change, site, t);
+  }
   if (t <= site.head) t = static_cast<Parameter>(site.head + 1);
   if (t >= site.tail) t = static_cast<Parameter>(site.tail - 1);
   m.points[v.value] = site.at(t);
   m.owner(v) = Owner(Role::fresh, s);
-  ++m.steiner_count;
   const bool from_head = t - site.head <= site.tail - t;
-  insert_vertex(change, v,
-                find(m, m.at(v), from_head ? subsegment.head_edge : subsegment.tail_edge));
+  const Found found =
+      find(m, m.at(v), from_head ? subsegment.head_edge : subsegment.tail_edge, m.work.left());
+  // What was found where it stands is looked for again when it goes.
+  m.work.keep(work_of_split);
+  if (!m.work.spend(found.steps) || m.work.is_over() || !insert_vertex(change, v, found)) {
+    free_vertex(m, v);
+    return fail(m, Status::work_limit, s, subsegment);
+  }
+  ++m.steiner_count;
+  ++change.fresh_count;
+  // The group has grown: what is laid is given up.
   if (change.extent == Change::Extent::group && !stays_in_group(change, v)) {
-    return Status::step_limit;
+    return Status::work_limit;
   }
   return Status::ok;
 }
@@ -90,7 +106,9 @@ void constrain_finished(MeshState& m, VertexId v, VertexId end) noexcept {
   if (m.topology.find_edge(v, end, e)) {
     m.topology.mark(e);
   } else {
-    constrain_subsegment(m, between(m, v, end));
+    const Subsegment subsegment = between(m, v, end);
+    m.work.add(subsegment.steps);
+    constrain_subsegment(m, subsegment);
   }
 }
 
@@ -103,15 +121,11 @@ Status conform_subsegment(Change& change, SegmentId s, Subsegment& subsegment,
   MeshState& m = change.mesh;
   is_whole = true;
   for (;;) {
-    const bool is_last = change.steps_max != 0 && change.steps >= change.steps_max;
-    ++change.steps;
+    if (m.work.is_over()) return fail(m, Status::work_limit, s, subsegment);
     if (can_be_edge(m, subsegment)) {
       constrain_subsegment(m, subsegment);
       return Status::ok;
     }
-    // Only where a vertex is needed, so that what gives up has always left a subsegment that is no
-    // edge.
-    if (is_last) return fail(m, Status::step_limit, s, subsegment);
     SplitSite site = site_of(m, s, subsegment);
     site.is_lone = s == change.lone;
     Parameter t = 0;
@@ -125,7 +139,10 @@ Status conform_subsegment(Change& change, SegmentId s, Subsegment& subsegment,
       is_whole = finishes_head;
       return Status::ok;
     }
-    subsegment = finishes_head ? between(m, v, subsegment.tail) : between(m, subsegment.head, v);
+    subsegment = finishes_head ? between(m, v, subsegment.tail, m.work.left())
+                               : between(m, subsegment.head, v, m.work.left());
+    m.work.keep(2 * std::uint64_t{subsegment.steps});
+    static_cast<void>(m.work.spend(subsegment.steps));
   }
 }
 
@@ -148,7 +165,10 @@ Status conform_segment(Change& change, SegmentId s) noexcept {
   VertexId v = r.first.is_none() ? r.from : r.first;
   const VertexId last = r.first.is_none() ? r.to : r.last;
   while (v != last) {
-    Subsegment subsegment = march(m, v, end);
+    Subsegment subsegment = march(m, v, end, m.work.left());
+    // On the way back it is looked for twice.
+    m.work.keep(2 * std::uint64_t{subsegment.steps});
+    if (!m.work.spend(subsegment.steps)) return fail(m, Status::work_limit, s, subsegment);
     const VertexId tail = subsegment.tail;
     const SegmentId crossed = crossed_section(m, s, subsegment);
     if (!crossed.is_none()) {
@@ -194,7 +214,6 @@ Status conform(Change& change) noexcept {
   for (SegmentId s = change.dirty.pop(m); !s.is_none(); s = change.dirty.pop(m)) {
     const Status status = conform_segment(change, s);
     if (status != Status::ok) {
-      touch(change, s);
       make_dirty(change, s);
       return status;
     }

@@ -10,6 +10,9 @@
 namespace etcm::internal {
 namespace {
 
+// A segment's part of sorting them all, and of going over them a few times.
+constexpr std::uint32_t work_of_listing = 32;
+
 // All features are linked before the first is laid: where a policy asks which features meet at a
 // node, the answer must not depend on which of them have been laid.
 [[gnu::noinline]] Status link_features(Change& change, FeatureList& features,
@@ -20,9 +23,14 @@ namespace {
     const SegmentId root = at.segment();
     const SurveyResult surveyed = survey(m, root);
     if (surveyed.status != Status::ok) return surveyed.status;
+    // Each segment is looked for once more now, and on the way back.
+    const std::uint64_t segments = std::uint64_t{surveyed.nodes_between} + 1;
+    m.work.keep(4 * surveyed.steps + 2 * work_of_listing * segments);
+    if (!m.work.spend_whole(surveyed.steps + work_of_listing * segments)) return Status::work_limit;
     at.take();
     link_feature(change, root, surveyed.nodes_between);
     for (SegmentId s = root; !s.is_none(); s = m.segment(s).next) pending.push(m, s);
+    if (m.work.is_over()) return Status::work_limit;
   }
   return Status::ok;
 }
@@ -47,6 +55,7 @@ namespace {
   for (PendingSegments::Cursor at(m, pending); !at.segment().is_none();) {
     Subsegment whole;
     const Status status = survey_segment(m, at.segment(), whole);
+    m.work.keep(2 * std::uint64_t{whole.steps});
     if (status != Status::ok) return status;
     if (can_be_edge(m, whole)) {
       constrain_subsegment(m, whole);
@@ -66,7 +75,7 @@ Status lay_segment(Change& change, SegmentId s) noexcept {
   const Status status = conform(change);
   if (status == Status::ok && change.extent != Change::Extent::local) {
     // Before the next segment: what is needless is in its way too, and takes room.
-    prune(change);
+    if (!prune(change)) return Status::work_limit;
     clear_touched(change);
   }
   return status;
@@ -82,7 +91,7 @@ Status lay_segments(Change& change, PendingSegments& pending) noexcept {
     status = lay_segment(change, pending.pop(m));
   }
   while (!pending.is_empty()) make_dirty(change, pending.pop(m));
-  return status;
+  return status == Status::ok && !m.work.fits(0) ? Status::work_limit : status;
 }
 
 Status conform_features(Change& change, FeatureList& features) noexcept {

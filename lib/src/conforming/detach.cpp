@@ -22,24 +22,36 @@ void touch_around(Change& change, VertexId v) noexcept {
   } while (spokes.turn());
 }
 
-void detach(Change& change, VertexId steiner) noexcept {
-  touch_around(change, steiner);
-  detach_alone(change, steiner);
+// Around the vertex four turns are made beside the removal; it is found and put back by a short
+// walk, and its edges are looked at twice.
+bool may_remove(Change& change, VertexId v) noexcept {
+  MeshState& m = change.mesh;
+  constexpr std::uint32_t walk = 32;
+  if (m.topology.triangle_count() == 0) return m.work.spend(1);
+  const std::uint32_t degree = m.topology.degree(v, m.work.left());
+  if (!m.work.spend(degree)) return false;
+  const std::uint64_t removal = removal_work(degree) + 3 * std::uint64_t{degree};
+  m.work.keep(4 * std::uint64_t{degree} + walk);
+  return m.work.spend_whole(removal);
 }
 
-void detach_alone(Change& change, VertexId steiner) noexcept {
+bool detach(Change& change, VertexId steiner) noexcept {
   MeshState& m = change.mesh;
+  if (!may_remove(change, steiner)) return false;
+  touch_around(change, steiner);
   const Owner owner = m.owner(steiner);
   if (owner.role() == Role::steiner) note_place(change, m.at(steiner));
   remove_steiner(m, steiner);
   --m.steiner_count;
   if (owner.role() == Role::fresh) {
     free_vertex(m, steiner);
-    return;
+    --change.fresh_count;
+    return true;
   }
   m.owner(steiner) = Owner(Role::detached, owner.segment());
   m.vertex_edges[steiner.value] = Edge{change.detached.value};
   change.detached = steiner;
+  return true;
 }
 
 namespace {
@@ -49,42 +61,79 @@ bool stands_on(const MeshState& m, VertexId v, SegmentId s) noexcept {
   return m.owner(v).role() != Role::node && m.owner(v).segment() == s;
 }
 
-}  // namespace
-
-void strip_segment(Change& change, SegmentId s) noexcept {
-  MeshState& m = change.mesh;
-  touch(change, s);
-  const VertexId from = m.segment(s).from, to = m.segment(s).to;
-  for (;;) {
-    const Subsegment subsegment = march(m, from, to);
-    if (subsegment.tail != to) {
-      if (!stands_on(m, subsegment.tail, s)) return;
-      detach(change, subsegment.tail);
-      continue;
-    }
-    if (subsegment.is_edge && m.topology.is_constrained(subsegment.edge)) {
-      note_mark(change, subsegment.edge);
-      release_constraint(m, subsegment.edge);
-    }
-    return;
+// What of it stays while others go is looked at again when they come back: room for that is kept
+// before the first one goes.
+bool keep_for_marks(MeshState& m, SegmentId s) noexcept {
+  const VertexId to = m.segment(s).to;
+  for (VertexId v = m.segment(s).from; v != to;) {
+    const Subsegment subsegment = march(m, v, to, m.work.left());
+    if (!m.work.spend(subsegment.steps)) return false;
+    m.work.keep(4 * std::uint64_t{subsegment.steps} + 16);
+    v = subsegment.tail;
+    if (v != to && !stands_on(m, v, s)) return true;
   }
+  return true;
 }
 
-void drop_fresh(Change& change) noexcept {
+}  // namespace
+
+bool strip_segment(Change& change, SegmentId s) noexcept {
   MeshState& m = change.mesh;
-  for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched) {
-    if (!is_linked(m, s)) continue;
-    const VertexId end = m.segment(s).to;
-    VertexId v = m.segment(s).from;
-    while (v != end) {
-      const VertexId w = march(m, v, end).tail;
-      if (w != end && !stands_on(m, w, s)) break;
-      if (m.owner(w).role() == Role::fresh) {
-        detach(change, w);
-      } else {
-        v = w;
-      }
+  if (!keep_for_marks(m, s)) return false;
+  touch(change, s);
+  const VertexId to = m.segment(s).to;
+  Subsegment subsegment = march(m, m.segment(s).from, to, m.work.left());
+  if (!m.work.spend(subsegment.steps)) return false;
+  if (subsegment.tail == to && subsegment.is_edge && m.topology.is_constrained(subsegment.edge)) {
+    note_mark(change, subsegment.edge);
+    release_constraint(m, subsegment.edge);
+  }
+  // The next one is found while this one stands: from there it is near.
+  while (subsegment.tail != to && stands_on(m, subsegment.tail, s)) {
+    const VertexId v = subsegment.tail;
+    subsegment = march(m, v, to, m.work.left());
+    if (!m.work.spend(subsegment.steps) || !detach(change, v)) return false;
+  }
+  return !m.work.is_over();
+}
+
+namespace {
+
+// The next vertex of the segment on the way to one of its ends: that end, where what follows is not
+// laid.
+VertexId next_on(MeshState& m, SegmentId s, VertexId v, VertexId end) noexcept {
+  const Subsegment subsegment = march(m, v, end);
+  m.work.add(subsegment.steps);
+  return stands_on(m, subsegment.tail, s) ? subsegment.tail : end;
+}
+
+void drop_fresh_of(Change& change, SegmentId s) noexcept {
+  MeshState& m = change.mesh;
+  const SegmentRecord& r = m.segment(s);
+  const bool is_all = r.first.is_none();
+  VertexId v = is_all ? r.from : r.first;
+  while (m.owner(v).role() == Role::fresh) v = next_on(m, s, v, r.from);
+  const Point last = m.at(is_all ? r.to : r.last);
+  const VertexId first = v;
+  // Past the last one where that is fresh.
+  while (v != r.to && m.at(v) < last) {
+    v = next_on(m, s, v, r.to);
+    // The next one is found while this one stands: from there it is near.
+    while (m.owner(v).role() == Role::fresh) {
+      const VertexId next = next_on(m, s, v, r.to);
+      static_cast<void>(detach(change, v));
+      v = next;
     }
+  }
+  if (!is_all) touch(change, s, first, v);
+}
+
+}  // namespace
+
+void drop_fresh(Change& change) noexcept {
+  const MeshState& m = change.mesh;
+  for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched) {
+    if (is_linked(m, s) && m.segment(s).first != infinite_vertex) drop_fresh_of(change, s);
   }
 }
 

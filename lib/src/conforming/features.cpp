@@ -100,7 +100,12 @@ SurveyResult survey(MeshState& m, SegmentId root) noexcept {
   SurveyResult surveyed;
   std::uint32_t& nodes_between = surveyed.nodes_between;
   for (VertexId v = r.from; v != r.to;) {
-    const Subsegment subsegment = march(m, v, r.to);
+    const Subsegment subsegment = march(m, v, r.to, m.work.left());
+    surveyed.steps += subsegment.steps;
+    if (!m.work.spend(subsegment.steps)) {
+      surveyed.status = refuse(m, Status::work_limit, root, SegmentId::none());
+      return surveyed;
+    }
     const SegmentId other = met_by(m, root, subsegment);
     if (!other.is_none()) {
       surveyed.status = reject_meeting(m, root, other);
@@ -118,7 +123,8 @@ SurveyResult survey(MeshState& m, SegmentId root) noexcept {
 }
 
 Status survey_segment(MeshState& m, SegmentId s, Subsegment& first) noexcept {
-  first = march(m, m.segment(s).from, m.segment(s).to);
+  first = march(m, m.segment(s).from, m.segment(s).to, m.work.left());
+  if (!m.work.spend(first.steps)) return refuse(m, Status::work_limit, s, SegmentId::none());
   const SegmentId other = met_by(m, s, first);
   if (other.is_none()) return Status::ok;
   return reject_meeting(m, s, other);
@@ -156,16 +162,21 @@ void link_feature(Change& change, SegmentId root, std::uint32_t nodes_between) n
   change.recycled_segments = left_over;
 }
 
-void unlink_feature(Change& change, SegmentId root) noexcept {
+bool unlink_feature(Change& change, SegmentId root) noexcept {
   MeshState& m = change.mesh;
   const VertexId to = ends_of(m, root).to;
+  // As long as all are linked, it is enough to put back what stood on them.
   for (SegmentId s = root; !s.is_none(); s = m.segment(s).next) {
-    strip_segment(change, s);
+    if (!strip_segment(change, s)) return false;
     note_incidence(change, s);
+    if (!m.work.spend_whole(2)) return false;
+  }
+  for (SegmentId s = root; !s.is_none(); s = m.segment(s).next) {
     unlink_segment(m, s);
     if (s != root) m.segment(s).from = VertexId::none();
   }
   m.segment(root).to = to;
+  return true;
 }
 
 }  // namespace etcm::internal

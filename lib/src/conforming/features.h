@@ -8,10 +8,11 @@ namespace etcm::internal {
 
 // Follows the line of a feature that is not linked (its root segment holds its two ends), and says
 // whether it may lie there among those that have been laid. Errors: crossing_features,
-// overlapping_features, repeated_feature, out_of_features; error_detail is set.
+// overlapping_features, repeated_feature, out_of_features, work_limit; error_detail is set.
 struct SurveyResult {
   Status status = Status::ok;
   std::uint32_t nodes_between = 0;
+  std::uint64_t steps = 0;  // triangles and edges on the way
 };
 SurveyResult survey(MeshState& m, SegmentId root) noexcept;
 // The same for a segment that is linked and not laid. `first` is where it leaves its smaller end:
@@ -27,7 +28,8 @@ Status reject_meeting(MeshState& m, SegmentId s, SegmentId other) noexcept;
 void link_feature(Change& change, SegmentId root, std::uint32_t nodes_between) noexcept;
 // Unlinks it, Steiner vertices and marks included; the recycled segments stay with the root, so
 // that linking it again on the same line gives each its old place.
-void unlink_feature(Change& change, SegmentId root) noexcept;
+// False: the limit of the work does not allow it, and it is linked as before, but stripped in part.
+[[nodiscard]] bool unlink_feature(Change& change, SegmentId root) noexcept;
 // Gives a new root its ends, in canonical direction.
 void set_ends(MeshState& m, SegmentId root, VertexId from, VertexId to) noexcept;
 FeatureEnds ends_of(const MeshState& m, SegmentId root) noexcept;  // in canonical direction

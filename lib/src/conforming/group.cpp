@@ -68,7 +68,9 @@ bool explore(Change& change, SegmentId s) noexcept {
   MeshState& m = change.mesh;
   const VertexId from = m.segment(s).from, to = m.segment(s).to;
   for (VertexId v = from; v != to;) {
-    Subsegment subsegment = march(m, v, to);
+    Subsegment subsegment = march(m, v, to, m.work.left());
+    m.work.keep(2 * std::uint64_t{subsegment.steps});
+    if (!m.work.spend(subsegment.steps)) return false;
     if (!subsegment.is_edge) {
       // What was laid has broken it, and has been taken out again.
       constrain_subsegment(m, subsegment);
@@ -103,7 +105,7 @@ bool explore(Change& change, SegmentId s) noexcept {
 [[gnu::noinline]] void strip(Change& change, SegmentId first, SegmentId end) noexcept {
   MeshState& m = change.mesh;
   for_each(change, first, end, [&](SegmentId s) {
-    strip_segment(change, s);
+    if (!m.work.is_over()) static_cast<void>(strip_segment(change, s));
     m.segment(s).next_dependent = s;
   });
 }
@@ -127,6 +129,12 @@ void release_group(Change& change) noexcept {
 
 }  // namespace
 
+std::uint64_t work_to_lay_all(const MeshState& m) noexcept {
+  // A vertex that is put back, and its subsegments.
+  constexpr std::uint64_t work_of_vertex = 64;
+  return (work_of_vertex + work_of_listing) * (std::uint64_t{m.vertex_end} + m.segment_end);
+}
+
 bool stays_in_group(Change& change, VertexId v) noexcept {
   MeshState& m = change.mesh;
   const SegmentId own = m.owner(v).segment();
@@ -146,9 +154,14 @@ Status lay_group_again(Change& change, SegmentId stale, bool& is_too_wide) noexc
   add_to_group(change, stale);
   SegmentId explored = end_of_group;
   Status status = Status::ok;
+  bool is_stripped = false;
   for (;;) {
     const SegmentId known = explored;
     is_too_wide = change.work_left == 0 || !close_group(change, explored);
+    if (m.work.is_over() || (is_too_wide && !m.work.fits(work_to_lay_all(m)))) {
+      is_too_wide = false;
+      break;
+    }
     if (is_too_wide) {
       clear_touched(change);
       release_group(change);
@@ -156,24 +169,27 @@ Status lay_group_again(Change& change, SegmentId stale, bool& is_too_wide) noexc
       return Status::ok;
     }
     strip(change, change.group, known);
+    is_stripped = true;
     clear_touched(change);
     change.has_grown = false;
+    if (m.work.is_over()) break;
     PendingSegments pending;
     for_each(change, change.group, end_of_group, [&](SegmentId s) { pending.push(m, s); });
     status = lay_segments(change, pending);
     if (status == Status::ok) status = lay_lone_again(change);
-    if (change.work_left != 0 && !change.has_grown) break;
+    if (m.work.is_over() || (change.work_left != 0 && !change.has_grown)) break;
     change.dirty.clear(m);
     strip(change, explored, end_of_group);
   }
+  if (m.work.is_over()) status = Status::work_limit;
   if (status == Status::ok) {
     settle_group(change);
-    commit(change);
-    return status;
+    return commit(change);
   }
-  change.dirty.clear(m);
-  for_each(change, change.group, end_of_group, [&](SegmentId s) { touch(change, s); });
-  drop_fresh(change);
+  if (is_stripped) {
+    for_each(change, change.group, end_of_group, [&](SegmentId s) { touch(change, s); });
+  }
+  begin_going_back(change, status);
   release_group(change);
   restore_detached(change);
   return status;

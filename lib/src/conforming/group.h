@@ -5,6 +5,11 @@
 
 namespace etcm::internal {
 
+// What laying all segments takes at least, and with it going back from there.
+std::uint64_t work_to_lay_all(const MeshState& m) noexcept;
+// To list a segment or a vertex a few times.
+inline constexpr std::uint32_t work_of_listing = 24;
+
 // Lays a stale segment again, and with it every segment that it can have had, or has now, an
 // influence on, and so on: none is left then on which one of the group has any, so none of the
 // others would be laid otherwise. The change is of the extent `group`, and is ended where the

@@ -93,7 +93,7 @@ bool follow(Change& change, const Circle& circle, Edge first, SegmentId about,
   waiting[0] = first.value;
   unsigned count = 1;
   for (unsigned triangles = 0; count != 0; ++triangles) {
-    if (triangles == triangles_most) return false;
+    if (triangles == triangles_most || !change.mesh.work.spend_whole(1)) return false;
     const Edge e{waiting[--count]};
     if (topo.is_constrained(e)) {
       tell(change, segment_of_edge(m, topo.origin(e), topo.target(e)), about, found);
@@ -133,6 +133,7 @@ bool look_left(Change& change, Edge e, SegmentId about, OnSegment found) noexcep
   if (topo.is_ghost(seen[0])) return true;
   unsigned count = 1;
   for (unsigned i = 0; i < count; ++i) {
+    if (!change.mesh.work.spend_whole(3)) return false;
     for (unsigned side = 0; side < 3; ++side) {
       const Edge f = Topology::edge(seen[i], side);
       tell_owner(change, topo.apex(f), about, found);
@@ -173,7 +174,8 @@ bool find_influenced(Change& change, const Point& place, OnSegment found) noexce
   const MeshState& m = change.mesh;
   const Topology& topo = m.topology;
   if (topo.triangle_count() == 0) return true;
-  const Found at = find(m, place, edge_near(m, place));
+  const Found at = find(m, place, edge_near(m, place), change.mesh.work.left());
+  if (!change.mesh.work.spend(at.steps)) return false;
   if (at.type == LocateType::on_vertex)
     return find_influenced(change, at.vertex, SegmentId::none(), found);
   if (is_flat(m)) return false;
@@ -190,7 +192,7 @@ bool find_influenced(Change& change, const Point& place, OnSegment found) noexce
       e = Topology::next(topo.twin(e));
       continue;
     }
-    if (!look_beyond(change, place, e, found)) return false;
+    if (!change.mesh.work.spend_whole(1) || !look_beyond(change, place, e, found)) return false;
     e = Topology::next(e);
     while (depth != 0 && e.value == entries[depth - 1]) {
       e = Topology::next(topo.twin(Edge{entries[--depth]}));

@@ -13,37 +13,46 @@ namespace etcm::internal {
 namespace {
 
 // Whether around a Steiner vertex there is neither one of another segment nor a subsegment.
-bool stands_alone(const MeshState& m, SegmentId s, VertexId v) noexcept {
+bool stands_alone(MeshState& m, SegmentId s, VertexId v) noexcept {
   const Topology& topo = m.topology;
-  Spokes spokes(topo, v);
+  Spokes spokes(topo, v, m.work.left());
+  bool is_alone = true;
   do {
     const Owner owner = m.owner(spokes.target());
-    if (is_in_mesh(owner.role()) && owner.role() != Role::node && owner.segment() != s)
-      return false;
-    if (topo.is_constrained(Topology::next(spokes.edge()))) return false;
-  } while (spokes.turn());
-  return true;
+    if (is_in_mesh(owner.role()) && owner.role() != Role::node && owner.segment() != s) {
+      is_alone = false;
+    }
+    if (topo.is_constrained(Topology::next(spokes.edge()))) is_alone = false;
+  } while (is_alone && spokes.turn());
+  return m.work.spend(spokes.turns()) && is_alone;
+}
+
+VertexId next_on(MeshState& m, VertexId v, VertexId to) noexcept {
+  const Subsegment subsegment = march(m, v, to, m.work.left());
+  return m.work.spend(subsegment.steps) ? subsegment.tail : to;
 }
 
 // One Steiner vertex is the fewest there can be: with none it would be an edge.
-bool is_lone(const MeshState& m, SegmentId s) noexcept {
+bool is_lone(MeshState& m, SegmentId s) noexcept {
   const VertexId to = m.segment(s).to;
-  VertexId v = march(m, m.segment(s).from, to).tail;
+  VertexId v = next_on(m, m.segment(s).from, to);
   if (v == to || !stands_alone(m, s, v)) return false;
-  v = march(m, v, to).tail;
+  v = next_on(m, v, to);
   if (v == to) return false;
-  for (; v != to; v = march(m, v, to).tail) {
+  for (; v != to; v = next_on(m, v, to)) {
     if (!stands_alone(m, s, v)) return false;
   }
-  return true;
+  return !m.work.is_over();
 }
 
 // What stood there may have had an influence on others, and nothing will tell of it.
 void note_dependents(Change& change, SegmentId s) noexcept {
   MeshState& m = change.mesh;
   const VertexId to = m.segment(s).to;
-  for (VertexId v = march(m, m.segment(s).from, to).tail; v != to; v = march(m, v, to).tail) {
-    if (!find_influenced(change, v, s, on_dependent)) m.knows_dependence = false;
+  for (VertexId v = next_on(m, m.segment(s).from, to); v != to; v = next_on(m, v, to)) {
+    if (!find_influenced(change, v, s, on_dependent) && !m.work.is_over()) {
+      m.knows_dependence = false;
+    }
   }
 }
 
@@ -71,10 +80,10 @@ Status lay_lone_again(Change& change) noexcept {
   list_lone(change, pending);
   for (PendingSegments::Cursor at(m, pending); !at.segment().is_none(); at.advance()) {
     note_dependents(change, at.segment());
-    strip_segment(change, at.segment());
+    if (!m.work.is_over()) static_cast<void>(strip_segment(change, at.segment()));
   }
   clear_touched(change);
-  Status status = Status::ok;
+  Status status = m.work.is_over() ? Status::work_limit : Status::ok;
   while (status == Status::ok && !pending.is_empty()) {
     change.lone = pending.pop(m);
     status = lay_segment(change, change.lone);

@@ -20,18 +20,22 @@ namespace {
 // without it: some circle through a and b has none of its link strictly inside. On the left the
 // link vertex that sees a - b under the greatest angle gives the circle that leans furthest to the
 // right; all of the right must be outside that one. `to_b` and `to_a` leave the Steiner vertex.
-bool is_needless(const MeshState& m, Edge to_a, Edge to_b) noexcept {
+// Adds what it has looked at to `looked`, where it stops at `most`.
+bool is_needless(const MeshState& m, Edge to_a, Edge to_b, std::uint32_t most,
+                 std::uint32_t& looked) noexcept {
   const Topology& topo = m.topology;
   const Point& a = m.at(topo.target(to_a));
   const Point& b = m.at(topo.target(to_b));
   VertexId foremost{};
   for (Edge e = topo.rotate_ccw(to_b); e != to_a; e = topo.rotate_ccw(e)) {
+    if (++looked > most) return false;
     const VertexId v = topo.target(e);
     if (v == infinite_vertex) continue;
     if (foremost.is_none() || incircle_fast(a, b, m.at(foremost), m.at(v)) > 0) foremost = v;
   }
   if (foremost.is_none()) return true;
   for (Edge e = topo.rotate_ccw(to_a); e != to_b; e = topo.rotate_ccw(e)) {
+    if (++looked > most) return false;
     const VertexId v = topo.target(e);
     if (v != infinite_vertex && incircle_fast(a, b, m.at(foremost), m.at(v)) > 0) return false;
   }
@@ -47,6 +51,7 @@ void queue_around(Change& change, PruneQueue& queue, VertexId v) noexcept {
   do {
     const VertexId w = spokes.target();
     if (w != infinite_vertex && m.owner(w).role() != Role::node && m.owner(w).segment() != own) {
+      if (!m.work.spend_whole(std::uint64_t{queue.size()} + 1)) return;
       touch(change, m.owner(w).segment(), w, w);
       queue.add(m, m.owner(w).segment());
     }
@@ -59,57 +64,102 @@ void note_taken_out(Change& change, SegmentId s, VertexId v) noexcept {
   if (change.extent == Change::Extent::trial) return;
   if (change.extent == Change::Extent::local) {
     if (m.owner(v).role() == Role::steiner) note_place(change, m.at(v));
-  } else if (!find_influenced(change, v, s, on_dependent)) {
+  } else if (!find_influenced(change, v, s, on_dependent) && !m.work.is_over()) {
     m.knows_dependence = false;
   }
 }
 
-void prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
+// Others lay their segments again from the nodes on where they fail.
+bool is_taken_back_whole(const Change& change) noexcept {
+  return change.extent == Change::Extent::local || change.extent == Change::Extent::trial;
+}
+
+// Out of the mesh, and where it may have to come back, detached.
+void take_out(Change& change, VertexId v) noexcept {
+  MeshState& m = change.mesh;
+  const Owner owner = m.owner(v);
+  remove_steiner(m, v);
+  --m.steiner_count;
+  if (owner.role() == Role::fresh) --change.fresh_count;
+  if (is_taken_back_whole(change) && owner.role() == Role::steiner) {
+    m.owner(v) = Owner(Role::detached, owner.segment());
+    m.vertex_edges[v.value] = Edge{change.detached.value};
+    change.detached = v;
+  } else {
+    free_vertex(m, v);
+  }
+}
+
+bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
   MeshState& m = change.mesh;
   SegmentRecord& r = m.segment(s);
-  if (r.first == infinite_vertex) return;
+  if (r.first == infinite_vertex) return true;
   const VertexId from = r.from, to = r.to;
-  VertexId v = r.first.is_none() ? from : r.first;
-  Point last = m.at(r.first.is_none() ? to : r.last);
-  // The next change of this segment, by a removal nearby, starts a range of its own.
-  r.first = infinite_vertex;
-  if (v == from) v = march(m, v, to).tail;
+  const bool is_all = r.first.is_none();
+  bool keeps_fresh = false;
+  VertexId v = is_all ? from : r.first;
+  Point last = m.at(is_all ? to : r.last);
+  if (v == from) {
+    const Subsegment subsegment = march(m, v, to, m.work.left());
+    if (!m.work.spend(subsegment.steps)) return false;
+    v = subsegment.tail;
+  }
   while (v != to && m.at(v) <= last) {
-    const OwnEdges beside = own_edges(m, v);
+    const OwnEdges beside = own_edges(m, v, m.work.left());
+    if (!m.work.spend(beside.looked)) return false;
     const VertexId before = m.topology.target(beside.back),
                    after = m.topology.target(beside.onward);
-    if (!is_needless(m, beside.back, beside.onward)) {
-      if (change.extent == Change::Extent::local) m.owner(v) = Owner(Role::steiner, s);
+    std::uint32_t looked = 0;
+    const bool is_needed = !is_needless(m, beside.back, beside.onward, m.work.left(), looked);
+    if (!m.work.spend(looked)) return false;
+    if (is_needed) {
+      keeps_fresh = keeps_fresh || m.owner(v).role() == Role::fresh;
       v = after;
       continue;
     }
+    if (!may_remove(change, v)) return false;
     note_taken_out(change, s, v);
     queue_around(change, queue, v);
-    if (change.extent == Change::Extent::trial) {
-      detach_alone(change, v);
-    } else {
-      remove_steiner(m, v);
-      free_vertex(m, v);
-      --m.steiner_count;
+    if (m.work.is_over()) return false;
+    take_out(change, v);
+    if (!is_all && r.first == v) r.first = before;
+    if (!is_all && r.last == v) r.last = after;
+    const Subsegment subsegment = between(m, before, after, m.work.left());
+    m.work.keep(2 * std::uint64_t{subsegment.steps});
+    if (!m.work.spend(subsegment.steps)) {
+      touch(change, s, before, after);
+      return false;
     }
-    constrain_subsegment(m, between(m, before, after));
+    constrain_subsegment(m, subsegment);
     // Both neighbours have lost an edge: what was needed may be no longer.
     if (last < m.at(after)) last = m.at(after);
     v = before == from ? after : before;
   }
+  // The next change of this segment, by a removal nearby, starts a range of its own; but while
+  // there are fresh vertices, they must be found again.
+  if (!keeps_fresh || !is_taken_back_whole(change)) r.first = infinite_vertex;
+  return true;
 }
 
 }  // namespace
 
-void prune(Change& change) noexcept {
+bool prune(Change& change) noexcept {
   MeshState& m = change.mesh;
   ETCM_VERIFY_THAT(change.dirty.is_empty());
+  // A segment's part of sorting them all.
+  constexpr std::uint32_t work_of_listing = 16;
+  if (!m.work.spend_whole(std::uint64_t{work_of_listing} * change.touched_count)) return false;
   PruneQueue queue;
   for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched) {
     if (is_linked(m, s)) queue.push(m, s);
   }
   queue.sort(m);
-  for (SegmentId s = queue.pop(m); !s.is_none(); s = queue.pop(m)) prune_segment(change, queue, s);
+  for (SegmentId s = queue.pop(m); !s.is_none(); s = queue.pop(m)) {
+    if (prune_segment(change, queue, s)) continue;
+    queue.clear(m);
+    return false;
+  }
+  return true;
 }
 
 }  // namespace etcm::internal

@@ -41,6 +41,64 @@ void end_change(Change& change) noexcept {
   change.recycled_segments = SegmentId::none();
 }
 
+void begin_going_back(Change& change, Status status) noexcept {
+  MeshState& m = change.mesh;
+  m.error_detail.status = status;
+  m.work.go_back();
+  change.dirty.clear(m);
+  drop_fresh(change);
+}
+
+namespace {
+
+// Those that a segment has in the part that is touched.
+void restore_marks(MeshState& m, SegmentId s) noexcept {
+  const SegmentRecord& r = m.segment(s);
+  const bool is_all = r.first.is_none();
+  const VertexId last = is_all ? r.to : r.last;
+  for (VertexId v = is_all ? r.from : r.first; v != last;) {
+    const Subsegment subsegment = march(m, v, r.to);
+    m.work.add(subsegment.steps);
+    ETCM_VERIFY_THAT(can_be_edge(m, subsegment));
+    constrain_subsegment(m, subsegment);
+    v = subsegment.tail;
+  }
+}
+
+// Once nothing can fail: what is fresh has come to stay. It is in the part of its segment that is
+// touched.
+void settle_fresh(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  for (SegmentId s = change.touched; !s.is_none() && change.fresh_count != 0;
+       s = m.segment(s).next_touched) {
+    const SegmentRecord& r = m.segment(s);
+    if (!is_linked(m, s) || r.first == infinite_vertex) continue;
+    const bool is_all = r.first.is_none();
+    VertexId v = is_all ? r.from : r.first;
+    const VertexId last = is_all ? r.to : r.last;
+    for (;;) {
+      if (m.owner(v).role() == Role::fresh) {
+        m.owner(v) = Owner(Role::steiner, s);
+        --change.fresh_count;
+      }
+      if (v == last || v == r.to) break;
+      const Subsegment subsegment = march(m, v, r.to);
+      m.work.add(subsegment.steps);
+      v = subsegment.tail;
+    }
+  }
+  ETCM_VERIFY_THAT(change.fresh_count == 0);
+}
+
+}  // namespace
+
+void put_back(Change& change, VertexId v) noexcept {
+  MeshState& m = change.mesh;
+  const Found found = find(m, m.at(v), m.walk_start);
+  m.work.add(found.steps);
+  static_cast<void>(insert_vertex(change, v, found));
+}
+
 void restore_detached(Change& change) noexcept {
   MeshState& m = change.mesh;
   while (!change.detached.is_none()) {
@@ -48,19 +106,11 @@ void restore_detached(Change& change) noexcept {
     change.detached = VertexId{m.vertex_edges[v.value].value};
     m.owner(v) = Owner(Role::steiner, m.owner(v).segment());
     ++m.steiner_count;
-    insert_vertex(change, v, find(m, m.at(v), m.walk_start));
+    put_back(change, v);
   }
   change.dirty.clear(m);
   for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched) {
-    if (!is_linked(m, s)) continue;
-    const VertexId end = m.segment(s).to;
-    VertexId v = m.segment(s).from;
-    while (v != end) {
-      const Subsegment subsegment = march(m, v, end);
-      ETCM_VERIFY_THAT(can_be_edge(m, subsegment));
-      constrain_subsegment(m, subsegment);
-      v = subsegment.tail;
-    }
+    if (is_linked(m, s) && m.segment(s).first != infinite_vertex) restore_marks(m, s);
   }
   end_change(change);
   forget_places(change);
@@ -72,24 +122,27 @@ void forget_new_ids(Change& change) noexcept {
   lower_ends(change.mesh, change.vertex_end_before, change.segment_end_before);
 }
 
-void free_detached(Change& change) noexcept {
+void settle(Change& change) noexcept {
   MeshState& m = change.mesh;
   while (!change.detached.is_none()) {
     const VertexId v = change.detached;
     change.detached = VertexId{m.vertex_edges[v.value].value};
     free_vertex(m, v);
   }
-}
-
-void commit(Change& change) noexcept {
-  MeshState& m = change.mesh;
-  free_detached(change);
-  prune(change);
+  if (change.extent == Change::Extent::local || change.extent == Change::Extent::trial) {
+    settle_fresh(change);
+  }
   if (change.extent == Change::Extent::local) {
     for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched)
       make_stale(m, s);
   }
   end_change(change);
+}
+
+Status commit(Change& change) noexcept {
+  if (!prune(change)) return change.mesh.error_detail.status = Status::work_limit;
+  settle(change);
+  return Status::ok;
 }
 
 }  // namespace etcm::internal

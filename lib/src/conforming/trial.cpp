@@ -34,14 +34,15 @@ std::span<IdValue> take_out(Change& change, std::span<IdValue> ids) noexcept {
   MeshState& m = change.mesh;
   // While all stand: the range that is missing ends at vertices that stay.
   for (const IdValue id : ids) {
-    const OwnEdges own = own_edges(m, VertexId{id});
+    const OwnEdges own = own_edges(m, VertexId{id}, m.work.left());
+    if (!m.work.spend(own.looked)) return {};
     touch(change, m.owner(VertexId{id}).segment(), m.topology.target(own.back),
           m.topology.target(own.onward));
   }
   std::size_t count = 0;
   for (const IdValue id : ids) {
     const IdValue segment = m.owner(VertexId{id}).segment().value;
-    detach(change, VertexId{id});
+    if (!detach(change, VertexId{id})) return {};
     std::size_t i = 0;
     while (i < count && ids[i] != segment) ++i;
     if (i == count) ids[count++] = segment;
@@ -57,18 +58,6 @@ Status lay_in_drawn_order(Change& change, std::span<IdValue> segments) noexcept 
     if (status != Status::ok) return status;
   }
   return Status::ok;
-}
-
-void keep(Change& change) noexcept {
-  MeshState& m = change.mesh;
-  for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched) {
-    const VertexId to = m.segment(s).to;
-    for (VertexId v = march(m, m.segment(s).from, to).tail; v != to; v = march(m, v, to).tail) {
-      m.owner(v) = Owner(Role::steiner, s);
-    }
-  }
-  free_detached(change);
-  end_change(change);
 }
 
 // Where a trial splits: mostly where the policy would, at t.
@@ -104,14 +93,13 @@ bool try_without(Change& change, std::span<IdValue> vertices) noexcept {
   const std::uint32_t before = m.steiner_count;
   change.stray = stray;
   change.steiner_most = before + surplus_most;
-  const Status status = lay_in_drawn_order(change, take_out(change, vertices));
-  if (status == Status::ok) prune(change);
+  Status status = lay_in_drawn_order(change, take_out(change, vertices));
+  if (m.work.is_over() || (status == Status::ok && !prune(change))) status = Status::work_limit;
   if (status == Status::ok && m.steiner_count <= before) {
-    keep(change);
+    settle(change);
     return true;
   }
-  change.dirty.clear(m);
-  drop_fresh(change);
+  begin_going_back(change, status);
   restore_detached(change);
   return false;
 }

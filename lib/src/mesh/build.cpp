@@ -24,6 +24,9 @@ using namespace internal;
 
 namespace {
 
+// Of a node or a feature that is given, to enter it and to put it in order.
+constexpr std::uint64_t work_of_listing = 24;
+
 // A build that fails on its input leaves nothing, but says what it stumbled over.
 Status reject(Mesh& mesh, Change& change, Status status) noexcept {
   ErrorDetail error_detail = change.mesh.error_detail;
@@ -33,9 +36,11 @@ Status reject(Mesh& mesh, Change& change, Status status) noexcept {
   return status;
 }
 
-bool is_bad_input(Status status) noexcept {
-  return status == Status::crossing_features || status == Status::overlapping_features ||
-         status == Status::repeated_feature || status == Status::out_of_features;
+// Then the mesh is empty again, as before.
+bool leaves_nothing(Status status) noexcept {
+  return status == Status::work_limit || status == Status::crossing_features ||
+         status == Status::overlapping_features || status == Status::repeated_feature ||
+         status == Status::out_of_features;
 }
 
 // While they are inserted nodes go by their place along the curve, so that what lies together is
@@ -71,18 +76,20 @@ void number_as_given(MeshState& m, std::span<const Position> nodes) noexcept {
 Status insert_nodes(Change& change, std::span<const Position> nodes) noexcept {
   MeshState& m = change.mesh;
   if (nodes.empty()) return Status::ok;
+  if (!m.work.spend_whole(work_of_listing * nodes.size())) return Status::work_limit;
   set_nodes(m, nodes);
   number_along_curve(m, nodes);
   for (IdValue i = 1; i < m.vertex_end; ++i) {
     const VertexId v{i};
-    const Found found = find(m, m.at(v), m.walk_start);
+    const Found found = find(m, m.at(v), m.walk_start, m.work.left());
+    if (!m.work.spend(found.steps)) return Status::work_limit;
     if (found.type == LocateType::on_vertex) {
       const VertexId one = own_id(m, v), other = own_id(m, found.vertex);
       m.error_detail.vertex = one < other ? one : other;
       m.error_detail.rejected = one < other ? other : one;
       return Status::duplicate_vertex;
     }
-    insert_vertex(change, v, found);
+    if (!insert_vertex(change, v, found)) return Status::work_limit;
   }
   number_as_given(m, nodes);
   spread_hints(m);
@@ -92,6 +99,7 @@ Status insert_nodes(Change& change, std::span<const Position> nodes) noexcept {
 // The roots of the features, segments 0 .. count - 1, as a list.
 Status enter_features(MeshState& m, std::span<const FeatureEnds> features,
                       FeatureList& list) noexcept {
+  if (!m.work.spend_whole(work_of_listing * features.size())) return Status::work_limit;
   for (const FeatureEnds& ends : features) {
     const SegmentId root = allocate_segment(m);
     if (root.is_none()) return Status::out_of_features;
@@ -137,6 +145,7 @@ Status link_all(Change& change, FeatureList& list) noexcept {
   for (SegmentId root = list.pop(m); !root.is_none(); root = list.pop(m)) {
     const SurveyResult surveyed = survey(m, root);
     if (surveyed.status != Status::ok) return surveyed.status;
+    if (!m.work.spend_whole(surveyed.steps)) return Status::work_limit;
     link_feature(change, root, surveyed.nodes_between);
   }
   clear_touched(change);
@@ -157,7 +166,8 @@ bool is_on_grid(const MeshState& m, SegmentId s, const Point& p) noexcept {
 
 // The segment of a feature on whose grid vertex v stands, its ends excluded; none where it does
 // not. Not the first one's it is found by the vertex before it on the line, for there may be many.
-SegmentId segment_with(const MeshState& m, SegmentId root, VertexId v) noexcept {
+// Where there is no room for the work it is over.
+SegmentId segment_with(MeshState& m, SegmentId root, VertexId v) noexcept {
   const SegmentRecord& r = m.segment(root);
   const Point& p = m.at(v);
   if (!(m.at(r.from) < p) || orient2d_fast(m.at(r.from), m.at(r.to), p) != 0) {
@@ -165,10 +175,13 @@ SegmentId segment_with(const MeshState& m, SegmentId root, VertexId v) noexcept 
   }
   SegmentId s = root;
   if (m.at(r.to) < p) {
-    const VertexId before = march(m, v, r.from).tail;
+    const Subsegment subsegment = march(m, v, r.from, m.work.left());
+    if (!m.work.spend(subsegment.steps)) return SegmentId::none();
+    const VertexId before = subsegment.tail;
     s = m.owner(before).segment();
     if (m.is_node(before)) {
       while (!s.is_none() && (m.segment(s).from != before || m.segment(s).root != r.root)) {
+        if (!m.work.spend_whole(1)) return SegmentId::none();
         s = next_at(m, s, before);
       }
     }
@@ -180,12 +193,13 @@ Status insert_steiner(Change& change, const SteinerPlace& place) noexcept {
   MeshState& m = change.mesh;
   if (!in_range(place.point)) return Status::bad_coordinate;
   const SegmentId root{static_cast<IdValue>(place.feature)};
-  const Found found = find(m, place.point, edge_near(m, place.point));
+  const Found found = find(m, place.point, edge_near(m, place.point), m.work.left());
+  if (!m.work.spend(found.steps)) return Status::work_limit;
   if (found.type == LocateType::on_vertex) {
     if (m.is_node(found.vertex)) return Status::bad_coordinate;
     const SegmentId s = segment_with(m, root, found.vertex),
                     other = m.owner(found.vertex).segment();
-    if (s.is_none()) return Status::bad_coordinate;
+    if (s.is_none()) return m.work.is_over() ? Status::work_limit : Status::bad_coordinate;
     if (other != s) return reject_meeting(m, s, other);
     m.error_detail.vertex = found.vertex;
     return Status::duplicate_vertex;
@@ -194,10 +208,10 @@ Status insert_steiner(Change& change, const SteinerPlace& place) noexcept {
   if (v.is_none()) return Status::out_of_vertices;
   m.points[v.value] = place.point;
   m.owner(v) = Owner(Role::steiner, root);
-  insert_vertex(change, v, found);
+  if (!insert_vertex(change, v, found)) return Status::work_limit;
   ++m.steiner_count;
   const SegmentId s = segment_with(m, root, v);
-  if (s.is_none()) return Status::bad_coordinate;
+  if (s.is_none()) return m.work.is_over() ? Status::work_limit : Status::bad_coordinate;
   m.owner(v) = Owner(Role::steiner, s);
   return Status::ok;
 }
@@ -206,7 +220,8 @@ Status insert_steiner(Change& change, const SteinerPlace& place) noexcept {
 Status constrain_segment(MeshState& m, SegmentId s) noexcept {
   const VertexId end = m.segment(s).to;
   for (VertexId v = m.segment(s).from; v != end;) {
-    const Subsegment subsegment = march(m, v, end);
+    const Subsegment subsegment = march(m, v, end, m.work.left());
+    if (!m.work.spend(subsegment.steps)) return Status::work_limit;
     const SegmentId other = met_by(m, s, subsegment);
     if (!other.is_none()) return reject_meeting(m, s, other);
     if (!can_be_edge(m, subsegment)) return Status::mesh_unresolved;
@@ -231,8 +246,10 @@ Status constrain_segment(MeshState& m, SegmentId s) noexcept {
 }  // namespace
 
 Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds> features,
-                   void (*nodes_stand)(void* context) noexcept, void* context) noexcept {
+                   Work limit, void (*nodes_stand)(void* context) noexcept,
+                   void* context) noexcept {
   MeshState& m = opened(*this, Call::build);
+  m.work.start_anew(limit);
   Change change(m, Change::Extent::whole);
   FeatureList pending;
   Status status = enter(*this, change, nodes, features, pending);
@@ -240,15 +257,16 @@ Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds>
   if (nodes_stand != nullptr) nodes_stand(context);
   status = conform_features(change, pending);
   if (status == Status::ok) status = lay_lone_again(change);
-  if (is_bad_input(status)) return reject(*this, change, status);
+  if (leaves_nothing(status)) return reject(*this, change, status);
   if (status != Status::ok) return keep_what_stands(change, status);
-  commit(change);
-  return Status::ok;
+  status = commit(change);
+  return status == Status::ok ? status : reject(*this, change, status);
 }
 
 Status Mesh::restore(std::span<const Position> nodes, std::span<const FeatureEnds> features,
-                     std::span<const SteinerPlace> steiner) noexcept {
+                     std::span<const SteinerPlace> steiner, Work limit) noexcept {
   MeshState& m = opened(*this, Call::restore);
+  m.work.start_anew(limit);
   Change change(m);
   FeatureList list;
   Status status = enter(*this, change, nodes, features, list);

@@ -18,19 +18,27 @@ using namespace internal;
 
 namespace {
 
-// Makes the triangulation that of the nodes alone. Taking the Steiner vertices out one by one would
-// take longer than to begin anew: along parallels each is a neighbour of all others.
-void triangulate_nodes(Change& change) noexcept {
+// Of a vertex, to find its place along the curve.
+constexpr std::uint32_t work_of_order = 4;
+
+// Makes the triangulation that of its vertices anew, without marks. Taking the Steiner vertices out
+// one by one, or back in, would take longer: along parallels each is a neighbour of all others.
+// False: there is no room for the work.
+bool triangulate(Change& change) noexcept {
   MeshState& m = change.mesh;
   m.topology.clear();
   m.only_vertex = VertexId::none();
   m.walk_start = Edge{};
-  if (m.node_count == 0) return;
+  const std::uint32_t count = m.vertex_count();
+  if (count == 0) return true;
+  if (!m.work.spend_whole(std::uint64_t{work_of_order} * count)) return false;
   const OrderEntry* const order = hilbert_order(m);
-  for (std::uint32_t i = 0; i < m.node_count; ++i) {
+  for (std::uint32_t i = 0; i < count; ++i) {
     const VertexId v{static_cast<IdValue>(order[i].vertex)};
-    insert_vertex(change, v, find(m, m.at(v), m.walk_start));
+    const Found found = find(m, m.at(v), m.walk_start, m.work.left());
+    if (!m.work.spend(found.steps) || !insert_vertex(change, v, found)) return false;
   }
+  return true;
 }
 
 // They keep their places until the change ends.
@@ -46,6 +54,16 @@ void detach_steiner(Change& change) noexcept {
   m.steiner_count = 0;
 }
 
+void attach_steiner(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  while (!change.detached.is_none()) {
+    const VertexId v = change.detached;
+    change.detached = VertexId{m.vertex_edges[v.value].value};
+    m.owner(v) = Owner(Role::steiner, m.owner(v).segment());
+    ++m.steiner_count;
+  }
+}
+
 void free_fresh(MeshState& m) noexcept {
   for (IdValue i = 1; i < m.vertex_end; ++i) {
     if (m.owners[i].role() == Role::fresh) free_vertex(m, VertexId{i});
@@ -53,12 +71,12 @@ void free_fresh(MeshState& m) noexcept {
   m.steiner_count = 0;
 }
 
-// Lays all segments anew. Some Steiner vertices may have been detached.
-Status lay_all_again(Change& change) noexcept {
+// Lays all segments anew, from the triangulation of the nodes on.
+Status lay_all(Change& change) noexcept {
   MeshState& m = change.mesh;
   detach_steiner(change);
-  triangulate_nodes(change);
   m.knows_dependence = true;
+  if (!triangulate(change)) return m.error_detail.status = Status::work_limit;
   PendingSegments pending;
   for (IdValue i = 0; i < m.segment_end; ++i) {
     const SegmentId s{i};
@@ -66,18 +84,28 @@ Status lay_all_again(Change& change) noexcept {
     m.segment(s).next_dependent = s;
     pending.push(m, s);
   }
-  Status status = lay_segments(change, pending);
-  if (status == Status::ok) status = lay_lone_again(change);
+  const Status status = lay_segments(change, pending);
+  return status == Status::ok ? lay_lone_again(change) : status;
+}
+
+// The same, all or nothing. Some Steiner vertices may have been detached.
+Status lay_all_again(Change& change) noexcept {
+  MeshState& m = change.mesh;
+  if (!m.work.fits(work_to_lay_all(m))) return m.error_detail.status = Status::work_limit;
+  m.work.keep(work_to_lay_all(m));
+  const Status status = lay_all(change);
   if (status == Status::ok) {
     for (IdValue i = 0; i < m.segment_end; ++i) make_canonical(m, SegmentId{i});
     m.is_all_stale = false;
     m.place_count = 0;
-    commit(change);
-    return status;
+    return commit(change);
   }
+  m.work.go_back();
+  m.error_detail.status = status;
   change.dirty.clear(m);
   free_fresh(m);
-  triangulate_nodes(change);
+  attach_steiner(change);
+  static_cast<void>(triangulate(change));
   for (IdValue i = 0; i < m.segment_end; ++i) {
     if (is_linked(m, SegmentId{i})) touch(change, SegmentId{i});
   }
@@ -93,46 +121,47 @@ bool looks_around_only(SplitPolicy policy) noexcept {
 
 // What places of changes make stale. Not inline, or the deepest call would have the room of its
 // change too.
-[[gnu::noinline]] void find_stale(MeshState& m) noexcept {
+[[gnu::noinline]] Status find_stale(MeshState& m) noexcept {
   Change change(m);
   const bool is_changed = m.stale_count != 0 || m.place_count != 0;
   if (is_changed && !looks_around_only(m.config.policy)) make_all_stale(m);
-  look_at_places(change);
+  if (!look_at_places(change)) return m.error_detail.status = Status::work_limit;
   if (m.feature_count == 0) m.is_all_stale = false;
+  return Status::ok;
 }
 
-Status lay_stale_again(MeshState& m, std::uint32_t steps_max) noexcept {
-  std::uint32_t steps = 0;
+Status lay_stale_again(MeshState& m) noexcept {
   for (IdValue i = 0; i < m.segment_end && (m.is_all_stale || m.stale_count != 0); ++i) {
     const SegmentId s{i};
     if (!is_linked(m, s) || !is_stale(m, s)) continue;
     Change change(m, m.is_all_stale ? Change::Extent::whole : Change::Extent::group);
-    change.steps = steps;
-    change.steps_max = steps_max;
     bool is_too_wide = m.is_all_stale;
     const Status status = is_too_wide ? Status::ok : lay_group_again(change, s, is_too_wide);
     if (is_too_wide) return lay_all_again(change);
     if (status != Status::ok) return status;
-    steps = change.steps;
+    // What has been kept for going back is free again.
+    m.work.settle();
   }
   return Status::ok;
 }
 
 }  // namespace
 
-Status Mesh::rebuild() noexcept {
+Status Mesh::rebuild(Work limit) noexcept {
   MeshState& m = opened(*this, Call::rebuild);
+  m.work.start(limit);
   Change change(m, Change::Extent::whole);
   if (m.unresolved != 0) return m.error_detail.status = Status::mesh_unresolved;
   return is_canonical() ? Status::ok : lay_all_again(change);
 }
 
-Status Mesh::canonicalize(std::uint32_t steps_max) noexcept {
+Status Mesh::canonicalize(Work limit) noexcept {
   MeshState& m = opened(*this, Call::canonicalize);
+  m.work.start(limit);
   m.error_detail = ErrorDetail{};
   if (m.unresolved != 0) return m.error_detail.status = Status::mesh_unresolved;
-  find_stale(m);
-  return lay_stale_again(m, steps_max);
+  const Status status = find_stale(m);
+  return status == Status::ok ? lay_stale_again(m) : status;
 }
 
 bool Mesh::is_canonical() const noexcept {

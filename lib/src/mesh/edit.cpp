@@ -32,6 +32,11 @@ SegmentId section_under(const MeshState& m, const Found& found) noexcept {
   return SegmentId::none();
 }
 
+// What any change takes.
+constexpr std::uint32_t work_least = 16;
+// To link a segment at its ends, or to find it there.
+constexpr std::uint32_t work_of_link = 4;
+
 Status report(MeshState& m, Status status, VertexId vertex) noexcept {
   m.error_detail.status = status;
   m.error_detail.vertex = vertex;
@@ -40,9 +45,11 @@ Status report(MeshState& m, Status status, VertexId vertex) noexcept {
 
 // Puts node v, whose point is set, into the mesh, on its segment if it stands on one. `cut` is that
 // segment and `rest` its new other part, for remove_node(). `rest` may come with a segment to take.
+// Where the answer is not ok, it is not in, and the segment is at most stripped.
 Status insert_node(Change& change, VertexId v, SegmentId& cut, SegmentId& rest) noexcept {
   MeshState& m = change.mesh;
-  Found found = find(m, m.at(v), edge_near(m, m.at(v)));
+  Found found = find(m, m.at(v), edge_near(m, m.at(v)), m.work.left());
+  if (!m.work.spend(found.steps)) return report(m, Status::work_limit, VertexId::none());
   if (found.type == LocateType::on_vertex && m.owner(found.vertex).role() == Role::node) {
     return report(m, Status::duplicate_vertex, found.vertex);
   }
@@ -54,11 +61,15 @@ Status insert_node(Change& change, VertexId v, SegmentId& cut, SegmentId& rest) 
       return report(m, Status::out_of_features, VertexId::none());
     }
     touch(change, rest);
-    strip_segment(change, cut);
-    found = find(m, m.at(v), m.walk_start);
+    if (strip_segment(change, cut)) {
+      found = find(m, m.at(v), m.walk_start, m.work.left());
+      static_cast<void>(m.work.spend(found.steps));
+    }
   }
   m.owner(v) = Owner(Role::node, SegmentId::none());
-  insert_vertex(change, v, found);
+  if (m.work.is_over() || !insert_vertex(change, v, found)) {
+    return report(m, Status::work_limit, VertexId::none());
+  }
   if (!cut.is_none()) {
     cut_segment(m, cut, v, rest);
     touch(change, cut);
@@ -70,14 +81,16 @@ Status insert_node(Change& change, VertexId v, SegmentId& cut, SegmentId& rest) 
   return Status::ok;
 }
 
+// When the change is taken back.
 void remove_node(Change& change, VertexId v, SegmentId cut, SegmentId rest) noexcept {
   MeshState& m = change.mesh;
   if (!cut.is_none()) {
-    strip_segment(change, cut);
-    strip_segment(change, rest);
+    static_cast<void>(strip_segment(change, cut));
+    static_cast<void>(strip_segment(change, rest));
     rejoin_segments(m, cut, rest);
     m.segment(rest).from = VertexId::none();
   }
+  static_cast<void>(may_remove(change, v));
   touch_around(change, v);
   remove_vertex(m, v);
 }
@@ -96,8 +109,24 @@ bool is_endpoint(const MeshState& m, VertexId v) noexcept {
   return false;
 }
 
-// Makes the features that run through v pass it by: both parts of each become one. The second parts
-// are returned as a list, linked by `next`, for run_through_again().
+// Takes the Steiner vertices off the features that run through v, on both sides. False: there is no
+// room for the work.
+bool strip_segments_at(Change& change, VertexId v) noexcept {
+  MeshState& m = change.mesh;
+  for (SegmentId s = m.owner(v).segment(); !s.is_none(); s = next_at(m, s, v)) {
+    const SegmentId rest = continuation(m, s, v);
+    if (rest.is_none()) continue;
+    if (!strip_segment(change, s) || !strip_segment(change, rest)) return false;
+    note_incidence(change, s);
+    note_incidence(change, rest);
+    m.work.keep(2 * work_of_link);
+    if (!m.work.spend_whole(2 * work_of_link)) return false;
+  }
+  return true;
+}
+
+// Makes those features pass it by: both parts of each become one. The second parts are returned as
+// a list, linked by `next`, for split_segments_at().
 SegmentId merge_segments_at(Change& change, VertexId v) noexcept {
   MeshState& m = change.mesh;
   SegmentId parts{};
@@ -107,10 +136,6 @@ SegmentId merge_segments_at(Change& change, VertexId v) noexcept {
       s = next_at(m, s, v);
       continue;
     }
-    strip_segment(change, s);
-    strip_segment(change, rest);
-    note_incidence(change, s);
-    note_incidence(change, rest);
     rejoin_segments(m, s, rest);
     touch(change, s);
     make_dirty(change, s);
@@ -132,13 +157,17 @@ SegmentId joined_section(const MeshState& m, SegmentId part) noexcept {
   return s;
 }
 
-// Puts v back where it stood, and the features through it.
-void split_segments_at(Change& change, VertexId v, SegmentId parts) noexcept {
+// Puts v back where it stood, the segments that passed it by stripped.
+void put_node_back(Change& change, VertexId v, SegmentId parts) noexcept {
   MeshState& m = change.mesh;
   for (SegmentId part = parts; !part.is_none(); part = m.segment(part).next) {
-    strip_segment(change, joined_section(m, part));
+    static_cast<void>(strip_segment(change, joined_section(m, part)));
   }
-  insert_vertex(change, v, find(m, m.at(v), m.walk_start));
+  put_back(change, v);
+}
+
+// Makes the features run through it again.
+void split_segments_at(MeshState& m, VertexId v, SegmentId parts) noexcept {
   while (!parts.is_none()) {
     const SegmentId part = parts;
     parts = m.segment(part).next;
@@ -146,7 +175,7 @@ void split_segments_at(Change& change, VertexId v, SegmentId parts) noexcept {
   }
 }
 
-// Unlinks all features that start or end at v.
+// Unlinks all features that start or end at v. Ends early where there is no room for the work.
 FeatureList unlink_features_of(Change& change, VertexId v) noexcept {
   MeshState& m = change.mesh;
   FeatureList list;
@@ -157,7 +186,8 @@ FeatureList unlink_features_of(Change& change, VertexId v) noexcept {
       s = next_at(m, s, v);
       continue;
     }
-    unlink_feature(change, root);
+    m.work.keep(2 * work_of_link);
+    if (!m.work.spend_whole(2 * work_of_link) || !unlink_feature(change, root)) break;
     list.push(m, root);
     s = m.owner(v).segment();
   }
@@ -175,69 +205,109 @@ void turn_features(MeshState& m, FeatureList& list) noexcept {
 
 }  // namespace
 
-Status Mesh::join(Position position, VertexId& id) noexcept {
+Status Mesh::join(Position position, VertexId& id, Work limit) noexcept {
   MeshState& m = opened(*this, Call::join);
+  m.work.start(limit);
   Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!in_range(position)) return report(m, Status::bad_coordinate, VertexId::none());
+  if (!m.work.spend_whole(work_least)) return report(m, Status::work_limit, VertexId::none());
   const VertexId v = allocate_vertex(m);
   if (v.is_none()) return report(m, Status::out_of_vertices, VertexId::none());
   m.points[v.value] = to_point(position);
   SegmentId cut{}, rest{};
   Status status = insert_node(change, v, cut, rest);
-  if (status != Status::ok) {
-    free_vertex(m, v);
-    forget_new_ids(change);
-    return status;
+  const bool is_in = status == Status::ok;
+  if (is_in) {
+    ++m.node_count;
+    status = conform(change);
   }
-  ++m.node_count;
-  status = conform(change);
+  if (status == Status::ok) status = commit(change);
   if (status == Status::ok) {
-    commit(change);
     note_place(change, m.at(v));
     add_hint(m, v);
     id = v;
     return status;
   }
-  change.dirty.clear(m);
-  drop_fresh(change);
-  remove_node(change, v, cut, rest);
+  begin_going_back(change, status);
+  if (is_in) {
+    remove_node(change, v, cut, rest);
+    --m.node_count;
+  }
   free_vertex(m, v);
-  --m.node_count;
   restore_detached(change);
   return status;
 }
 
-Status Mesh::leave(VertexId node) noexcept {
+Status Mesh::leave(VertexId node, Work limit) noexcept {
   MeshState& m = opened(*this, Call::leave);
+  m.work.start(limit);
   Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!m.is_node(node) || node == infinite_vertex) {
     return report(m, Status::unknown_vertex, node);
   }
   if (is_endpoint(m, node)) return report(m, Status::endpoint_in_use, node);
-  const SegmentId parts = merge_segments_at(change, node);
+  if (!m.work.spend_whole(work_least)) return report(m, Status::work_limit, node);
+  const bool is_out = strip_segments_at(change, node) && may_remove(change, node);
+  Status status = is_out ? Status::ok : report(m, Status::work_limit, node);
+  SegmentId parts{};
+  if (is_out) {
+    parts = merge_segments_at(change, node);
+    touch_around(change, node);
+    note_place(change, m.at(node));
+    remove_hint(m, node);
+    remove_vertex(m, node);
+    status = conform(change);
+  }
+  if (status == Status::ok) status = commit(change);
+  if (status == Status::ok) {
+    free_vertex(m, node);
+    --m.node_count;
+    return status;
+  }
+  begin_going_back(change, status);
+  if (is_out) {
+    put_node_back(change, node, parts);
+    split_segments_at(m, node, parts);
+  }
+  restore_detached(change);
+  if (is_out) add_hint(m, node);
+  return status;
+}
+
+namespace {
+
+// A node that moves: what it takes with it, and how far it has come.
+struct Moving {
+  VertexId node{};
+  SegmentId parts{};  // of the features that ran through it
+  FeatureList features{};
+  SegmentId cut{};  // where it comes onto a feature
+  SegmentId rest{};
+  bool is_out = false;
+  bool is_in = false;
+};
+
+Status take_node_out(Change& change, Moving& moving) noexcept {
+  MeshState& m = change.mesh;
+  const VertexId node = moving.node;
+  if (!strip_segments_at(change, node)) return report(m, Status::work_limit, node);
+  moving.parts = merge_segments_at(change, node);
+  moving.features = unlink_features_of(change, node);
+  if (m.work.is_over() || !may_remove(change, node)) return report(m, Status::work_limit, node);
   touch_around(change, node);
   note_place(change, m.at(node));
   remove_hint(m, node);
   remove_vertex(m, node);
-  const Status status = conform(change);
-  if (status == Status::ok) {
-    free_vertex(m, node);
-    --m.node_count;
-    commit(change);
-    return status;
-  }
-  change.dirty.clear(m);
-  drop_fresh(change);
-  split_segments_at(change, node, parts);
-  restore_detached(change);
-  add_hint(m, node);
-  return status;
+  moving.is_out = true;
+  return conform(change);  // of what ran through the node
 }
 
-Status Mesh::move(VertexId node, Position position) noexcept {
+}  // namespace
+Status Mesh::move(VertexId node, Position position, Work limit) noexcept {
   MeshState& m = opened(*this, Call::move);
+  m.work.start(limit);
   Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!m.is_node(node) || node == infinite_vertex) {
@@ -245,85 +315,84 @@ Status Mesh::move(VertexId node, Position position) noexcept {
   }
   if (!in_range(position)) return report(m, Status::bad_coordinate, node);
   const Point before = m.at(node);
-  const Point after = to_point(position);
-  if (before == after) return Status::ok;
+  if (before == to_point(position)) return Status::ok;
+  if (!m.work.spend_whole(2 * work_least)) return report(m, Status::work_limit, node);
 
-  const SegmentId parts = merge_segments_at(change, node);
-  FeatureList features = unlink_features_of(change, node);
-  touch_around(change, node);
-  note_place(change, m.at(node));
-  remove_hint(m, node);
-  remove_vertex(m, node);
-  m.points[node.value] = after;
+  Moving moving{.node = node};
+  Status status = take_node_out(change, moving);
   // Where it comes onto a feature, it takes what it has left with another, or farther back.
-  SegmentId cut{}, rest = parts;
-  const SegmentRecord part = parts.is_none() ? SegmentRecord{} : m.segment(parts);
-  Status status = conform(change);  // of what ran through the node
-  bool is_in = false;
+  moving.rest = moving.parts;
+  const SegmentRecord part = moving.parts.is_none() ? SegmentRecord{} : m.segment(moving.parts);
   if (status == Status::ok) {
-    status = insert_node(change, node, cut, rest);
-    is_in = status == Status::ok;
+    m.points[node.value] = to_point(position);
+    status = insert_node(change, node, moving.cut, moving.rest);
+    moving.is_in = status == Status::ok;
   }
-  if (is_in) status = conform(change);
+  if (moving.is_in) status = conform(change);
   if (status == Status::ok) {
-    turn_features(m, features);
-    status = conform_features(change, features);
+    turn_features(m, moving.features);
+    status = conform_features(change, moving.features);
   }
+  if (status == Status::ok) status = commit(change);
   if (status == Status::ok) {
-    commit(change);
     note_place(change, m.at(node));
     add_hint(m, node);
     return status;
   }
 
-  change.dirty.clear(m);
-  drop_fresh(change);
-  if (is_in) {
+  begin_going_back(change, status);
+  if (moving.is_in) {
     FeatureList linked = unlink_features_of(change, node);
-    features.append(m, linked);
-    remove_node(change, node, cut, rest);
+    moving.features.append(m, linked);
+    remove_node(change, node, moving.cut, moving.rest);
     m.owner(node) = Owner(Role::node, SegmentId::none());
-    if (!parts.is_none()) {
-      m.segment(parts).to = part.to;
-      m.segment(parts).root = part.root;
-      m.segment(parts).next = part.next;
+    if (!moving.parts.is_none()) {
+      m.segment(moving.parts).to = part.to;
+      m.segment(moving.parts).root = part.root;
+      m.segment(moving.parts).next = part.next;
     }
   }
   m.points[node.value] = before;
-  turn_features(m, features);
-  split_segments_at(change, node, parts);
+  turn_features(m, moving.features);
+  if (moving.is_out) put_node_back(change, node, moving.parts);
+  split_segments_at(m, node, moving.parts);
+  FeatureList& features = moving.features;
   for (SegmentId root = features.pop(m); !root.is_none(); root = features.pop(m)) {
     link_feature(change, root, any_nodes_between);
   }
   restore_detached(change);
-  add_hint(m, node);
+  if (moving.is_out) add_hint(m, node);
   return status;
 }
 
-Status Mesh::add_feature(FeatureEnds ends, FeatureId& id) noexcept {
+Status Mesh::add_feature(FeatureEnds ends, FeatureId& id, Work limit) noexcept {
   MeshState& m = opened(*this, Call::add_feature);
+  m.work.start(limit);
   Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   for (const VertexId v : {ends.from, ends.to}) {
     if (!m.is_node(v) || v == infinite_vertex) return report(m, Status::unknown_vertex, v);
   }
   if (ends.from == ends.to) return report(m, Status::zero_length_feature, ends.from);
+  if (!m.work.spend_whole(work_least)) return report(m, Status::work_limit, VertexId::none());
   const SegmentId root = allocate_segment(m);
   if (root.is_none()) return report(m, Status::out_of_features, VertexId::none());
   set_ends(m, root, ends.from, ends.to);
   FeatureList features;
   features.push(m, root);
-  const Status status = conform_features(change, features);
+  Status status = conform_features(change, features);
   if (status == Status::ok) {
     ++m.feature_count;
-    commit(change);
-    id = FeatureId{root.value};
-    return status;
+    status = commit(change);
+    if (status == Status::ok) {
+      id = FeatureId{root.value};
+      return status;
+    }
+    --m.feature_count;
   }
-  change.dirty.clear(m);
-  drop_fresh(change);
+  begin_going_back(change, status);
   features.clear(m);
-  if (is_linked(m, root)) unlink_feature(change, root);
+  if (is_linked(m, root)) static_cast<void>(unlink_feature(change, root));
   touch(change, root);
   m.segment(root).from = VertexId::none();
   m.error_detail.feature = FeatureId::none();
@@ -331,20 +400,37 @@ Status Mesh::add_feature(FeatureEnds ends, FeatureId& id) noexcept {
   return status;
 }
 
-Status Mesh::remove_feature(FeatureId feature) noexcept {
+Status Mesh::remove_feature(FeatureId feature, Work limit) noexcept {
   MeshState& m = opened(*this, Call::remove_feature);
+  m.work.start(limit);
   Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!is_feature(feature)) {
     m.error_detail.feature = feature;
     return report(m, Status::unknown_feature, VertexId::none());
   }
-  unlink_feature(change, SegmentId{feature.value});
-  m.segment(SegmentId{feature.value}).from = VertexId::none();
-  --m.feature_count;
-  commit(change);
-  return Status::ok;
+  if (!m.work.spend_whole(work_least)) return report(m, Status::work_limit, VertexId::none());
+  SegmentRecord& root = m.segment(SegmentId{feature.value});
+  const bool is_unlinked = unlink_feature(change, SegmentId{feature.value});
+  Status status = is_unlinked ? Status::ok : report(m, Status::work_limit, VertexId::none());
+  const VertexId from = root.from;
+  if (is_unlinked) {
+    root.from = VertexId::none();
+    --m.feature_count;
+    status = commit(change);
+  }
+  if (status == Status::ok) return status;
+  begin_going_back(change, status);
+  if (is_unlinked) {
+    ++m.feature_count;
+    root.from = from;
+    link_feature(change, SegmentId{feature.value}, any_nodes_between);
+  }
+  restore_detached(change);
+  return status;
 }
+
+Work Mesh::work_done() const noexcept { return opened(*this, Call::work_done).work.result(); }
 
 }  // namespace ETCM_IDS
 }  // namespace etcm

@@ -62,8 +62,10 @@ Status Mesh::open(std::span<std::byte> storage, const MeshConfig& config) noexce
 void Mesh::clear() noexcept {
   MeshState& m = opened(*this, Call::clear);
   const MeshConfig config = m.config;
+  const WorkMeter work = m.work;
   m = MeshState{};
   m.config = config;
+  m.work = work;
   m.mesh = this;
   std::byte* free = reinterpret_cast<std::byte*>(state_) + sizeof(MeshState);
   // Only addresses: an array element is made when its vertex, triangle or segment is.

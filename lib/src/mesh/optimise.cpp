@@ -28,14 +28,24 @@ std::uint64_t scattered(std::uint64_t number) noexcept {
   return x != 0 ? x : 1;
 }
 
+// A segment's part of sorting them all.
+constexpr std::uint32_t work_of_sorting = 16;
+
+VertexId next_on(MeshState& m, VertexId v, VertexId to) noexcept {
+  const Subsegment subsegment = march(m, v, to, m.work.left());
+  return m.work.spend(subsegment.steps) ? subsegment.tail : to;
+}
+
 // The segments with Steiner vertices in canonical order, linked by next_in_group: which are stale
 // is not asked meanwhile.
 [[gnu::noinline]] SegmentId list_segments(MeshState& m) noexcept {
   PendingSegments sorted;
-  for (IdValue i = 0; i < m.segment_end; ++i) {
+  if (!m.work.spend_whole(std::uint64_t{work_of_sorting} * m.segment_end)) return {};
+  for (IdValue i = 0; i < m.segment_end && !m.work.is_over(); ++i) {
     const SegmentId s{i};
-    if (!is_linked(m, s)) continue;
-    if (march(m, m.segment(s).from, m.segment(s).to).tail != m.segment(s).to) sorted.push(m, s);
+    if (is_linked(m, s) && next_on(m, m.segment(s).from, m.segment(s).to) != m.segment(s).to) {
+      sorted.push(m, s);
+    }
   }
   sorted.sort(m);
   SegmentId first{};
@@ -55,11 +65,11 @@ void unlist_segments(MeshState& m) noexcept {
 
 // One of the Steiner vertices of a segment; none: it has none.
 [[gnu::noinline]] VertexId draw_vertex(Change& change, SegmentId s) noexcept {
-  const MeshState& m = change.mesh;
+  MeshState& m = change.mesh;
   const VertexId to = m.segment(s).to;
   VertexId drawn{};
   std::uint32_t count = 0;
-  for (VertexId v = march(m, m.segment(s).from, to).tail; v != to; v = march(m, v, to).tail) {
+  for (VertexId v = next_on(m, m.segment(s).from, to); v != to; v = next_on(m, v, to)) {
     if (draw(change, ++count) == 0) drawn = v;
   }
   return drawn;
@@ -70,13 +80,16 @@ void unlist_segments(MeshState& m) noexcept {
 // Not inline, like draw_vertex() and list_segments(), or the deepest call would have the room of
 // this too.
 [[gnu::noinline]] unsigned gather(Change& change, IdValue* vertices) noexcept {
-  const MeshState& m = change.mesh;
+  MeshState& m = change.mesh;
   const unsigned most = 1 + draw(change, trial_most);
   unsigned count = 1;
   for (unsigned i = 0; i < count && count < most; ++i) {
-    const Edge first = own_edges(m, VertexId{vertices[i]}).onward;
+    const OwnEdges own = own_edges(m, VertexId{vertices[i]}, m.work.left());
+    if (!m.work.spend(own.looked)) return count;
+    const Edge first = own.onward;
     Edge e = first;
     do {
+      if (!m.work.spend_whole(1)) return count;
       const VertexId w = m.topology.target(e);
       if (w != infinite_vertex && m.owner(w).role() == Role::steiner &&
           draw(change, 100) < joining) {
@@ -98,14 +111,15 @@ bool make_trial(MeshState& m, SegmentId s, std::uint32_t number) noexcept {
   if (drawn.is_none()) return false;
   vertices[0] = drawn.value;
   const unsigned count = gather(change, vertices);
-  return try_without(change, {vertices, count});
+  return !m.work.is_over() && try_without(change, {vertices, count});
 }
 
 }  // namespace
 
-Status Mesh::optimise(std::uint32_t trials, std::uint32_t first_trial) noexcept {
+Status Mesh::optimise(std::uint32_t trials, std::uint32_t first_trial, Work limit) noexcept {
   MeshState& m = opened(*this, Call::optimise);
   m.error_detail = ErrorDetail{};
+  m.work.start(limit);
   if (m.unresolved != 0) return m.error_detail.status = Status::mesh_unresolved;
   bool is_changed = !is_canonical();
   const SegmentId first = list_segments(m);
@@ -115,8 +129,11 @@ Status Mesh::optimise(std::uint32_t trials, std::uint32_t first_trial) noexcept 
   for (std::uint32_t i = count != 0 ? first_trial % count : 0; i != 0; --i) {
     s = m.segment(s).next_in_group;
   }
-  for (std::uint32_t i = 0; i < trials && !first.is_none(); ++i) {
+  bool is_over = m.work.is_over();
+  for (std::uint32_t i = 0; i < trials && !first.is_none() && !is_over; ++i) {
     if (make_trial(m, s, first_trial + i)) is_changed = true;
+    is_over = m.error_detail.status == Status::work_limit || m.work.is_over();
+    if (!is_over) m.work.go_on(limit);
     s = m.segment(s).next_in_group;
     if (s.is_none()) s = first;
   }
@@ -126,7 +143,7 @@ Status Mesh::optimise(std::uint32_t trials, std::uint32_t first_trial) noexcept 
     make_all_stale(m);
   }
   m.error_detail = ErrorDetail{};
-  return Status::ok;
+  return m.error_detail.status = is_over ? Status::work_limit : Status::ok;
 }
 
 }  // namespace ETCM_IDS

@@ -71,9 +71,8 @@ Text text_of(Status status) noexcept {
       return {"steiner_budget",
               "The features need more Steiner vertices than steiner_max allows; raise it or "
               "simplify them."};
-    case Status::step_limit:
-      return {"step_limit",
-              "The call needs more steps than steps_max allows; raise it or rebuild at leisure."};
+    case Status::work_limit:
+      return {"work_limit", "The change needs more work than its limit allows; raise the limit."};
     case Status::grid_exhausted:
       return {"grid_exhausted",
               "A subsegment is too short for a further grid point to split it; move the crowded "

@@ -19,13 +19,11 @@ bool Topology::find_edge(VertexId u, VertexId v, Edge& e) const noexcept {
   return false;
 }
 
-unsigned Topology::degree(VertexId v) const noexcept {
-  Spokes spokes(*this, v);
-  unsigned count = 0;
-  do {
-    ++count;
-  } while (spokes.turn());
-  return count;
+unsigned Topology::degree(VertexId v, std::uint32_t most) const noexcept {
+  Spokes spokes(*this, v, most);
+  while (spokes.turn()) {
+  }
+  return spokes.turns();
 }
 
 void Topology::start(VertexId a, VertexId b) noexcept {

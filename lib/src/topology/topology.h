@@ -92,7 +92,8 @@ class Topology {
 
   // The edge from u to v; false where there is none. O(degree of u).
   bool find_edge(VertexId u, VertexId v, Edge& e) const noexcept;
-  unsigned degree(VertexId v) const noexcept;
+  // At most one more than `most`.
+  unsigned degree(VertexId v, std::uint32_t most = 0xffff'ffffu) const noexcept;
 
   void mark(Edge e) noexcept {
     link(e) |= constrained_bit;
@@ -153,29 +154,33 @@ class Topology {
 };
 
 // The edges from a vertex, once around it counter-clockwise, while nothing flips. A triangle has
-// one of them at most.
+// one of them at most. The turn may be given up after so many.
 class Spokes {
  public:
-  Spokes(const Topology& topo, VertexId v) noexcept
-      : topo_(topo), first_(topo.edge_at(v)), edge_(first_), bound_(topo.triangle_count()) {
+  Spokes(const Topology& topo, VertexId v, std::uint32_t most = 0xffff'ffffu) noexcept
+      : topo_(topo), first_(topo.edge_at(v)), edge_(first_), most_(most) {
     if (Topology::triangle_of(first_) >= topo.triangle_count() || topo.origin(first_) != v) {
       stop_lost_walk();
     }
   }
   Edge edge() const noexcept { return edge_; }
   VertexId target() const noexcept { return topo_.target(edge_); }
-  // On to the next one; false where that is the first again.
+  // On to the next one; false where that is the first again, or there have been too many.
   bool turn() noexcept {
-    bound_.step();
+    if (turns_ == topo_.triangle_count()) stop_lost_walk();
+    ++turns_;
     edge_ = topo_.rotate_ccw(edge_);
-    return edge_ != first_;
+    return edge_ != first_ && turns_ <= most_;
   }
+  // How many there have been; more than `most` where it was given up.
+  std::uint32_t turns() const noexcept { return turns_; }
 
  private:
   const Topology& topo_;
   Edge first_;
   Edge edge_;
-  StepBound bound_;
+  std::uint32_t most_;
+  std::uint32_t turns_ = 0;
 };
 
 inline Edge Topology::flip(Edge e) noexcept {

@@ -12,6 +12,7 @@ bool list_touched(Change& change, SegmentId s) noexcept {
   if (r.next_touched != not_listed) return false;
   r.next_touched = change.touched;
   change.touched = s;
+  ++change.touched_count;
   return true;
 }
 
@@ -45,6 +46,7 @@ void clear_touched(Change& change) noexcept {
     change.touched = m.segment(s).next_touched;
     m.segment(s).next_touched = not_listed;
   }
+  change.touched_count = 0;
 }
 
 }  // namespace etcm::internal

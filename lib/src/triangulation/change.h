@@ -20,7 +20,6 @@ struct Change {
 
   explicit Change(MeshState& state, Extent how_much = Extent::local) noexcept
       : mesh(state),
-        steps_max(state.config.steps_max),
         extent(how_much),
         places_before(state.place_count),
         was_all_stale(state.is_all_stale),
@@ -36,8 +35,9 @@ struct Change {
   SegmentId touched{};            // segments it has touched, linked by next_touched
   VertexId detached{};            // vertices it has taken out, linked in place of their edges
   SegmentId recycled_segments{};  // segments that features have left over, linked by next
-  std::uint32_t steps = 0;        // it has spent
-  std::uint32_t steps_max;        // it may spend; 0: no bound
+  std::uint32_t touched_count = 0;
+  std::uint32_t broken_count = 0;  // subsegments that it has broken, each time
+  std::uint32_t fresh_count = 0;   // Steiner vertices that it has added
   Extent extent;
   // Extent::group: what is laid has an influence on a segment that has come to the group since: it
   // must be laid again with that one.

@@ -122,13 +122,13 @@ bool sort_crowds(const MeshState& m, OrderEntry* entries, OrderEntry* buffer,
 }  // namespace
 
 OrderEntry* hilbert_order(const MeshState& m) noexcept {
-  const std::size_t count = m.node_count;
+  const std::size_t count = m.vertex_count();
   std::byte* const end = m.triangle_memory + m.config.vertices_max * bytes_per_vertex_triangles;
   auto* const entries = ::new (end - count * sizeof(OrderEntry)) OrderEntry[count];
   auto* const buffer = ::new (end - 2 * count * sizeof(OrderEntry)) OrderEntry[count];
   std::size_t found = 0;
   for (IdValue i = 1; i < m.vertex_end; ++i) {
-    if (m.owners[i].role() == Role::node) entries[found++].vertex = i;
+    if (is_in_mesh(m.owners[i].role())) entries[found++].vertex = i;
   }
   sort_along_curve(m, entries, buffer, count, true);
   for (int turn = 0; turn < turns_most && sort_crowds(m, entries, buffer, count); ++turn) {

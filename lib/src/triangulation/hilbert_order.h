@@ -7,9 +7,9 @@
 
 namespace etcm::internal {
 
-// The nodes of the mesh, m.node_count of them and at least one, along a Hilbert curve. Lives in the
-// part of the triangle memory that a mesh which grows from nothing reaches last: each entry is just
-// read before it is overwritten.
+// The vertices of the mesh, m.vertex_count() of them and at least one, along a Hilbert curve. Lives
+// in the part of the triangle memory that a mesh which grows from nothing reaches last: each entry
+// is just read before it is overwritten.
 struct OrderEntry {
   std::uint32_t key;
   std::uint32_t vertex;

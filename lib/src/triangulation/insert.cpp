@@ -1,6 +1,7 @@
 // A vertex joins the triangulation: split the triangle it lies in, then turn the edges of its link
 // that are no longer Delaunay. Walking around the link needs no list of edges, so there is no
-// scratch memory to run out of: an insertion cannot fail once its vertex has a place.
+// scratch memory to run out of: once its vertex has a place, an insertion can fail only for want of
+// work. That is known before anything is turned.
 #include "triangulation/insert.h"
 
 #include "geometry/predicates_inline.h"
@@ -8,27 +9,126 @@
 #include "triangulation/locate.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/relative.h"
+#include "triangulation/remove.h"
 #include "triangulation/segment_store.h"
 
 namespace etcm::internal {
 namespace {
 
+// A subsegment that breaks has to be put back, or laid anew and taken out again: it is found by a
+// few turns around its first end.
+constexpr std::uint32_t work_of_subsegment = 32;
+constexpr std::uint32_t turns_of_subsegment = 3;
+
+unsigned degree_at(const MeshState& m, Edge e) noexcept {
+  const VertexId u = m.topology.origin(e), v = m.topology.target(e);
+  return m.topology.degree(m.at(u) < m.at(v) ? u : v, m.work.left());
+}
+
 void break_subsegment(Change& change, Edge e) noexcept {
   MeshState& m = change.mesh;
   const VertexId u = m.topology.origin(e), v = m.topology.target(e);
   const SegmentId s = segment_of_edge(m, u, v);
+  const std::uint64_t degree = degree_at(m, e);
+  m.work.add(degree + change.dirty.size() + 1);
+  m.work.keep(turns_of_subsegment * degree + work_of_subsegment);
   touch(change, s, u, v);
   make_dirty(change, s);
+  ++change.broken_count;
+}
+
+// So many flips: the triangles beyond that many edges and as many again are looked at, beforehand
+// too; and the vertex may have to be found again, and taken out.
+std::uint64_t work_of_flips(std::uint64_t flips) noexcept { return 5 * flips + 6; }
+std::uint64_t work_back(std::uint64_t flips) noexcept {
+  // Those that come after it may leave it with more neighbours than it has now.
+  return removal_work(3 + flips) + 24 * flips + 16;
+}
+
+// For what those that break are found to take beforehand and while others flip: each flip may take
+// one of a degree, or put a segment into the list.
+std::uint64_t work_in_doubt(std::uint64_t breaks, std::uint64_t flips) noexcept {
+  return breaks * flips;
+}
+
+// What an insertion does and breaks, before it does.
+class Conflicts {
+ public:
+  Conflicts(const Change& change, const Point& p) noexcept
+      : m_(change.mesh), p_(p), listing_(change.dirty.size()) {}
+
+  // Counts the triangles beyond the edge in whose circles p lies; they hang together like a tree,
+  // so along its sides the walk comes back. False: there is no room for them.
+  bool count_beyond(Edge first) noexcept {
+    const Topology& topo = m_.topology;
+    if (!must_flip(m_, first, p_)) return true;
+    enter(first);
+    const Edge back = topo.twin(first);
+    std::uint64_t crossed = 0;
+    for (Edge e = Topology::next(back); e != back;) {
+      if (!must_flip(m_, e, p_)) {
+        e = Topology::next(e);
+        continue;
+      }
+      // Each edge of the tree twice, there and back.
+      if ((++crossed & 1u) != 0) enter(e);
+      if (!has_room()) return false;
+      e = Topology::next(topo.twin(e));
+    }
+    return true;
+  }
+  void add_flips(std::uint32_t flips) noexcept { flips_ += flips; }
+  std::uint64_t needed() const noexcept {
+    return work_of_flips(flips_) + m_.work.to_keep(work_back(flips_) + kept_) + work_of_breaks_ +
+           work_in_doubt(breaks_, flips_);
+  }
+
+ private:
+  bool has_room() const noexcept { return m_.work.has_room(needed()); }
+  void enter(Edge e) noexcept {
+    ++flips_;
+    if (!m_.topology.is_constrained(e)) return;
+    const std::uint64_t degree = degree_at(m_, e);
+    ++breaks_;
+    work_of_breaks_ += degree + listing_ + 1;
+    kept_ += turns_of_subsegment * degree + work_of_subsegment;
+  }
+
+  const MeshState& m_;
+  const Point p_;
+  std::uint64_t listing_;
+  std::uint64_t flips_ = 0;
+  std::uint64_t breaks_ = 0;
+  std::uint64_t work_of_breaks_ = 0;
+  std::uint64_t kept_ = 0;
+};
+
+// Whether there is room for the work of an insertion there.
+// Not inline, or each insertion would have its room on the stack.
+[[gnu::noinline]] bool fits(Change& change, const Point& p, const Found& found) noexcept {
+  MeshState& m = change.mesh;
+  Conflicts conflicts(change, p);
+  if (is_flat(m)) {
+    // All the ghosts on one side, or the two of an edge.
+    conflicts.add_flips(found.type == LocateType::on_edge ? 1 : m.topology.triangle_count() / 2u);
+    return m.work.fits(conflicts.needed());
+  }
+  const Edge e = found.edge;
+  const bool is_counted = conflicts.count_beyond(e) && conflicts.count_beyond(Topology::next(e)) &&
+                          conflicts.count_beyond(Topology::prev(e));
+  return m.work.fits(conflicts.needed()) && is_counted;
 }
 
 }  // namespace
 
 // Each vertex of the link is looked at once, and each pair of neighbours.
-void legalize_link(MeshState& m, Edge e, VertexId last, const Point& p, Change* change) noexcept {
+std::uint32_t legalize_link(MeshState& m, Edge e, VertexId last, const Point& p,
+                            Change* change) noexcept {
   Topology& topo = m.topology;
   Relative u = relative_to(m, topo.origin(e), p);
   Relative v = relative_to(m, topo.target(e), p);
   double uv = cross_value(u.at, v.at);
+  std::uint32_t flips = 0;
   for (;;) {
     const Relative w = relative_to(m, topo.apex(topo.twin(e)), p);
     const double uw = cross_value(u.at, w.at), wv = cross_value(w.at, v.at);
@@ -42,6 +142,7 @@ void legalize_link(MeshState& m, Edge e, VertexId last, const Point& p, Change* 
       if (is_kept && change != nullptr) break_subsegment(*change, e);
       if (!is_kept || change != nullptr) {
         topo.flip(e);
+        ++flips;
         v = w;
         uv = uw;
         continue;
@@ -49,7 +150,7 @@ void legalize_link(MeshState& m, Edge e, VertexId last, const Point& p, Change* 
     }
     if (v.id == last) {
       m.walk_start = e;
-      return;
+      return flips;
     }
     e = topo.next_link_edge(e);
     u = v;
@@ -76,7 +177,7 @@ bool must_flip(const MeshState& m, Edge e, const Point& p) noexcept {
   return !topo.is_constrained(e) && incircle_perturbed(m.at(a), m.at(b), m.at(c), p) > 0;
 }
 
-void insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
+bool insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
   MeshState& m = change.mesh;
   Topology& topo = m.topology;
   if (topo.triangle_count() == 0) {
@@ -86,15 +187,18 @@ void insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
       topo.start(m.only_vertex, v);
       m.only_vertex = VertexId::none();
     }
-    return;
+    return true;
   }
   if (found.type == LocateType::outside && !found.vertex.is_none()) {
     // A collinear mesh grows at its end; found.edge runs from there to infinity.
     topo.split_open(found.edge, v);
     m.walk_start = topo.edge_at(v);
-    return;
+    return true;
   }
   const Point& p = m.at(v);
+  // With so much room nobody need count.
+  constexpr std::uint64_t ample = 64;
+  if (!m.work.has_room(ample * topo.triangle_count()) && !fits(change, p, found)) return false;
   Edge e = topo.split_triangle(Topology::triangle_of(found.edge), v);
   // Where p lies on an edge, the triangle between is flat until that edge flips (p is inside any
   // circle through its ends), so it flips first: in a collinear mesh both its triangles are ghosts
@@ -102,7 +206,14 @@ void insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
   for (unsigned side = Topology::side_of(found.edge); side != 0; --side) {
     e = topo.next_link_edge(e);
   }
-  legalize_link(m, e, topo.origin(e), p, &change);
+  const std::uint32_t broken_before = change.broken_count;
+  const std::uint32_t flips = legalize_link(m, e, topo.origin(e), p, &change);
+  m.work.add(work_of_flips(flips));
+  m.work.keep(work_back(flips));
+  static_cast<void>(
+      m.work.fits(turns_of_subsegment * work_in_doubt(change.broken_count - broken_before, flips) +
+                  work_in_doubt(change.broken_count - broken_before, 2 * flips)));
+  return true;
 }
 
 }  // namespace etcm::internal

@@ -22,24 +22,26 @@ unsigned infinite_side(const TriangleRecord& t) noexcept {
 }
 
 // All vertices lie on one line: go along the chain of ghosts on one side of it.
-Found find_on_chain(const MeshState& m, const Point& p, Edge near) noexcept {
+Found find_on_chain(const MeshState& m, const Point& p, Edge near,
+                    std::uint32_t steps_most) noexcept {
   const Topology& topo = m.topology;
   IdValue t = Topology::triangle_of(near);
   Edge e = Topology::edge(t, infinite_side(topo.triangle(t)));
   const int side = orient2d_fast(m.at(topo.origin(e)), m.at(topo.target(e)), p);
-  if (side != 0) return {LocateType::outside, side > 0 ? e : topo.twin(e), {}};
+  if (side != 0) return {LocateType::outside, side > 0 ? e : topo.twin(e), {}, 1};
   // Face p: then the chain is followed from origin to target, over the vertex at infinity's star.
   const Point& origin = m.at(topo.origin(e));
   if ((p < origin) != (m.at(topo.target(e)) < origin)) e = topo.twin(e);
-  for (StepBound bound(topo.triangle_count());; bound.step()) {
+  for (std::uint32_t steps = 1;; ++steps) {
+    if (steps > topo.triangle_count() + 1u) stop_lost_walk();
     const VertexId u = topo.origin(e), v = topo.target(e);
-    if (p == m.at(u)) return {LocateType::on_vertex, e, u};
-    if (p == m.at(v)) return {LocateType::on_vertex, e, v};
-    if (strictly_between(p, m.at(u), m.at(v))) return {LocateType::on_edge, e, {}};
+    if (p == m.at(u) || steps > steps_most) return {LocateType::on_vertex, e, u, steps};
+    if (p == m.at(v)) return {LocateType::on_vertex, e, v, steps};
+    if (strictly_between(p, m.at(u), m.at(v))) return {LocateType::on_edge, e, {}, steps};
     const Edge to_infinity = Topology::next(e);
     const Edge onward = Topology::next(topo.twin(to_infinity));
     // Behind the last vertex comes the other side of the same edge.
-    if (onward == topo.twin(e)) return {LocateType::outside, to_infinity, v};
+    if (onward == topo.twin(e)) return {LocateType::outside, to_infinity, v, steps};
     // twin(to_infinity) runs from infinity to v, so the next edge of its triangle leaves v.
     e = onward;
   }
@@ -56,11 +58,11 @@ bool is_flat(const MeshState& m) noexcept {
   return m.topology.apex(across) == infinite_vertex;
 }
 
-Found find(const MeshState& m, const Point& p, Edge near) noexcept {
+Found find(const MeshState& m, const Point& p, Edge near, std::uint32_t steps_most) noexcept {
   const Topology& topo = m.topology;
   if (topo.triangle_count() == 0) {
     if (!m.only_vertex.is_none() && m.at(m.only_vertex) == p)
-      return {LocateType::on_vertex, {}, m.only_vertex};
+      return {LocateType::on_vertex, {}, m.only_vertex, 0};
     return {};
   }
   IdValue t = Topology::triangle_of(near);
@@ -68,7 +70,7 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept {
   unsigned ghost_side = infinite_side(topo.triangle(t));
   if (ghost_side < 3) {
     t = Topology::triangle_of(topo.twin(Topology::edge(t, ghost_side)));
-    if (topo.is_ghost(t)) return find_on_chain(m, p, Topology::edge(t, 0));
+    if (topo.is_ghost(t)) return find_on_chain(m, p, Topology::edge(t, 0), steps_most);
   }
   // The first triangle is entered nowhere: ask for a third side too, first the one given.
   Edge e = t == Topology::triangle_of(near) ? near : Topology::edge(t, 0);
@@ -85,10 +87,13 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept {
     std::swap(from_u, from_v);
     s0 = 1;
   }
-  for (StepBound bound(topo.triangle_count());; bound.step()) {
+  for (std::uint32_t steps = 1;; ++steps) {
+    if (steps > topo.triangle_count() + 1u) stop_lost_walk();
     // p is on the inner side of e = u -> v (s0 > 0) or, in the first triangle only, on its line.
     const VertexId apex = topo.apex(e);
-    if (apex == infinite_vertex) return {LocateType::outside, e, {}};
+    if (apex == infinite_vertex || steps > steps_most) {
+      return {LocateType::outside, e, {}, steps};
+    }
     const Edge e1 = Topology::next(e), e2 = Topology::prev(e);
     const Offset from_apex = offset(m.at(apex), p);
     const int s1 = side_of(from_v, from_apex, v, apex);
@@ -108,10 +113,10 @@ Found find(const MeshState& m, const Point& p, Edge near) noexcept {
       continue;
     }
     const int zeros = (s0 == 0) + (s1 == 0) + (s2 == 0);
-    if (zeros == 0) return {LocateType::inside_triangle, e, {}};
-    if (zeros == 1) return {LocateType::on_edge, s0 == 0 ? e : s1 == 0 ? e1 : e2, {}};
+    if (zeros == 0) return {LocateType::inside_triangle, e, {}, steps};
+    if (zeros == 1) return {LocateType::on_edge, s0 == 0 ? e : s1 == 0 ? e1 : e2, {}, steps};
     // On two sides: their common corner.
-    return {LocateType::on_vertex, e, s0 != 0 ? apex : s1 != 0 ? u : v};
+    return {LocateType::on_vertex, e, s0 != 0 ? apex : s1 != 0 ? u : v, steps};
   }
 }
 

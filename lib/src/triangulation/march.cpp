@@ -12,19 +12,22 @@ namespace {
 struct Start {
   bool is_edge;
   Edge edge;  // is_edge: along the line; else opposite the head in the triangle the line enters
+  std::uint32_t steps;  // that it took; more than were allowed: it was given up
 };
 
 // A Steiner vertex's subsegments lie on its segment, so they need no test of where they point but
 // one: forwards or backwards.
-bool leave_by_subsegment(const MeshState& m, VertexId head, bool forward, Start& start) noexcept {
-  Spokes spokes(m.topology, head);
+bool leave_by_subsegment(const MeshState& m, VertexId head, bool forward, std::uint32_t steps_most,
+                         Start& start) noexcept {
+  Spokes spokes(m.topology, head, steps_most);
   do {
     if (m.topology.is_constrained(spokes.edge()) &&
         (m.at(head) < m.at(spokes.target())) == forward) {
-      start = {true, spokes.edge()};
+      start = {true, spokes.edge(), spokes.turns()};
       return true;
     }
   } while (spokes.turn());
+  start.steps = spokes.turns();
   return false;
 }
 
@@ -48,13 +51,15 @@ bool leave_within(const MeshState& m, VertexId head, const Point& goal, std::uin
   for (; turns != 0; --turns) {
     const VertexId v = topo.target(e);
     if (side == 0 && v != infinite_vertex && (origin < m.at(v)) == forward) {
-      start = {true, e};
+      start.is_edge = true;
+      start.edge = e;
       return true;
     }
     const Edge onward = topo.rotate_ccw(e);
     const int next_side = side_of(topo.target(onward));
     if (side < 0 && next_side > 0) {
-      start = {false, Topology::next(e)};
+      start.is_edge = false;
+      start.edge = Topology::next(e);
       return true;
     }
     e = onward;
@@ -64,10 +69,10 @@ bool leave_within(const MeshState& m, VertexId head, const Point& goal, std::uin
 }
 
 // The same by the way along the line from its other end. False: it is too long.
-bool leave_backwards(const MeshState& m, VertexId head, VertexId toward, Start& start) noexcept {
+bool leave_backwards(const MeshState& m, VertexId head, VertexId toward, std::uint32_t& left,
+                     Start& start) noexcept {
   const Topology& topo = m.topology;
   const Point& goal = m.at(head);
-  std::uint32_t left = steps_back_most;
   for (VertexId v = toward; leave_within(m, v, goal, left, start);) {
     if (start.is_edge) {
       v = topo.target(start.edge);
@@ -90,28 +95,48 @@ bool leave_backwards(const MeshState& m, VertexId head, VertexId toward, Start& 
   return false;
 }
 
-Start leave(const MeshState& m, VertexId head, VertexId toward) noexcept {
+// Some steps have been taken before.
+Start leave(const MeshState& m, VertexId head, VertexId toward, std::uint32_t steps_most,
+            std::uint32_t steps) noexcept {
   Start start{};
-  std::uint32_t turns = turns_few;
-  if (leave_within(m, head, m.at(toward), turns, start)) return start;
-  if (leave_backwards(m, head, toward, start)) return start;
-  turns = m.topology.triangle_count();
-  if (!leave_within(m, head, m.at(toward), turns, start)) stop_lost_walk();
+  const auto most = [&](std::uint32_t wanted) {
+    const std::uint32_t left = steps < steps_most ? steps_most - steps : 0;
+    return wanted < left ? wanted : left;
+  };
+  std::uint32_t allowed = most(turns_few), left = allowed;
+  bool found = leave_within(m, head, m.at(toward), left, start);
+  if (!found) {
+    steps += allowed;
+    allowed = left = most(steps_back_most);
+    found = leave_backwards(m, head, toward, left, start);
+  }
+  if (!found) {
+    steps += allowed - left;
+    const std::uint32_t all = m.topology.triangle_count();
+    allowed = left = most(all);
+    found = leave_within(m, head, m.at(toward), left, start);
+    if (!found && allowed == all) stop_lost_walk();
+  }
+  start.steps = found ? steps + (allowed - left) + 1 : steps_most + 1;
+  if (!found) start = {true, m.topology.edge_at(head), start.steps};
   return start;
 }
 
 }  // namespace
 
-Subsegment march(const MeshState& m, VertexId head, VertexId toward) noexcept {
+Subsegment march(const MeshState& m, VertexId head, VertexId toward,
+                 std::uint32_t steps_most) noexcept {
   const Topology& topo = m.topology;
   const Point& origin = m.at(head);
   const Point& goal = m.at(toward);
-  Start start;
-  if (m.owner(head).role() == Role::node || !leave_by_subsegment(m, head, origin < goal, start)) {
-    start = leave(m, head, toward);
+  Start start{};
+  if (m.owner(head).role() == Role::node ||
+      !leave_by_subsegment(m, head, origin < goal, steps_most, start)) {
+    start = leave(m, head, toward, steps_most, start.steps);
   }
   Subsegment subsegment;
   subsegment.head = head;
+  subsegment.steps = start.steps;
   if (start.is_edge) {
     subsegment.is_edge = true;
     subsegment.edge = start.edge;
@@ -128,9 +153,9 @@ Subsegment march(const MeshState& m, VertexId head, VertexId toward) noexcept {
     // Beyond the hull there is no vertex to go to.
     if (apex == infinite_vertex) stop_lost_walk();
     const int side = orient2d_fast(origin, goal, m.at(apex));
-    if (side == 0) {
+    if (side == 0 || ++subsegment.steps > steps_most) {
       // Always onwards, so that no walk from segment to segment comes back to where it was.
-      if ((origin < m.at(apex)) != (origin < goal)) stop_lost_walk();
+      if (side == 0 && (origin < m.at(apex)) != (origin < goal)) stop_lost_walk();
       subsegment.tail = apex;
       subsegment.tail_edge = beyond;
       return subsegment;
@@ -139,29 +164,34 @@ Subsegment march(const MeshState& m, VertexId head, VertexId toward) noexcept {
   }
 }
 
-Subsegment between(const MeshState& m, VertexId head, VertexId tail) noexcept {
+Subsegment between(const MeshState& m, VertexId head, VertexId tail,
+                   std::uint32_t steps_most) noexcept {
   Subsegment subsegment;
   subsegment.head = head;
   subsegment.tail = tail;
-  const Start start = leave(m, head, tail);
+  const Start start = leave(m, head, tail, steps_most, 0);
+  subsegment.steps = start.steps;
   subsegment.is_edge = start.is_edge;
   if (start.is_edge) {
     subsegment.edge = start.edge;
   } else {
     subsegment.head_edge = start.edge;
-    subsegment.tail_edge = leave(m, tail, head).edge;
+    const Start end = leave(m, tail, head, steps_most, start.steps);
+    subsegment.tail_edge = end.edge;
+    subsegment.steps = end.steps;
   }
   return subsegment;
 }
 
-OwnEdges own_edges(const MeshState& m, VertexId steiner) noexcept {
-  Spokes spokes(m.topology, steiner);
+OwnEdges own_edges(const MeshState& m, VertexId steiner, std::uint32_t turns_most) noexcept {
+  Spokes spokes(m.topology, steiner, turns_most);
   OwnEdges found;
   do {
     const Edge e = spokes.edge();
     if (!m.topology.is_constrained(e)) continue;
     (m.at(spokes.target()) < m.at(steiner) ? found.back : found.onward) = e;
   } while ((found.back.is_none() || found.onward.is_none()) && spokes.turn());
+  found.looked = spokes.turns();
   return found;
 }
 

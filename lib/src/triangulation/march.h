@@ -10,21 +10,26 @@ struct Subsegment {
   VertexId head{};
   VertexId tail{};
   bool is_edge = false;
-  Edge edge{};         // is_edge: head -> tail
-  Edge head_edge{};    // else: opposite head in its triangle that the segment enters, and
-  Edge tail_edge{};    // opposite tail in the triangle by which it arrives
-  Edge constrained{};  // an edge of a feature that it crosses, if any
+  Edge edge{};              // is_edge: head -> tail
+  Edge head_edge{};         // else: opposite head in its triangle that the segment enters, and
+  Edge tail_edge{};         // opposite tail in the triangle by which it arrives
+  Edge constrained{};       // an edge of a feature that it crosses, if any
+  std::uint32_t steps = 0;  // triangles on the way; more than were allowed: it was given up
 };
-Subsegment march(const MeshState& m, VertexId head, VertexId toward) noexcept;
+Subsegment march(const MeshState& m, VertexId head, VertexId toward,
+                 std::uint32_t steps_most = any_steps) noexcept;
 // The same where the next vertex is known and the segment is no subsegment: looks at both ends
 // only, and at nothing it crosses.
-Subsegment between(const MeshState& m, VertexId head, VertexId tail) noexcept;
+Subsegment between(const MeshState& m, VertexId head, VertexId tail,
+                   std::uint32_t steps_most = any_steps) noexcept;
 
 // The subsegments of a Steiner vertex, from it.
 struct OwnEdges {
   Edge back;  // to its neighbour that is lexicographically before it; none: it is not marked
   Edge onward;
+  std::uint32_t looked = 0;  // edges, at most `turns_most`
 };
-OwnEdges own_edges(const MeshState& m, VertexId steiner) noexcept;
+OwnEdges own_edges(const MeshState& m, VertexId steiner,
+                   std::uint32_t turns_most = any_steps) noexcept;
 
 }  // namespace etcm::internal

@@ -9,6 +9,7 @@
 #include "etcm/mesh.h"
 #include "topology/segments.h"
 #include "topology/topology.h"
+#include "triangulation/work_meter.h"
 
 namespace etcm::internal {
 
@@ -63,6 +64,7 @@ struct MeshState {
 
   Edge walk_start{};  // where the last walk ended or the last vertex came; a hint for the next
   ErrorDetail error_detail;    // of the last change
+  WorkMeter work;              // of the last change
   const Mesh* mesh = nullptr;  // whose this is; for policies
 
   const Point& at(VertexId v) const noexcept { return points[v.value]; }

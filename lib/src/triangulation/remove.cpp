@@ -141,7 +141,7 @@ void remove_vertex(MeshState& m, VertexId v) noexcept {
   while (!cut.is_none()) {
     const Edge e = cut;
     cut = topo.open_ear(e);
-    legalize_link(m, e, topo.target(e), m.at(topo.apex(e)), nullptr);
+    static_cast<void>(legalize_link(m, e, topo.target(e), m.at(topo.apex(e)), nullptr));
   }
   topo.release_left_over(m.walk_start);
 }

@@ -10,6 +10,7 @@ SegmentId SegmentList::pop(MeshState& m) noexcept {
   if (s.is_none()) return s;
   first_ = m.segment(s).next_listed;
   m.segment(s).next_listed = not_listed;
+  --size_;
   return s;
 }
 
@@ -22,12 +23,14 @@ void SegmentList::Cursor::take() noexcept {
   SegmentId& next = mesh_.segment(*slot_).next_listed;
   *slot_ = next;
   next = not_listed;
+  --size_;
 }
 
 void SegmentList::push(MeshState& m, SegmentId s) noexcept {
   ETCM_VERIFY_THAT(m.segment(s).next_listed == not_listed);
   m.segment(s).next_listed = first_;
   first_ = s;
+  ++size_;
 }
 
 void SegmentList::add(MeshState& m, SegmentId s) noexcept {
@@ -36,6 +39,7 @@ void SegmentList::add(MeshState& m, SegmentId s) noexcept {
   while (!slot->is_none() && precedes(m, *slot, s)) slot = &m.segment(*slot).next_listed;
   m.segment(s).next_listed = *slot;
   *slot = s;
+  ++size_;
 }
 
 void SegmentList::sort(MeshState& m) noexcept {
@@ -100,7 +104,9 @@ void FeatureList::append(MeshState& m, FeatureList& other) noexcept {
   SegmentId* end = &first_;
   while (!end->is_none()) end = &m.segment(*end).next_listed;
   *end = other.first_;
+  size_ += other.size_;
   other.first_ = SegmentId::none();
+  other.size_ = 0;
 }
 
 }  // namespace etcm::internal

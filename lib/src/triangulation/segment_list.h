@@ -20,13 +20,15 @@ namespace etcm::internal {
 class SegmentList {
  public:
   bool is_empty() const noexcept { return first_.is_none(); }
+  std::uint32_t size() const noexcept { return size_; }
   SegmentId pop(MeshState& m) noexcept;  // none: it is empty
   void clear(MeshState& m) noexcept;
 
   // Goes along a list and may take entries out.
   class Cursor {
    public:
-    Cursor(MeshState& m, SegmentList& list) noexcept : mesh_(m), slot_(&list.first_) {}
+    Cursor(MeshState& m, SegmentList& list) noexcept
+        : mesh_(m), slot_(&list.first_), size_(list.size_) {}
     SegmentId segment() const noexcept { return *slot_; }  // none: at the end
     void advance() noexcept { slot_ = &mesh_.segment(*slot_).next_listed; }
     // Takes the segment out, and goes on to the next.
@@ -35,6 +37,7 @@ class SegmentList {
    private:
     MeshState& mesh_;
     SegmentId* slot_;
+    std::uint32_t& size_;
   };
 
  protected:
@@ -45,6 +48,7 @@ class SegmentList {
   void sort(MeshState& m) noexcept;
 
   SegmentId first_{};
+  std::uint32_t size_ = 0;
 };
 
 // Kept in canonical order: in which order the mesh's triangles happened to break them must not show

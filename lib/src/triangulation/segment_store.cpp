@@ -21,7 +21,9 @@ void unlink_at(MeshState& m, SegmentId s, VertexId node) noexcept {
     m.owner(node) = Owner(Role::node, after);
     return;
   }
-  while (next_slot(m, head, node) != s) head = next_slot(m, head, node);
+  std::uint32_t steps = 1;
+  for (; next_slot(m, head, node) != s; ++steps) head = next_slot(m, head, node);
+  m.work.add(steps);
   next_slot(m, head, node) = after;
 }
 
@@ -35,6 +37,7 @@ void link_at(MeshState& m, SegmentId s, VertexId node) noexcept {
 VertexId allocate_vertex(MeshState& m) noexcept {
   if (!m.free_vertices.is_none()) {
     const VertexId v = m.free_vertices;
+    ETCM_VERIFY_THAT(m.owner(v).role() == Role::free);
     m.free_vertices = VertexId{m.vertex_edges[v.value].value};
     return v;
   }

@@ -32,12 +32,13 @@ void canonicalize_cocircular(MeshState& m, Edge e) noexcept {
   if (!is_tie(m, e) && !is_tie(m, Topology::next(e)) && !is_tie(m, Topology::prev(e))) return;
   unsigned boundary = 0;  // its length, counted in the first round
   unsigned quiet = 0;     // boundary edges since the last turn
+  std::uint32_t looked = 0;
   bool first_round = true;
   VertexId start{};
   for (;;) {
     // On to the next boundary edge, around the vertex at the end of this one.
     e = Topology::next(e);
-    while (is_tie(m, e)) {
+    for (++looked; is_tie(m, e); ++looked) {
       const Edge beyond = topo.twin(e);
       if (incircle_perturbed(m.at(topo.apex(beyond)), m.at(topo.origin(beyond)),
                              m.at(topo.target(beyond)), m.at(topo.apex(e))) > 0) {
@@ -57,7 +58,11 @@ void canonicalize_cocircular(MeshState& m, Edge e) noexcept {
       first_round = false;
     }
     if (first_round) ++boundary;
-    if (!first_round && quiet > boundary) return;
+    if (!first_round && quiet > boundary) {
+      m.work.add(looked);
+      m.work.keep(2 * looked);
+      return;
+    }
   }
 }
 
@@ -68,10 +73,14 @@ Edge flip_in(MeshState& m, const Subsegment& subsegment) noexcept {
   const Point& origin = m.at(subsegment.head);
   const Point& goal = m.at(subsegment.tail);
   Edge e = subsegment.head_edge;
-  for (;;) {
+  for (std::uint32_t flips = 1;; ++flips) {
     const VertexId apex = topo.apex(topo.twin(e));
     const Edge second = topo.flip(e);
-    if (apex == subsegment.tail) return Topology::prev(second);
+    if (apex == subsegment.tail) {
+      m.work.add(flips);
+      m.work.keep(2 * flips);
+      return Topology::prev(second);
+    }
     // e now leads from the right to the new corner, `second` from there to the left.
     if (orient2d_fast(origin, goal, m.at(apex)) < 0) e = second;
   }
@@ -84,8 +93,10 @@ void constrain(MeshState& m, Edge e) noexcept {
   canonicalize_cocircular(m, e);
   // Flipping edges may have moved the edge to another triangle.
   if (topo.origin(e) != u || topo.target(e) != v) {
-    const bool found = topo.find_edge(u, v, e);
-    ETCM_CHECK(found);
+    Spokes spokes(topo, u);
+    while (spokes.target() != v) ETCM_CHECK(spokes.turn());
+    e = spokes.edge();
+    m.work.add(spokes.turns());
   }
   canonicalize_cocircular(m, topo.twin(e));
 }

@@ -1,0 +1,298 @@
+// Whatever a call is allowed to do: it succeeds within that, or changes nothing within that.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "inputs/patterns.h"
+#include "inputs/random.h"
+#include "inputs/random_graph.h"
+#include "support/emulated.h"
+#include "support/meshes.h"
+#include "support/oracle.h"
+
+namespace etcm::test {
+namespace {
+
+// A mesh, and a call that is hard in it.
+struct Task {
+  const char* name;
+  std::function<Graph()> graph;
+  std::function<Status(Mesh& mesh, Work limit)> call;
+};
+
+void PrintTo(const Task& task, std::ostream* out) { *out << task.name; }
+
+// What a power of two is added to, so that not all limits are alike.
+constexpr std::size_t scale = is_emulated ? 1 : 4;
+
+// Node 1 in the midst of a circle: each of the others is a neighbour of it.
+Graph hub() {
+  constexpr std::size_t spokes = 100 * scale;
+  Graph graph{"hub", {{0, 0}}, {}};
+  for (std::size_t i = 0; i < spokes; ++i) {
+    const double angle = 6.283185307179586 * static_cast<double>(i) / spokes;
+    graph.nodes.push_back({static_cast<std::int32_t>(1e6 * std::cos(angle)),
+                           static_cast<std::int32_t>(1e6 * std::sin(angle))});
+  }
+  return graph;
+}
+
+// Two rows that face each other, and no node between: a join there is a neighbour of all.
+Graph rows() {
+  constexpr std::size_t columns = 60 * scale;
+  Graph graph{"rows", {}, {}};
+  for (std::size_t i = 0; i < columns; ++i) {
+    const auto x = static_cast<std::int32_t>(100 * i);
+    graph.nodes.push_back({x, 0});
+    graph.nodes.push_back({x + 50, 4'000'000});
+  }
+  return graph;
+}
+
+Graph many_parallels() { return inputs::parallels(15 * scale, 10, 100'000, 40, 3); }
+
+// Node i stands at (100 i, 0), and others beside that line.
+Graph one_through_many() {
+  Graph graph{"one through many", {}, {}};
+  constexpr std::size_t nodes = 60 * scale;
+  inputs::Random random(5);
+  for (std::size_t i = 0; i < nodes; ++i) {
+    graph.nodes.push_back({static_cast<std::int32_t>(100 * i), 0});
+  }
+  for (std::size_t i = 0; i + 1 < nodes; ++i) {
+    graph.nodes.push_back({static_cast<std::int32_t>(100 * i) + random.between(10, 90),
+                           random.below(2) == 0 ? random.between(3, 30) : -random.between(3, 30)});
+  }
+  graph.features.push_back(between_nodes(0, nodes - 1));
+  return graph;
+}
+
+Graph star_of_features() { return inputs::fan({40 * scale, 7200 / scale, 10'000, 90'000}); }
+
+Graph random_features() { return inputs::random_graph(60 * scale, inputs::FeatureLength::any, 11); }
+
+Graph all_but_one_random() {
+  Graph graph = random_features();
+  graph.features.pop_back();
+  return graph;
+}
+
+Graph crossed_grid() { return inputs::grid(10, 10, inputs::GridFeatures::knight_moves, 7); }
+
+Graph plain_grid() {
+  Graph graph = inputs::grid(10, 10, inputs::GridFeatures::random_segments, 7);
+  graph.features.clear();
+  return graph;
+}
+
+Graph ring() { return inputs::exact_circle(20, 3); }
+
+std::function<Status(Mesh&, Work)> join_at(std::int32_t x, std::int32_t y) {
+  return [x, y](Mesh& mesh, Work limit) {
+    VertexId id;
+    return mesh.join({x, y}, id, limit);
+  };
+}
+
+std::function<Status(Mesh&, Work)> leave_of(std::size_t node) {
+  return [node](Mesh& mesh, Work limit) { return mesh.leave(vertex_of(node), limit); };
+}
+
+std::function<Status(Mesh&, Work)> move_to(std::size_t node, std::int32_t x, std::int32_t y) {
+  return [node, x, y](Mesh& mesh, Work limit) { return mesh.move(vertex_of(node), {x, y}, limit); };
+}
+
+// Of those that no feature ends at.
+VertexId first_free(Mesh& mesh) {
+  VertexId v = vertex_of(0);
+  while (mesh.leave(v, Work{0}) == Status::endpoint_in_use) ++v.value;
+  return v;
+}
+
+Status leave_of_the_first(Mesh& mesh, Work limit) { return mesh.leave(first_free(mesh), limit); }
+
+Status move_the_first(Mesh& mesh, Work limit) {
+  const VertexId v = first_free(mesh);
+  const Position place = mesh.position(v);
+  return mesh.move(v, {place.x + 41, place.y - 23}, limit);
+}
+
+Status add_the_last(Mesh& mesh, Work limit) {
+  FeatureId id;
+  return mesh.add_feature(random_features().features.back(), id, limit);
+}
+
+Status remove_first(Mesh& mesh, Work limit) { return mesh.remove_feature(FeatureId{0}, limit); }
+
+Status make_canonical(Mesh& mesh, Work limit) { return mesh.canonicalize(limit); }
+
+Status lay_all(Mesh& mesh, Work limit) { return mesh.rebuild(limit); }
+
+// One that has a few changes behind it, the same each time.
+Status live(Mesh& mesh) {
+  VertexId id;
+  for (std::int32_t i = 1; i < 20; ++i) {
+    static_cast<void>(mesh.join({37 * i, 53 * i % 1000}, id));
+    if (i % 3 == 0) static_cast<void>(mesh.leave(id));
+  }
+  return Status::ok;
+}
+
+const std::vector<Task>& tasks() {
+  static const std::vector<Task> all{
+      {"hub_leaves", hub, leave_of(0)},
+      {"hub_moves", hub, move_to(0, 12'345, 6789)},
+      {"hub_moves_out", hub, move_to(0, 3'000'000, 6789)},
+      {"joins_beside_the_hub", hub, join_at(3, 4)},
+      {"joins_between_rows", rows, join_at(3000, 1'999'999)},
+      {"joins_between_parallels", many_parallels, join_at(50'003, 305)},
+      {"joins_above_parallels", many_parallels, join_at(50'003, 10'000)},
+      {"joins_on_a_parallel", many_parallels, join_at(50'000, 300)},
+      {"a_parallel_goes", many_parallels, remove_first},
+      {"a_node_of_a_parallel_moves", many_parallels, move_to(20, -70, 102)},
+      {"a_feature_through_many_goes", one_through_many, remove_first},
+      {"a_node_of_many_leaves", one_through_many, leave_of(30)},
+      {"a_node_of_many_moves", one_through_many, move_to(30, 3011, 13)},
+      {"the_end_of_many_moves", one_through_many, move_to(0, -90, 7)},
+      {"a_feature_across", all_but_one_random, add_the_last},
+      {"joins_in_a_star", star_of_features, join_at(300, 7)},
+      {"the_centre_of_a_star_moves", star_of_features, move_to(0, 11, 17)},
+      {"a_feature_of_a_star_goes", star_of_features, remove_first},
+      {"joins_at_random", random_features, join_at(501, 499)},
+      {"leaves_at_random", random_features, leave_of_the_first},
+      {"moves_at_random", random_features, move_the_first},
+      {"joins_in_a_grid", crossed_grid, join_at(44, 43)},
+      {"leaves_a_grid", plain_grid, leave_of(44)},
+      {"leaves_a_ring", ring, leave_of(100)},
+      {"joins_a_ring", ring, join_at(3, 5)},
+      {"all_again", random_features, lay_all},
+      {"all_of_parallels_again", many_parallels, lay_all},
+      {"canonical_at_random", random_features, make_canonical},
+      {"canonical_with_parallels", many_parallels, make_canonical},
+      {"canonical_in_a_grid", crossed_grid, make_canonical},
+  };
+  return all;
+}
+
+class WorkOf : public testing::TestWithParam<Task> {
+ protected:
+  std::unique_ptr<OwnedMesh> prepared() const {
+    auto mesh = built(GetParam().graph(), split_default, 20'000);
+    const std::string name = GetParam().name;
+    if (name.find("again") != std::string::npos || name.find("canonical") != std::string::npos) {
+      EXPECT_EQ(live(**mesh), Status::ok);
+    }
+    return mesh;
+  }
+  Status call(Mesh& mesh, Work limit = Work::unlimited()) const {
+    return GetParam().call(mesh, limit);
+  }
+
+ public:
+  static std::string name(const testing::TestParamInfo<Task>& info) { return info.param.name; }
+};
+
+TEST_P(WorkOf, ACallStaysWithinTheLimit) {
+  const auto mesh = prepared();
+  const auto unlimited = prepared();
+  const Status answer = call(**unlimited);
+  // Which of the triangulations of many on one circle is to be is not known before.
+  const std::uint64_t ties = std::string(GetParam().name).ends_with("ring") ? 4 : 1;
+  const bool may_do_a_part = std::string(GetParam().name).starts_with("canonical");
+  const Picture before = picture_of(**mesh);
+  std::uint64_t units = 1;
+  for (Status limited = Status::work_limit; limited == Status::work_limit; units += 1 + units / 3) {
+    ASSERT_LT(units, std::uint64_t{1} << 40) << "no limit is enough";
+    limited = call(**mesh, Work{units});
+    ASSERT_LE((*mesh)->work_done().units, ties * units) << to_string(limited);
+    if (limited != Status::work_limit) {
+      EXPECT_EQ(limited, answer);
+      break;
+    }
+    EXPECT_EQ((*mesh)->error_detail().status, limited);
+    if (!may_do_a_part) {
+      ASSERT_TRUE(picture_of(**mesh) == before) << units;
+    }
+    ASSERT_TRUE(passes_audit(**mesh)) << units;
+  }
+  EXPECT_EQ((*mesh)->hash(), (*unlimited)->hash());
+  EXPECT_GT(units, 16u);
+}
+
+TEST_P(WorkOf, ACallNeedsWhatItSays) {
+  const auto unlimited = prepared();
+  const Status answer = call(**unlimited);
+  const Work needed = (*unlimited)->work_done();
+  const auto enough = prepared();
+  EXPECT_EQ(call(**enough, needed), answer);
+  EXPECT_EQ((*enough)->hash(), (*unlimited)->hash());
+  EXPECT_EQ((*enough)->work_done(), needed);
+  const auto too_little = prepared();
+  EXPECT_EQ(call(**too_little, Work{needed.units - 1}), Status::work_limit);
+}
+
+INSTANTIATE_TEST_SUITE_P(Tasks, WorkOf, testing::ValuesIn(tasks()), WorkOf::name);
+
+TEST(WorkOfABuild, IsEnoughOrLeavesNothing) {
+  for (const auto& graph : {random_features(), many_parallels(), crossed_grid(), hub(),
+                            one_through_many(), star_of_features()}) {
+    const auto unlimited = built(graph, split_default, 20'000);
+    const Work needed = (*unlimited)->work_done();
+    OwnedMesh mesh(inputs::config_for(graph, 20'000));
+    for (std::uint64_t units = 1; units < needed.units; units *= 2) {
+      ASSERT_EQ(mesh->build(graph.nodes, graph.features, Work{units}), Status::work_limit);
+      EXPECT_LE(mesh->work_done().units, units) << graph.name;
+      EXPECT_EQ(mesh->node_count(), 0u);
+      EXPECT_EQ(mesh->unresolved(), 0u);
+    }
+    ASSERT_EQ(mesh->build(graph.nodes, graph.features, needed), Status::ok) << graph.name;
+    EXPECT_EQ(mesh->hash(), (*unlimited)->hash());
+    EXPECT_EQ(mesh->work_done(), needed);
+  }
+}
+
+TEST(WorkOfARestore, IsEnoughOrLeavesNothing) {
+  const Graph graph = random_features();
+  const auto standing = built(graph);
+  std::vector<SteinerPlace> steiner;
+  for (const VertexId v : steiner_vertices(**standing)) {
+    steiner.push_back({(*standing)->feature_of(v).value, (*standing)->point(v)});
+  }
+  OwnedMesh mesh(inputs::config_for(graph, 1500));
+  ASSERT_EQ(mesh->restore(graph.nodes, graph.features, steiner), Status::ok);
+  const Work needed = mesh->work_done();
+  mesh->clear();
+  for (std::uint64_t units = 1; units < needed.units; units *= 2) {
+    ASSERT_EQ(mesh->restore(graph.nodes, graph.features, steiner, Work{units}), Status::work_limit);
+    EXPECT_LE(mesh->work_done().units, units);
+    EXPECT_EQ(mesh->node_count(), 0u);
+  }
+  ASSERT_EQ(mesh->restore(graph.nodes, graph.features, steiner, needed), Status::ok);
+  EXPECT_EQ(mesh->hash(), (*standing)->hash());
+}
+
+TEST(Work, OfNothingIsEnoughForNothing) {
+  const auto mesh = built(random_features());
+  const Picture before = picture_of(**mesh);
+  VertexId id;
+  FeatureId feature;
+  EXPECT_EQ((*mesh)->join({1, 1}, id, Work{0}), Status::work_limit);
+  EXPECT_EQ((*mesh)->move(vertex_of(3), {1, 1}, Work{0}), Status::work_limit);
+  EXPECT_EQ((*mesh)->add_feature(between_nodes(3, 7), feature, Work{0}), Status::work_limit);
+  EXPECT_EQ((*mesh)->remove_feature(FeatureId{0}, Work{0}), Status::work_limit);
+  EXPECT_EQ((*mesh)->work_done(), Work{0});
+  EXPECT_TRUE(picture_of(**mesh) == before);
+  // What is wrong in itself is said first.
+  EXPECT_EQ((*mesh)->leave(VertexId{60'000}, Work{0}), Status::unknown_vertex);
+  EXPECT_EQ((*mesh)->join({position_max + 1, 0}, id, Work{0}), Status::bad_coordinate);
+}
+
+}  // namespace
+}  // namespace etcm::test
