@@ -14,6 +14,7 @@
 #include "bench/fewer_table.h"
 #include "bench/poly_entries.h"
 #include "bench/speed.h"
+#include "bench/work_table.h"
 #include "inputs/corpus.h"
 
 namespace {
@@ -41,6 +42,7 @@ int main(int argc, char** argv) {
       "options (--benchmark_filter=REGEX, --benchmark_format=json, ...).");
   bool corpus = false;
   bool fewer = false;
+  bool work = false;
   std::vector<std::string> poly_paths;
   std::string cliff_filter;
   auto* const cliffs =
@@ -50,6 +52,7 @@ int main(int argc, char** argv) {
           ->expected(0, 1);
   app.add_flag("--corpus", corpus, "Print the table of Steiner counts over the corpus instead");
   app.add_flag("--fewer", fewer, "Print what looking for fewer Steiner vertices comes to instead");
+  app.add_flag("--work", work, "Print how long a unit of work takes instead");
   app.add_option("--poly", poly_paths, "More inputs for the table: .poly files in whole units");
   const bool asks_for_help = argc == 2 && std::string(argv[1]) == "--help";
   if (!asks_for_help) benchmark::Initialize(&argc, argv);
@@ -57,6 +60,7 @@ int main(int argc, char** argv) {
   try {
     if (fewer) return etcm::bench::print_fewer_table(std::cout) ? 0 : 1;
     if (cliffs->count() != 0) return etcm::bench::print_cliffs(cliff_filter, std::cout) ? 0 : 1;
+    if (work) return etcm::bench::print_work_table(std::cout) ? 0 : 1;
     return corpus || !poly_paths.empty() ? print_corpus(poly_paths) : run_benchmarks();
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';

@@ -36,6 +36,9 @@ Edge first_side(const MeshState& m, const Found& found) noexcept {
   return precedes(prev, first) ? prev : first;
 }
 
+// The policy runs within a change of the mesh, so nobody else reads it.
+WorkMeter& work_of(const SplitSite& site) noexcept { return MeshAccess::state(*site.mesh)->work; }
+
 }  // namespace
 
 // Few edges are subsegments, so this is asked before anything is called.
@@ -74,6 +77,7 @@ VertexId Surroundings::shared_node(End end) const noexcept {
 bool Surroundings::is_on_segment_from(VertexId node, VertexId vertex) const noexcept {
   const Owner owner = mesh_.owner(vertex);
   for (SegmentId s = owner.segment(); !s.is_none(); s = next_at(mesh_, s, vertex)) {
+    if (owner.role() == Role::node && !work_of(site_).spend_whole(1)) return false;
     const SegmentRecord& r = mesh_.segment(s);
     if (r.from == node || r.to == node) return true;
     if (owner.role() != Role::node) return false;
@@ -190,7 +194,9 @@ unsigned Surroundings::encroachments(Parameter t, unsigned enough) noexcept {
   const Edge near{near_head ? head_edge_ : tail_edge_};
   const Topology& topo = mesh_.topology;
   const Point p = site_.at(t);
-  const Found found = find(mesh_, p, near);
+  WorkMeter& work = work_of(site_);
+  const Found found = find(mesh_, p, near, work.left());
+  if (!work.spend(found.steps)) return enough;
   if (found.type == LocateType::on_vertex || found.type == LocateType::outside) return enough;
   // The triangles whose circles hold p hang together like a tree: goes round it, its edges u -> v
   // on the left hand, and back through the edge by which a triangle was entered. Of the triangles
@@ -217,7 +223,9 @@ unsigned Surroundings::encroachments(Parameter t, unsigned enough) noexcept {
           ++encroachments;
           watch_subsegment(e.value);
         }
-        if (encroachments >= enough || ++triangles > triangles_most) return enough;
+        if (encroachments >= enough || ++triangles > triangles_most || !work.spend_whole(2)) {
+          return enough;
+        }
         sides_of_entries[depth++] = static_cast<std::uint8_t>(Topology::side_of(entry));
         entry = beyond;
         e = Topology::next(beyond);

@@ -59,7 +59,8 @@ class Conflicts {
 
   // Counts the triangles beyond the edge in whose circles p lies; they hang together like a tree,
   // so along its sides the walk comes back. False: there is no room for them.
-  bool count_beyond(Edge first) noexcept {
+  // Not inline, for it is called three times.
+  [[gnu::noinline]] bool count_beyond(Edge first) noexcept {
     const Topology& topo = m_.topology;
     if (!must_flip(m_, first, p_)) return true;
     enter(first);

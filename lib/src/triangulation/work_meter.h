@@ -14,24 +14,14 @@ namespace etcm::internal {
 // For walks without a limit.
 inline constexpr std::uint32_t any_steps = 0xffff'ffffu;
 
+// Counting is out of line: it is called from many places, and 64 bits are long on small machines.
 class WorkMeter {
  public:
-  void start(Work limit) noexcept {
-    *this = WorkMeter{};
-    limit_ = limit.units;
-    kept_ = slack;
-  }
+  void start(Work limit) noexcept;
   // The same of a call that does not go back, but clears the mesh.
-  void start_anew(Work limit) noexcept {
-    start(limit);
-    keeps_ = 0;
-  }
+  void start_anew(Work limit) noexcept;
   // From here on what has been changed is taken back, whatever the limit.
-  void go_back() noexcept {
-    limit_ = Work::unlimited().units;
-    is_going_back_ = true;
-    is_over_ = false;
-  }
+  void go_back() noexcept;
 
   // What was changed has been taken back, and the call goes on.
   void go_on(Work limit) noexcept {
@@ -41,40 +31,24 @@ class WorkMeter {
   }
 
   // How many steps a walk that changes nothing may take.
-  [[nodiscard]] std::uint32_t left() const noexcept {
-    const std::uint64_t taken = done_ + kept_;
-    if (limit_ <= taken) return 0;
-    return limit_ - taken < any_steps ? static_cast<std::uint32_t>(limit_ - taken) : any_steps - 1;
-  }
+  [[nodiscard]] std::uint32_t left() const noexcept;
   // Whether so much more may be done. Where not, the call is over but for going back; has_room()
   // only asks.
-  [[nodiscard]] bool fits(std::uint64_t units) noexcept {
-    const std::uint64_t needed = done_ + kept_ + units;
-    if (needed > peak_) peak_ = needed;
-    if (needed > limit_) is_over_ = true;
-    return needed <= limit_;
-  }
+  [[nodiscard]] bool fits(std::uint64_t units) noexcept;
   [[nodiscard]] bool has_room(std::uint64_t units) const noexcept {
     return done_ + kept_ + units <= limit_;
   }
   // Takes note of a walk: of at most left() steps, or of more, and then it was given up.
-  [[nodiscard]] bool spend(std::uint64_t units) noexcept {
-    const bool is_whole = fits(units);
-    done_ += is_whole ? units : left();
-    return is_whole;
-  }
+  [[nodiscard]] bool spend(std::uint32_t units) noexcept;
+  // The same, and room for going the same way so many times when the change is taken back.
+  [[nodiscard]] bool spend(std::uint32_t units, std::uint32_t times_back) noexcept;
   // The same of what is to be done, all or nothing.
-  [[nodiscard]] bool spend_whole(std::uint64_t units) noexcept {
-    const bool is_whole = fits(units);
-    if (is_whole) done_ += units;
-    return is_whole;
-  }
+  [[nodiscard]] bool spend_whole(std::uint64_t units) noexcept;
   // Of what is done anyway.
-  void add(std::uint64_t units) noexcept { done_ += units; }
+  void add(std::uint64_t units) noexcept;
   // For going back.
-  void keep(std::uint64_t units) noexcept { kept_ += to_keep(units); }
+  void keep(std::uint64_t units) noexcept;
   [[nodiscard]] std::uint64_t to_keep(std::uint64_t units) const noexcept { return units & keeps_; }
-  [[nodiscard]] bool goes_back() const noexcept { return keeps_ != 0; }
   // What has been changed stays.
   void settle() noexcept { kept_ = slack; }
   [[nodiscard]] bool is_over() const noexcept { return is_over_; }
