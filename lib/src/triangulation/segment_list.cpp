@@ -11,6 +11,7 @@ SegmentId SegmentList::pop(MeshState& m) noexcept {
   first_ = m.segment(s).next_listed;
   m.segment(s).next_listed = not_listed;
   --size_;
+  if (s == added_) added_ = SegmentId::none();
   return s;
 }
 
@@ -36,6 +37,9 @@ void SegmentList::push(MeshState& m, SegmentId s) noexcept {
 void SegmentList::add(MeshState& m, SegmentId s) noexcept {
   if (m.segment(s).next_listed != not_listed) return;
   SegmentId* slot = &first_;
+  // Many often come one after the other.
+  if (!added_.is_none() && precedes(m, added_, s)) slot = &m.segment(added_).next_listed;
+  added_ = s;
   while (!slot->is_none() && precedes(m, *slot, s)) slot = &m.segment(*slot).next_listed;
   m.segment(s).next_listed = *slot;
   *slot = s;

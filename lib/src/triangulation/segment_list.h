@@ -49,6 +49,7 @@ class SegmentList {
 
   SegmentId first_{};
   std::uint32_t size_ = 0;
+  SegmentId added_{};  // the last one to be added, while it is listed
 };
 
 // Kept in canonical order: in which order the mesh's triangles happened to break them must not show
