@@ -63,8 +63,8 @@ void for_some_nodes(const MeshState& m, std::size_t most, Visit visit) noexcept 
 // of the sample. The sample lies in the memory of the cells.
 void cut(MeshState& m, HintAxis& axis, std::int64_t Point::*coordinate) noexcept {
   const Hints& h = m.hints;
-  // As many as there is room for with ids of 16 bits: the same walks whatever the width.
-  std::size_t most = cell_count(h) / 2;
+  // Half of what there is room for with ids of 16 bits: the same walks whatever the width.
+  std::size_t most = cell_count(h) / 4;
   if (most > sample_most) most = sample_most;
   auto* const sample = ::new (static_cast<void*>(h.nodes)) std::int32_t[most];
   std::size_t count = 0;
