@@ -20,6 +20,13 @@ constexpr port::Duration exit_patience = std::chrono::seconds(5);
 // What a serial server still passes on after a wait in vain, as `quiet` of a serial line.
 constexpr port::Duration quiet_over_tcp = std::chrono::milliseconds(50);
 
+// So long a unit may take for what an earlier run has asked.
+port::Duration clearing_of(const BusSettings& bus) {
+  port::Duration longest = bus.timeout;
+  for (const DeviceSettings& device : bus.devices) longest = std::max(longest, device.timeout);
+  return longest + port::late_answer_max;
+}
+
 PortMessages server_messages() {
   return {.key = "`listen` of [server]",
           .served = "serves the mesh on ",
@@ -79,6 +86,7 @@ Program::Bus Program::make_bus(const BusSettings& bus, port::Duration retry_inte
         loop_, log_,
         port::RtuBusOptions{.name = bus.name,
                             .serial_line = *line,
+                            .clearing = clearing_of(bus),
                             .quiet = bus.quiet,
                             .reopen_interval = retry_interval,
                             .lines = board_.io(),
@@ -91,6 +99,7 @@ Program::Bus Program::make_bus(const BusSettings& bus, port::Duration retry_inte
                                           port::RtuBusOptions{.name = bus.name,
                                                               .serial_line = {},
                                                               .address = to_string(end),
+                                                              .clearing = clearing_of(bus),
                                                               .quiet = quiet_over_tcp,
                                                               .reopen_interval = retry_interval});
   }

@@ -38,6 +38,13 @@ Presence::Presence(const PollSettings& settings, const Poller& poller, NodeTable
       buses_(poller.bus_count()),
       sweep_interval_(sweep_interval(settings)) {}
 
+void Presence::turn(port::Instant now) {
+  clock_.turn(now, sweep_interval_);
+  for (BusIndex bus{0}; bus.value < poller_.bus_count(); ++bus.value) {
+    if (poller_.is_clearing(bus, now)) clock_.excuse(bus);
+  }
+}
+
 void Presence::hear_unit(UnitIndex unit, port::Instant now) {
   const BusIndex number = poller_.bus_of(unit);
   const port::Instant heard_at = clock_.heard_at(number);

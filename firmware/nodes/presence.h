@@ -28,7 +28,7 @@ class Presence {
            ReadingTable& readings, NodePlacement& placement, port::Log& log);
 
   // The gateway's loop turns: before anything is heard in this turn.
-  void turn(port::Instant now) { clock_.turn(now, sweep_interval_); }
+  void turn(port::Instant now);
 
   // A sound answer of this unit, whichever node it is from.
   void hear_unit(UnitIndex unit, port::Instant now);

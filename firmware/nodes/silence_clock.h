@@ -35,6 +35,9 @@ class SilenceClock {
   // its whole time anew.
   bool hear(BusIndex bus, port::Instant now);
 
+  // No unit of this bus can have answered by now.
+  void excuse(BusIndex bus) { buses_[bus.value].heard = listened_; }
+
   // What the clock of a bus shows. That of none, of a node that is known from an earlier run and
   // whose bus there is no more, runs while the gateway listens.
   port::Duration shown(BusIndex bus) const { return clock_of(bus).shown; }

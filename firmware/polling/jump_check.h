@@ -4,8 +4,7 @@
 // A device without a sequence number may change its registers while they are read, so that a
 // coordinate is half old and half new. Such a position jumps. It is asked for once more before it
 // counts: where the second one agrees with it the device was moved, else it never was there. So is
-// the first one after the start: nothing is known of where the device was, and on a line whose
-// answers carry no number it may be the answer to what was asked before the start.
+// the first one after the start: nothing is known of where the device was.
 #pragma once
 
 #include <cstdint>

@@ -79,6 +79,9 @@ class Poller {
   const ClientRequests& client_requests(BusIndex bus) const { return buses_[bus.value].clients; }
   // As the bus itself says (node_bus.h).
   std::string_view why_down(BusIndex bus) const { return buses_[bus.value].bus->why_down(); }
+  bool is_clearing(BusIndex bus, port::Instant now) const {
+    return buses_[bus.value].bus->is_clearing(now);
+  }
   BusIndex bus_of(UnitIndex unit) const { return units_[unit.value].bus; }
   // None where there is none.
   UnitIndex unit_at(BusIndex bus, ModbusAddress address) const {

@@ -365,8 +365,19 @@ void RtuBus::open(Instant now) {
 void RtuBus::become_open(Instant now) {
   reported_closed_ = false;
   why_down_.clear();
-  log_.write(Level::info, "bus " + options_.name + ": opened " + place());
-  be_silent(now + silence_, now + silence_);
+  std::string line = "bus " + options_.name + ": opened " + place();
+  if (clear_at_ == never) {
+    const Duration clearing = options_.clearing + delay_max();
+    clear_at_ = options_.clearing > Duration{} ? now + clearing : now;
+    if (clear_at_ > now) {
+      line += "; asks nothing for " +
+              std::to_string(std::chrono::ceil<std::chrono::seconds>(clearing).count()) +
+              " s, in which answers to an earlier run may come";
+    }
+  }
+  log_.write(Level::info, line);
+  const Instant until = std::max(clear_at_, now + silence_);
+  be_silent(until, until);
 }
 
 void RtuBus::close(const std::string& why, Instant now) {

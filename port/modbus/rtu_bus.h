@@ -21,6 +21,10 @@
 // between them its registers can be read. (With an adapter that hears itself, FC 5, 6 and 22 are
 // answered by their own echo, which is the same frame.)
 //
+// What an earlier run of the program has asked is not known. So nothing is asked before its answers
+// have come (RtuBusOptions::clearing): one that were taken for the first question's would leave
+// that question's own for the next, and so on.
+//
 // So that it falls into no other unit's answer either, the line stays silent after a wait in vain
 // for as long as that unit may still begin to answer: `quiet`, or longer where it once was slower;
 // less once its late answer has passed. Never longer than late_silence_max, and each miss without a
@@ -53,7 +57,10 @@ inline constexpr std::size_t client_misses_max = 2;
 struct RtuBusOptions {
   std::string name;  // for the log
   SerialLine serial_line;
-  std::string address{};       // for the log, of a line over TCP; its bytes take no time
+  std::string address{};  // for the log, of a line over TCP; its bytes take no time
+  // Nothing is asked for so long after it has opened for the first time: answers may come to what
+  // an earlier run, or another program, has asked.
+  Duration clearing{};
   Duration quiet{};            // silence after a wait in vain
   Duration reopen_interval{};  // from one attempt to open the port to the next
   DigitalIo* lines = nullptr;  // with `send_enable`: the line that switches the transceiver
@@ -82,6 +89,7 @@ class RtuBus final : public NodeBus {
   }
   Instant request_free_at(const UnitRequest& request, Instant now) const override;
   bool is_up() const override { return phase_ != Phase::closed && phase_ != Phase::opening; }
+  bool is_clearing(Instant now) const override { return is_up() && now < clear_at_; }
   void start_read(const RegisterRead& read, Instant now) override;
   void start_write(const RegisterWrite& write, Instant now) override;
   void start_request(const UnitRequest& request, Instant now) override;
@@ -170,6 +178,7 @@ class RtuBus final : public NodeBus {
   RtuLine& line_;
   Phase phase_ = Phase::closed;
   bool reported_closed_ = false;
+  Instant clear_at_ = never;  // from when on it asks; not known before it has opened
   std::string why_down_;
   bool is_sending_ = false;
   Instant next_attempt_{};

@@ -39,7 +39,7 @@ class RecordingLog final : public port::Log {
 class ScriptedBus final : public port::NodeBus {
  public:
   bool ready() const override {
-    return link_up && silent_until_ <= now_ &&
+    return link_up && silent_until_ <= now_ && clear_at <= now_ &&
            waiting_.size() + done_.size() + timed_out_.size() < outstanding_max;
   }
   std::string_view why_down() const override { return link_up ? std::string_view{} : why_no_link; }
@@ -47,6 +47,7 @@ class ScriptedBus final : public port::NodeBus {
   void start_write(const port::RegisterWrite& write, port::Instant now) override;
   void start_request(const port::UnitRequest& request, port::Instant now) override;
   bool is_up() const override { return link_up; }
+  bool is_clearing(port::Instant now) const override { return now < clear_at; }
   void advance(port::Instant now) override;
   bool take_answer(port::BusAnswer& answer) override;
   port::Instant next_deadline() const override;
@@ -60,7 +61,8 @@ class ScriptedBus final : public port::NodeBus {
 
   bool link_up = true;
   std::string why_no_link;  // that is told while it is not up
-  bool is_stuck = false;    // neither answers nor lets time pass
+  port::Instant clear_at{};
+  bool is_stuck = false;  // neither answers nor lets time pass
   std::size_t outstanding_max = 100;
   port::Duration silence_after_timeout{};
   std::map<std::uint8_t, std::uint32_t> reads;      // by unit

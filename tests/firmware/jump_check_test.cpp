@@ -35,7 +35,7 @@ TEST_F(Jumps, WhatCanFollowCounts) {
   EXPECT_EQ(judge(1'000'116, 3, 10s), Verdict::take);
 }
 
-// It may be the answer to what an earlier run of the gateway, or a client of it, has asked.
+// It may be torn like any other.
 TEST_F(Jumps, TheFirstPositionCountsOnceItIsToldTwice) {
   EXPECT_EQ(judge(7'000'000, 7'000'000), Verdict::ask_again);
   EXPECT_EQ(judge(3, 4, 20ms), Verdict::drop);

@@ -247,30 +247,31 @@ class LateSite final : public ReadingListener {
                   .outstanding_max = 1,
                   .send_enable = {},
                   .share = {.listen = {}, .percent = 20}} {
-    if (site.is_interrupted) requests.poller = &poller_;
+    start();
+    if (site.is_interrupted) requests.poller = &gateway_->poller;
   }
 
   // Until so many questions were heard.
   void run(std::uint32_t questions) {
     for (std::uint32_t asked = 0; asked < questions && !testing::Test::HasFailure();) {
-      poller_.step(now_);
+      gateway_->poller.step(now_);
       asked = 0;
       for (const std::uint32_t count : line.heard) asked += count;
-      now_ = std::max(now_ + 1us, std::min(poller_.next_deadline(), line.next()));
+      now_ = std::max(now_ + 1us, std::min(gateway_->poller.next_deadline(), line.next()));
       line.pass_to(now_);
     }
   }
   void run_for(port::Duration time) {
     for (const port::Instant end = now_ + time; now_ < end;) {
-      poller_.step(now_);
-      now_ = std::max(now_ + 1us, std::min({poller_.next_deadline(), line.next(), end}));
+      gateway_->poller.step(now_);
+      now_ = std::max(now_ + 1us, std::min({gateway_->poller.next_deadline(), line.next(), end}));
       line.pass_to(now_);
     }
   }
 
   bool on_reading(UnitIndex index, const NodeReading& reading, std::span<const Measurement>,
                   port::Instant now) override {
-    const std::uint8_t unit = poller_.address_of(index).value;
+    const std::uint8_t unit = gateway_->poller.address_of(index).value;
     const port::Duration limit = timeout_of(settings_, ModbusAddress{unit});
     const port::Instant asked{
         (std::int64_t{reading.position.y} * position_max + reading.position.x) * 1ms};
@@ -278,6 +279,15 @@ class LateSite final : public ReadingListener {
     EXPECT_EQ(reading.serial, Serial{unit});
     ++readings[unit];
     return true;
+  }
+
+  // The gateway ends, and is started anew; what units owe it is still to come.
+  void restart_after(port::Duration pause) {
+    now_ += pause;
+    line.pass_to(now_);
+    const bool is_interrupted = requests.poller != nullptr;
+    start();
+    if (is_interrupted) requests.poller = &gateway_->poller;
   }
 
   std::string logged() const { return testing::PrintToString(log.lines); }
@@ -300,15 +310,25 @@ class LateSite final : public ReadingListener {
  private:
   PollSettings poll_;
   BusSettings settings_;
-  port::RtuBus bus_{line,
-                    log,
-                    {.name = "yard",
-                     .serial_line = serial_,
-                     .quiet = 50ms,
-                     .reopen_interval = 1s,
-                     .send_enable = {}}};
-  std::vector<PolledBus> polled_{{.bus = &bus_, .settings = &settings_, .clients = &clients}};
-  Poller poller_{poll_, polled_, *this, log, &requests};
+
+  // What is new at each start.
+  struct Gateway {
+    explicit Gateway(LateSite& site)
+        : bus(site.line, site.log,
+              {.name = "yard",
+               .serial_line = site.serial_,
+               .clearing = answer_timeout + port::late_answer_max,
+               .quiet = 50ms,
+               .reopen_interval = 1s,
+               .send_enable = {}}),
+          polled{{.bus = &bus, .settings = &site.settings_, .clients = &site.clients}},
+          poller(site.poll_, polled, site, site.log, &site.requests) {}
+    port::RtuBus bus;
+    std::vector<PolledBus> polled;
+    Poller poller;
+  };
+  void start() { gateway_.emplace(*this); }
+  std::optional<Gateway> gateway_;
 };
 
 TEST(LateAnswers, TheAnswerToTheFirstQuestionIsNotTakenForTheThirds) {
@@ -316,6 +336,18 @@ TEST(LateAnswers, TheAnswerToTheFirstQuestionIsNotTakenForTheThirds) {
   site.run_for(60s);
   EXPECT_EQ(site.readings[1], 0u);
   EXPECT_GE(site.line.heard[1], 20u);
+}
+
+// It owes an answer when the gateway ends, and each one that were taken for the next question's
+// would leave another.
+TEST(LateAnswers, AnswersToAnEarlierRunAreTakenForNone) {
+  for (const port::Duration pause : {0ms, 100ms, 1100ms, 1300ms}) {
+    LateSite site({}, [](auto...) { return 1350ms; });
+    site.run_for(60s + 50ms);
+    site.restart_after(pause);
+    site.run_for(60s);
+    EXPECT_EQ(site.readings[1], 0u) << pause / 1ms << " ms";
+  }
 }
 
 TEST(LateAnswers, TheLogSaysHowLateTheyAreAndItsAdviceHelps) {
@@ -423,6 +455,19 @@ TEST_P(LateUnits, NeverHaveAnAnswerBelievedThatIsNotToTheQuestion) {
   EXPECT_EQ(site.readings[units], 0u);
 }
 
+// Whatever an earlier run has asked, and however soon the next one begins.
+TEST_P(LateUnits, NorAfterARestart) {
+  LateSite site(LateUnits::site(true), latency());
+  std::minstd_rand random(7);
+  std::uint32_t readings = 0;
+  for (int restart = 0; restart < 400 / test::thinning_if_slow; ++restart) {
+    site.run_for(up_to(20s, random));
+    site.restart_after(up_to(500ms, random));
+  }
+  for (const std::uint32_t count : site.readings) readings += count;
+  EXPECT_GT(readings, 1000u / test::thinning_if_slow);
+}
+
 // Then all the time is theirs.
 TEST_P(LateUnits, NorWhereNobodyElseIsOnTheLine) {
   LateUnitsOnABus alone = LateUnits::site(true);
@@ -497,7 +542,7 @@ TEST(SharedLineTime, OfABusyLineOthersHaveTheirShareAndNoMore) {
 TEST(SharedLineTime, AnIdleLineIsTheirsBetweenThePolls) {
   LateSite site({.units = 1, .clients = LateClients::Wish::flood_of_first_unit},
                 [](auto...) { return 3ms; });
-  site.run_for(100s);
+  site.run_for(110s);
   EXPECT_GE(site.readings[1], 99u);
   EXPECT_GE(site.clients.answered, 1500u);
 }

@@ -56,6 +56,21 @@ TEST(BusSilence, ABusThatNeverAnsweredIsSilentAfterLeaveAfter) {
       << logged(rig);
 }
 
+// It does not ask before answers to an earlier run can come no more.
+TEST(BusSilence, IsNoneBeforeABusAsks) {
+  Rig rig;
+  rig.bus.clear_at = rig.clock.now() + 10s;
+  rig.run(10s);
+  EXPECT_EQ(rig.log.count("silent"), 0u) << logged(rig);
+  EXPECT_EQ(rig.gateway->presence().silent_bus_count(), 0u);
+  EXPECT_TRUE(rig.bus.reads.empty());
+  rig.run(4s);
+  EXPECT_EQ(rig.log.count("bus yard: silent since the start"), 1u) << logged(rig);
+  rig.put_square();
+  rig.run(1s);
+  EXPECT_EQ(rig.server.header("node_count"), 4u);
+}
+
 TEST(BusSilence, ABusThatOnlyLooksForNodesMayHaveNone) {
   Rig rig;
   rig.settings.buses[0].scan = std::exchange(rig.settings.buses[0].units, {});
@@ -263,7 +278,7 @@ TEST(BusSilence, ABusWhoseOnlyNodeAskedToLeaveIsNot) {
   rig.bus.silence(1);
   rig.run(10s);
   expect_nobody_left(rig);
-  EXPECT_EQ(rig.server.header("state"), 0u);
+  EXPECT_EQ(rig.gateway->presence().silent_bus_count(), 0u);
   EXPECT_EQ(rig.gateway->nodes().records()[0].is_known(), false);
 }
 
@@ -294,7 +309,7 @@ TEST(GatewayPause, ThatComesAgainAndAgainExpelsNobody) {
     rig.run(200ms);
   }
   expect_nobody_left(rig);
-  EXPECT_EQ(rig.server.header("state"), 0u);
+  EXPECT_EQ(rig.gateway->presence().silent_bus_count(), 0u);
 }
 
 TEST(GatewayPause, WhileABusIsSilentAddsNothing) {
@@ -308,7 +323,7 @@ TEST(GatewayPause, WhileABusIsSilentAddsNothing) {
   rig.put_square();
   rig.run(1s);
   expect_nobody_left(rig);
-  EXPECT_EQ(rig.server.header("state"), 0u);
+  EXPECT_EQ(rig.gateway->presence().silent_bus_count(), 0u);
 }
 
 // What is not fresh must not be said to be, whoever's fault it is.
@@ -345,7 +360,7 @@ TEST(WithoutAFix, APositionGrowsOldAndIsShownSo) {
   EXPECT_GE(rig.server.header("oldest_age_ms"), 30'000u);
   rig.put(1, 0, 0);
   rig.run(500ms);
-  EXPECT_EQ(rig.server.header("state"), 0u);
+  EXPECT_EQ(rig.gateway->presence().silent_bus_count(), 0u);
   EXPECT_LE(rig.server.header("oldest_age_ms"), 500u);
 }
 

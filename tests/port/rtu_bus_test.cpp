@@ -60,6 +60,7 @@ class SerialBus : public testing::Test {
       bus_ = std::make_unique<RtuBus>(loop_, log_,
                                       RtuBusOptions{.name = "yard",
                                                     .serial_line = {.path = path_, .baud = 9600},
+                                                    .clearing = clearing_,
                                                     .quiet = quiet,
                                                     .reopen_interval = 100ms,
                                                     .lines = &lines_,
@@ -157,6 +158,7 @@ class SerialBus : public testing::Test {
   KeptLog log_;
   RecordingLines lines_;
   std::optional<DigitalLine> send_enable_;
+  Duration clearing_{};
   std::string path_;
   std::optional<nodes::PseudoTerminal> cable_;
   std::unique_ptr<RtuBus> bus_;
@@ -202,6 +204,56 @@ TEST_F(SerialBus, AsksOneWayOnceUntilItsLateAnswerCanComeNoMore) {
   const Instant asked = now_;
   while (!result() && now_ < asked + 1s) pass(1ms);
   EXPECT_GE(bus().read_free_at(read, now_), asked + 5s);
+}
+
+TEST_F(SerialBus, AsksNothingBeforeAnswersToAnEarlierRunCanComeNoMore) {
+  clearing_ = 5s;
+  bus().advance(now_);
+  const Instant opened = now_;
+  EXPECT_EQ(log_.lines.back(), "bus yard: opened " + path_ +
+                                   "; asks nothing for 6 s, in which answers to an earlier run may "
+                                   "come");
+  EXPECT_TRUE(bus().is_clearing(now_));
+  EXPECT_EQ(bus().next_deadline(), opened + 5s + bus().delay_max());
+  say(two_registers(7, 1));
+  while (now_ < opened + 5s) {
+    EXPECT_FALSE(bus().ready());
+    pass(100ms);
+    say({0});
+  }
+  pass(bus().delay_max());
+  EXPECT_FALSE(bus().is_clearing(now_));
+  request(7);
+  EXPECT_EQ(result(), std::nullopt);
+  say(two_registers(7, 2));
+  EXPECT_EQ(result(), BusResult::ok);
+  EXPECT_EQ(value_, 2);
+}
+
+TEST_F(SerialBus, APortThatComesBackInTheSameRunIsAskedAtOnce) {
+  clearing_ = 5s;
+  bus().advance(now_);
+  pass(4s);
+  unplug();
+  EXPECT_TRUE(turn_until(loop_, [&] {
+    pass(1ms);
+    return !bus().is_up();
+  }));
+  EXPECT_FALSE(bus().is_clearing(now_));
+  plug_in();
+  pass(100ms);
+  EXPECT_TRUE(bus().is_clearing(now_)) << "the rest of the time is waited for";
+  pass(3s);
+  become_ready();
+  unplug();
+  EXPECT_TRUE(turn_until(loop_, [&] {
+    pass(1ms);
+    return !bus().is_up();
+  }));
+  plug_in();
+  pass(100ms);
+  pass(5ms);
+  EXPECT_TRUE(bus().ready());
 }
 
 TEST_F(SerialBus, AnAnswerMayComeByteByByte) {

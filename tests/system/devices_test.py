@@ -1,11 +1,16 @@
 """The gateway with devices of other makers, which pymodbus plays: over TCP, and on a serial line
 with a transmitter that was surveyed. Read by mbpoll. The programs' folder is in ETCM_BIN."""
 import json
+import os
 import pathlib
 import re
 import struct
+import signal
 import subprocess
 import sys
+import threading
+import time
+import tty
 import unittest
 import urllib.request
 
@@ -51,6 +56,42 @@ def rover(serial, x_mm, y_mm, valid="A"):
     registers = {0: serial >> 16, 1: serial & 0xFFFF, 300: 0x2000 | ord(valid)}
     registers |= dict(enumerate(swapped(x_mm) + swapped(y_mm), start=100))
     return {"4": registers}
+
+
+def crc(frame):
+    value = 0xFFFF
+    for byte in frame:
+        value ^= byte
+        for _ in range(8):
+            value = value >> 1 ^ (0xA001 if value & 1 else 0)
+    return frame + struct.pack("<H", value)
+
+
+class LateUnit(threading.Thread):
+    """A unit on a terminal of its own that has one way to be read, and answers each question when it
+    hears the next one: where that comes within 5 s."""
+
+    def __init__(self):
+        super().__init__(daemon=True)
+        self.end, self.other_end = os.openpty()
+        tty.setraw(self.end)
+        tty.setraw(self.other_end)
+        self.path = os.ttyname(self.other_end)
+        self.heard = 0
+        self.start()
+
+    def run(self):
+        asked, earlier = b"", None
+        while True:
+            asked += os.read(self.end, 256)
+            if len(asked) < 8:
+                continue
+            self.heard += 1
+            now, answer = time.monotonic(), crc(struct.pack(">BBB2H", asked[0], asked[1], 4,
+                                                            self.heard, self.heard))
+            if earlier is not None and now - earlier[0] < 5:
+                os.write(self.end, earlier[1])
+            asked, earlier = asked[8:], (now, answer)
 
 
 class Devices(GatewayCase):
@@ -213,6 +254,33 @@ latitude = "63.4315"
 
         self.assertEqual(wait_for("all five", lambda: levels() if levels() and len(levels()) == 3 else None),
                          {2005: 1.005, 2006: 1.006, 2007: 1.007})
+
+    def test_an_answer_to_a_run_before_is_no_position(self):
+        unit = LateUnit()
+        (self.folder / "site.toml").write_text(f"""
+[mesh]
+vertices_max = 10
+[server]
+listen = "127.0.0.1:0"
+[[profile]]
+name = "late"
+x = {{ register = 0 }}
+y = {{ register = 1 }}
+[[bus]]
+rtu = "{unit.path}"
+[[bus.device]]
+units = "1"
+profile = "late"
+""")
+        for run in (1, 2, 3):
+            gateway = self.start(f"run {run}", [PROGRAMS / "etcm-gateway", "--config", "site.toml"])
+            gateway.wait_for_line(r"opened .*; asks nothing for 6 s")
+            wait_for("a question", lambda: unit.heard == run)
+            if run < 3:
+                gateway.stop(signal.SIGKILL)
+        wait_for("one more", lambda: unit.heard == 4)
+        self.assertEqual(gateway.stop(), 0)
+        self.assertNotIn("joined", gateway.log())
 
     def test_that_tell_degrees_need_a_place_to_be_about(self):
         gateway = self.start_gateway([], head=f'profiles = "{PROFILES}"\n', wait=False, more="""

@@ -111,6 +111,9 @@ class NodeBus {
 
   // Whether there is a connection or a line to the units, as far as is known.
   virtual bool is_up() const { return true; }
+  // Whether it asks nothing yet, so that no answer to an earlier run is taken for one of this: no
+  // unit can have answered.
+  virtual bool is_clearing(Instant) const { return false; }
   // Whether a request that is not answered holds up all others, as far as that was found out.
   virtual bool is_one_line() const { return false; }
   // For how much longer than its timeout a request may be under way.
