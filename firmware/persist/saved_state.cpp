@@ -46,6 +46,7 @@ constexpr std::uint8_t flag_position = 1;
 constexpr std::uint8_t flag_disagrees = 1;
 constexpr std::uint8_t flag_slow_change = 2;
 constexpr std::uint8_t flag_noisy = 4;
+constexpr unsigned ended_alarms_shift = 3;  // two bits, behind the flags
 // A silence that goes on is as good as another one each hour.
 constexpr std::uint32_t seconds_per_hour = 3600;
 
@@ -125,6 +126,7 @@ LearnedSensor take_sensor(Reader& reader) {
   sensor.disagrees = (flags & flag_disagrees) != 0;
   sensor.has_slow_change = (flags & flag_slow_change) != 0;
   sensor.is_noisy = (flags & flag_noisy) != 0;
+  sensor.ended_alarms = static_cast<std::uint8_t>(flags >> ended_alarms_shift & 3u);
   sensor.sample_count = reader.take<std::uint8_t>();
   sensor.definition = reader.take<std::uint64_t>();
   sensor.point.x = reader.take<std::int64_t>();
@@ -352,9 +354,9 @@ void StateWriter::add(const LearnedSensor& sensor) {
   count(sensors);
   put(sensor.serial.value);
   put(static_cast<std::uint16_t>(sensor.quantity.value));
-  put(static_cast<std::uint8_t>((sensor.disagrees ? flag_disagrees : 0) |
-                                (sensor.has_slow_change ? flag_slow_change : 0) |
-                                (sensor.is_noisy ? flag_noisy : 0)));
+  put(static_cast<std::uint8_t>(
+      (sensor.disagrees ? flag_disagrees : 0) | (sensor.has_slow_change ? flag_slow_change : 0) |
+      (sensor.is_noisy ? flag_noisy : 0) | (sensor.ended_alarms & 3u) << ended_alarms_shift));
   put(static_cast<std::uint8_t>(sensor.sample_count));
   put(sensor.definition);
   put(sensor.point.x);

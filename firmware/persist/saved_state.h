@@ -17,10 +17,11 @@
 //   missing: as a node, but the last u8 is 1 where it has a position; u32 silence in s
 //   quantity: u8 length, name, u8 length, unit
 //   sensor:  u32 serial, u16 quantity, counted from 0, u8 flags (1 disagrees, 2 has a slow change,
-//            4 is noisy), u8 samples, u64 definition, i64 x, i64 y in 2^-28 units, u32 age of its
-//            last reading in s, f64 (IEEE 754) reference, followed, slow change, slow residual,
-//            residual, roughness, step, wander, rise, fall, u16 samples of the residual, of the
-//            roughness, the step, the wander (records/learned_sensor.h)
+//            4 is noisy, 8 and 16 alarms that ended, up to 3), u8 samples, u64 definition, i64 x,
+//            i64 y in 2^-28 units, u32 age of its last reading in s, f64 (IEEE 754) reference,
+//            followed, slow change, slow residual, residual, roughness, step, wander, rise, fall,
+//            u16 samples of the residual, of the roughness, the step, the wander
+//            (records/learned_sensor.h)
 // Forms 1 and 2 are read too: neither has quantities, sensors, their counts and the time, and form
 // 1 no missing nodes either.
 #pragma once

@@ -218,7 +218,10 @@ void DisagreementWatch::judge(Record& record) {
   if (agreement.is_judged) record.cusum.add(residual / deviation);
   agreement.suspicion = record.cusum.sum() / TwoSidedCusum::threshold;
   if (agreement.disagrees) {
-    if (record.cusum.is_clear()) agreement.disagrees = false;
+    if (record.cusum.is_clear()) {
+      agreement.disagrees = false;
+      if (record.ended_alarms < ended_alarms_max) ++record.ended_alarms;
+    }
     return;
   }
   if (record.cusum.is_beyond()) record.strength = std::abs(residual) / deviation;
@@ -232,8 +235,8 @@ double DisagreementWatch::deviation_of(const Record& record, const Prediction& p
   const double excess =
       prediction.roughness * prediction.roughness - usual_variances * usual * usual;
   const double wander = std::min(wander_weight * wander_of(record), wander_share_max * range_);
-  return std::sqrt(own * own + wander * wander + slow * slow +
-                   excess_weight * std::max(0.0, excess));
+  return (1 + record.ended_alarms) * std::sqrt(own * own + wander * wander + slow * slow +
+                                               excess_weight * std::max(0.0, excess));
 }
 
 // A node whose surroundings show too little of the field, at the hull or of a sparse site, has

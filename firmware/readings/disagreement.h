@@ -26,6 +26,10 @@ inline constexpr port::Duration sample_interval = std::chrono::minutes(1);
 // Samples with a prediction before a sensor is judged.
 inline constexpr std::uint32_t learning_samples = 240;
 
+// What comes and goes is the field rather than the sensor: with each of its alarms that ended its
+// deviation counts once more, for so many of them.
+inline constexpr std::uint8_t ended_alarms_max = 3;
+
 // Of one sensor, as of the sample in which it was read last.
 struct Agreement {
   bool disagrees = false;  // the alarm; stands until it agrees again
@@ -113,6 +117,7 @@ class DisagreementWatch {
     QuantileTracker roughness = QuantileTracker::median();     // around: ThinPlate::deviation()
     std::uint32_t sample_count = 0;                            // with a residual
     TwoSidedCusum cusum;
+    std::uint8_t ended_alarms = 0;  // up to ended_alarms_max
     bool takes_back = false;        // see Reference::take_back()
     std::uint32_t disbelieved = 0;  // bit i: the sensor of around(row)[i] disagrees
     double strength = 0;            // of a candidate for the alarm in this sample

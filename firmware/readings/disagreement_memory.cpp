@@ -37,6 +37,7 @@ LearnedSensor DisagreementWatch::learned_of(const Record& record) {
   learned.rise = record.cusum.rise();
   learned.fall = record.cusum.fall();
   learned.disagrees = record.agreement.disagrees;
+  learned.ended_alarms = record.ended_alarms;
   return learned;
 }
 
@@ -66,6 +67,7 @@ bool DisagreementWatch::restore(std::uint32_t row, const LearnedSensor& learned)
   record.slow_residual = learned.slow_residual;
   record.wander.begin(learned.wander, learned.wander_count);
   record.cusum = TwoSidedCusum(learned.rise, learned.fall);
+  record.ended_alarms = std::min(learned.ended_alarms, ended_alarms_max);
   record.agreement = {};
   // An alarm stands on a sum that is not clear; else it would end only when one has begun again.
   record.agreement.disagrees = learned.disagrees && !record.cusum.is_clear();

@@ -37,6 +37,7 @@ struct LearnedSensor {
   double rise = 0;
   double fall = 0;
   bool disagrees = false;
+  std::uint8_t ended_alarms = 0;  // as far as they count
   friend bool operator==(const LearnedSensor&, const LearnedSensor&) = default;
 };
 

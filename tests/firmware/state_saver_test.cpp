@@ -77,7 +77,8 @@ LearnedSensor learned_sensor() {
           .is_noisy = true,
           .rise = 8,
           .fall = 9,
-          .disagrees = true};
+          .disagrees = true,
+          .ended_alarms = 2};
 }
 
 void write_learned(StateWriter& writer) {
@@ -190,7 +191,7 @@ TEST(SavedStateForm, IsTheOneItsHeaderDescribes) {
   const std::size_t sensor = bytes.size() - sensor_size_saved;
   EXPECT_EQ(at(sensor), 1001u & 0xff);
   EXPECT_EQ(at(sensor + 4), 1u);
-  EXPECT_EQ(at(sensor + 6), 7u);
+  EXPECT_EQ(at(sensor + 6), 7u | 2u << 3);
   EXPECT_EQ(at(sensor + 7), 240u);
   EXPECT_EQ(at(sensor + 8), 0x10u);
   EXPECT_EQ(at(sensor + 24), 78u);

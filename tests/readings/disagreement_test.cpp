@@ -245,6 +245,24 @@ TEST(Disagreement, EndsOnceTheSensorAgreesAgain) {
   EXPECT_EQ(site.begun_alarms(), 3);
 }
 
+// At the corner of a sparse site the field comes and goes so.
+TEST(Disagreement, ThatComesAndGoesIsToldAFewTimes) {
+  WatchedSite site(hundred_nodes(9), calm, 9);
+  site.run(learned_after);
+  const std::uint32_t row = site.inner_row();
+  for (int day = 0; day < 30; ++day) {
+    site.run(30, offset_of(row, drift));
+    site.run(90);
+  }
+  EXPECT_GE(site.begun_alarms(), 2);
+  EXPECT_LE(site.begun_alarms(), 2 + ended_alarms_max);
+  EXPECT_GT(site.samples_until_alarm(row, found_within, offset_of(row, 5 * drift)), 0);
+  site.watch().forget(row);
+  site.run(60);
+  site.run(learned_after);
+  EXPECT_GT(site.samples_until_alarm(row, found_within, offset_of(row, drift)), 0);
+}
+
 TEST(Disagreement, OfAWildSensorLeavesItsNeighboursAlone) {
   for (const double offset : {0.5, 100.0, -1e12, 1e90}) {
     WatchedSite site(hundred_nodes(10), calm, 10);

@@ -27,7 +27,7 @@ MovingField::MovingField(const firmware::Snapshot& snapshot, const FieldManner& 
   for (double& phase : phase_) phase = two_pi * half_open_unit(random_);
   std::vector<double> sum(values_.size());
   for (int i = 0; i < pattern_count; ++i) {
-    pattern_[i] = smooth_field(snapshot, 0.4 * side, random_());
+    pattern_[i] = smooth_field(snapshot, manner.length * side, random_());
     for (std::size_t row = 0; row < sum.size(); ++row) sum[row] += pattern_[i][row];
   }
   const auto [least, greatest] = std::minmax_element(sum.begin(), sum.end());

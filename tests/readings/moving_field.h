@@ -12,6 +12,7 @@ namespace etcm::test {
 
 struct FieldManner {
   double noise = 0.01;       // standard deviation, of the range of the field
+  double length = 0.4;       // of its correlation, of the side of the site
   double common_swing = 1;   // of the whole field within a day
   double shape_swing = 0.1;  // of each of its patterns within a day, for itself
   double front_step = 0;     // a step of this height passes the site
