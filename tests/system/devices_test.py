@@ -235,6 +235,20 @@ latitude = "63.4315"
                             "127.0.0.1:8080": "127.0.0.1:0"}.items():
             self.assertEqual(text.count(there), 1)
             text = text.replace(there, str(here))
+        # What stands before it looks at the devices, while nothing else has the line.
+        section = guide[guide.index("### Your own devices"):guide.index("   ```toml")]
+        looks = re.findall(r"^   (etcm-bus .*)$", section, re.M)
+        self.assertEqual(len(looks), 4)
+        for look in looks:
+            words = look.replace("/dev/serial/by-path/...", str(near)).replace(
+                "192.168.1.1", f"127.0.0.1:{port}").split()
+            more = ["--profiles", str(PROFILES)] if words[1] == "probe" else []
+            done = subprocess.run([PROGRAMS / words[0], *words[1:], *more], capture_output=True,
+                                  text=True, timeout=PATIENCE_S)
+            self.assertEqual(done.returncode, 0, f"{look}\n{done.stdout}{done.stderr}")
+            expected = {"scan": r"(?s)^   3 .*^   5 .*^   6 .*^   7 ", "read": r"0 +1005$",
+                        "probe": r"^  position +yes$"}[words[1]]
+            self.assertRegex(done.stdout, re.compile(expected, re.M))
         config = self.folder / "gateway.toml"
         config.write_text(f'profiles = "{PROFILES}"\n{text}\n[server]\nlisten = "127.0.0.1:0"\n')
         command = [PROGRAMS / "etcm-gateway", "--config", config]

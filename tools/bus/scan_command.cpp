@@ -146,6 +146,11 @@ int scan(const ScanOptions& options) {
   if (options.as_json) std::printf("[%s]\n", json.c_str());
   std::fprintf(stderr, "%zu of %zu units asked on %s: %zu answer, %zu of them position nodes\n",
                asked_count, units.size(), link->name().c_str(), found_count, node_count);
+  if (found_count > node_count) {
+    std::fprintf(stderr,
+                 "devices of other makers are read by a profile: etcm-bus probe --profile NAME -a "
+                 "UNIT\n");
+  }
   if (is_interrupted) return exit_interrupted;
   if (found_count > 0) return exit_ok;
   if (garbled_count > 0) {

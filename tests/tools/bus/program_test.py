@@ -64,6 +64,7 @@ class Scan(BusCase):
             self.assertIn("ETCM simulated node 1", done.stdout)
             self.assertIn("exception 2: Illegal data address", done.stdout)
             self.assertIn("4 answer, 3 of them position nodes", done.stderr)
+            self.assertIn("by a profile: etcm-bus probe --profile NAME -a UNIT", done.stderr)
 
     def test_tells_a_program_in_json(self):
         found = json.loads(self.bus("scan", *PATIENT, "-a", "1:5", "--json", *self.start_line(THREE)).stdout)
