@@ -239,6 +239,11 @@ latitude = "63.4315"
         section = guide[guide.index("### Your own devices"):guide.index("   ```toml")]
         looks = re.findall(r"^   (etcm-bus .*)$", section, re.M)
         self.assertEqual(len(looks), 4)
+        for unit, first, where in ((7, 0, ["-b", "9600", "-P", "none", str(near)]),
+                                   (1, 143, [f"127.0.0.1:{port}"])):
+            look = [PROGRAMS / "etcm-bus", "read", "-t", "4", "-a", str(unit), "-r", str(first), *where]
+            wait_for("the devices", lambda: subprocess.run(
+                look, capture_output=True, timeout=PATIENCE_S).returncode == 0)
         for look in looks:
             words = look.replace("/dev/serial/by-path/...", str(near)).replace(
                 "192.168.1.1", f"127.0.0.1:{port}").split()
