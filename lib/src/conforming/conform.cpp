@@ -60,7 +60,29 @@ constexpr std::uint32_t work_of_split = 64;
 // The most that a policy of the library's may look at beyond its limit.
 constexpr std::uint32_t work_beyond = 192;
 
-// Puts a Steiner vertex on the subsegment.
+// Inserts a Steiner vertex of the subsegment whose point is set.
+// Not inline, or the deepest call, by way of the policy, would have its room too.
+[[gnu::noinline]] Status place_vertex(Change& change, SegmentId s, const Subsegment& subsegment,
+                                      Edge near, VertexId v) noexcept {
+  MeshState& m = change.mesh;
+  m.owner(v) = Owner(Role::fresh, s);
+  const Found found = find(m, m.at(v), near, m.work.left());
+  // What was found where it stands is looked for again when it goes.
+  m.work.keep(work_of_split);
+  if (!m.work.spend(found.steps) || m.work.is_over() || !insert_vertex(change, v, found)) {
+    free_vertex(m, v);
+    return fail(m, Status::work_limit, s, subsegment);
+  }
+  ++m.steiner_count;
+  ++change.fresh_count;
+  // The group has grown: what is laid is given up.
+  if (change.extent == Change::Extent::group && !stays_in_group(change, v)) {
+    return Status::work_limit;
+  }
+  return Status::ok;
+}
+
+// Puts a Steiner vertex on the subsegment, where the policy says.
 Status split(Change& change, SegmentId s, const Subsegment& subsegment, const SplitSite& site,
              Parameter& t, VertexId& v) noexcept {
   MeshState& m = change.mesh;
@@ -80,23 +102,9 @@ Status split(Change& change, SegmentId s, const Subsegment& subsegment, const Sp
   if (t <= site.head) t = static_cast<Parameter>(site.head + 1);
   if (t >= site.tail) t = static_cast<Parameter>(site.tail - 1);
   m.points[v.value] = site.at(t);
-  m.owner(v) = Owner(Role::fresh, s);
   const bool from_head = t - site.head <= site.tail - t;
-  const Found found =
-      find(m, m.at(v), from_head ? subsegment.head_edge : subsegment.tail_edge, m.work.left());
-  // What was found where it stands is looked for again when it goes.
-  m.work.keep(work_of_split);
-  if (!m.work.spend(found.steps) || m.work.is_over() || !insert_vertex(change, v, found)) {
-    free_vertex(m, v);
-    return fail(m, Status::work_limit, s, subsegment);
-  }
-  ++m.steiner_count;
-  ++change.fresh_count;
-  // The group has grown: what is laid is given up.
-  if (change.extent == Change::Extent::group && !stays_in_group(change, v)) {
-    return Status::work_limit;
-  }
-  return Status::ok;
+  return place_vertex(change, s, subsegment,
+                      from_head ? subsegment.head_edge : subsegment.tail_edge, v);
 }
 
 // Marks the part of a subsegment between its new vertex and an end that it finishes: nearly always
@@ -141,7 +149,7 @@ Status conform_subsegment(Change& change, SegmentId s, Subsegment& subsegment,
     }
     subsegment = finishes_head ? between(m, v, subsegment.tail, m.work.left())
                                : between(m, subsegment.head, v, m.work.left());
-    m.work.keep(2 * std::uint64_t{subsegment.steps});
+    m.work.keep(2 * Units{subsegment.steps});
     static_cast<void>(m.work.spend(subsegment.steps));
   }
 }
@@ -167,7 +175,7 @@ Status conform_segment(Change& change, SegmentId s) noexcept {
   while (v != last) {
     Subsegment subsegment = march(m, v, end, m.work.left());
     // On the way back it is looked for twice.
-    m.work.keep(2 * std::uint64_t{subsegment.steps});
+    m.work.keep(2 * Units{subsegment.steps});
     if (!m.work.spend(subsegment.steps)) return fail(m, Status::work_limit, s, subsegment);
     const VertexId tail = subsegment.tail;
     const SegmentId crossed = crossed_section(m, s, subsegment);

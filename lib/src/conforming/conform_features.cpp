@@ -11,7 +11,7 @@ namespace etcm::internal {
 namespace {
 
 // A segment's part of sorting them all, and of going over them a few times.
-constexpr std::uint32_t work_of_listing = 32;
+constexpr std::uint32_t work_of_linking = 32;
 
 // All features are linked before the first is laid: where a policy asks which features meet at a
 // node, the answer must not depend on which of them have been laid.
@@ -24,9 +24,9 @@ constexpr std::uint32_t work_of_listing = 32;
     const SurveyResult surveyed = survey(m, root);
     if (surveyed.status != Status::ok) return surveyed.status;
     // Each segment is looked for once more now, and on the way back.
-    const std::uint64_t segments = std::uint64_t{surveyed.nodes_between} + 1;
-    m.work.keep(4 * surveyed.steps + 2 * work_of_listing * segments);
-    if (!m.work.spend_whole(surveyed.steps + work_of_listing * segments)) return Status::work_limit;
+    const Units segments = Units{surveyed.nodes_between} + 1;
+    m.work.keep(4 * surveyed.steps + 2 * work_of_linking * segments);
+    if (!m.work.spend_whole(surveyed.steps + work_of_linking * segments)) return Status::work_limit;
     at.take();
     link_feature(change, root, surveyed.nodes_between);
     for (SegmentId s = root; !s.is_none(); s = m.segment(s).next) pending.push(m, s);
@@ -55,7 +55,7 @@ constexpr std::uint32_t work_of_listing = 32;
   for (PendingSegments::Cursor at(m, pending); !at.segment().is_none();) {
     Subsegment whole;
     const Status status = survey_segment(m, at.segment(), whole);
-    m.work.keep(2 * std::uint64_t{whole.steps});
+    m.work.keep(2 * Units{whole.steps});
     if (status != Status::ok) return status;
     if (can_be_edge(m, whole)) {
       constrain_subsegment(m, whole);

@@ -30,8 +30,8 @@ bool may_remove(Change& change, VertexId v) noexcept {
   if (m.topology.triangle_count() == 0) return m.work.spend(1);
   const std::uint32_t degree = m.topology.degree(v, m.work.left());
   if (!m.work.spend(degree)) return false;
-  const std::uint64_t removal = removal_work(degree) + 3 * std::uint64_t{degree};
-  m.work.keep(4 * std::uint64_t{degree} + walk);
+  const Units removal = removal_work(degree) + 3 * Units{degree};
+  m.work.keep(4 * Units{degree} + walk);
   return m.work.spend_whole(removal);
 }
 
@@ -68,7 +68,7 @@ bool keep_for_marks(MeshState& m, SegmentId s) noexcept {
   for (VertexId v = m.segment(s).from; v != to;) {
     const Subsegment subsegment = march(m, v, to, m.work.left());
     if (!m.work.spend(subsegment.steps)) return false;
-    m.work.keep(4 * std::uint64_t{subsegment.steps} + 16);
+    m.work.keep(4 * Units{subsegment.steps} + 16);
     v = subsegment.tail;
     if (v != to && !stands_on(m, v, s)) return true;
   }

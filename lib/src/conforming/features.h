@@ -12,7 +12,7 @@ namespace etcm::internal {
 struct SurveyResult {
   Status status = Status::ok;
   std::uint32_t nodes_between = 0;
-  std::uint64_t steps = 0;  // triangles and edges on the way
+  Units steps = 0;  // triangles and edges on the way
 };
 SurveyResult survey(MeshState& m, SegmentId root) noexcept;
 // The same for a segment that is linked and not laid. `first` is where it leaves its smaller end:

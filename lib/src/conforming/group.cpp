@@ -69,7 +69,7 @@ bool explore(Change& change, SegmentId s) noexcept {
   const VertexId from = m.segment(s).from, to = m.segment(s).to;
   for (VertexId v = from; v != to;) {
     Subsegment subsegment = march(m, v, to, m.work.left());
-    m.work.keep(2 * std::uint64_t{subsegment.steps});
+    m.work.keep(2 * Units{subsegment.steps});
     if (!m.work.spend(subsegment.steps)) return false;
     if (!subsegment.is_edge) {
       // What was laid has broken it, and has been taken out again.
@@ -129,10 +129,10 @@ void release_group(Change& change) noexcept {
 
 }  // namespace
 
-std::uint64_t work_to_lay_all(const MeshState& m) noexcept {
+Units work_to_lay_all(const MeshState& m) noexcept {
   // A vertex that is put back, and its subsegments.
-  constexpr std::uint64_t work_of_vertex = 64;
-  return (work_of_vertex + work_of_listing) * (std::uint64_t{m.vertex_end} + m.segment_end);
+  constexpr Units work_of_vertex = 64;
+  return (work_of_vertex + work_of_listing) * (Units{m.vertex_end} + m.segment_end);
 }
 
 bool stays_in_group(Change& change, VertexId v) noexcept {

@@ -6,7 +6,7 @@
 namespace etcm::internal {
 
 // What laying all segments takes at least, and with it going back from there.
-std::uint64_t work_to_lay_all(const MeshState& m) noexcept;
+Units work_to_lay_all(const MeshState& m) noexcept;
 // To list a segment or a vertex a few times.
 inline constexpr std::uint32_t work_of_listing = 24;
 

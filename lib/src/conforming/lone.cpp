@@ -27,19 +27,14 @@ bool stands_alone(MeshState& m, SegmentId s, VertexId v) noexcept {
   return m.work.spend(spokes.turns()) && is_alone;
 }
 
-VertexId next_on(MeshState& m, VertexId v, VertexId to) noexcept {
-  const Subsegment subsegment = march(m, v, to, m.work.left());
-  return m.work.spend(subsegment.steps) ? subsegment.tail : to;
-}
-
 // One Steiner vertex is the fewest there can be: with none it would be an edge.
 bool is_lone(MeshState& m, SegmentId s) noexcept {
   const VertexId to = m.segment(s).to;
-  VertexId v = next_on(m, m.segment(s).from, to);
+  VertexId v = march_counted(m, m.segment(s).from, to);
   if (v == to || !stands_alone(m, s, v)) return false;
-  v = next_on(m, v, to);
+  v = march_counted(m, v, to);
   if (v == to) return false;
-  for (; v != to; v = next_on(m, v, to)) {
+  for (; v != to; v = march_counted(m, v, to)) {
     if (!stands_alone(m, s, v)) return false;
   }
   return !m.work.is_over();
@@ -49,7 +44,7 @@ bool is_lone(MeshState& m, SegmentId s) noexcept {
 void note_dependents(Change& change, SegmentId s) noexcept {
   MeshState& m = change.mesh;
   const VertexId to = m.segment(s).to;
-  for (VertexId v = next_on(m, m.segment(s).from, to); v != to; v = next_on(m, v, to)) {
+  for (VertexId v = march_counted(m, m.segment(s).from, to); v != to; v = march_counted(m, v, to)) {
     if (!find_influenced(change, v, s, on_dependent) && !m.work.is_over()) {
       m.knows_dependence = false;
     }

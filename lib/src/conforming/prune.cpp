@@ -51,7 +51,7 @@ void queue_around(Change& change, PruneQueue& queue, VertexId v) noexcept {
   do {
     const VertexId w = spokes.target();
     if (w != infinite_vertex && m.owner(w).role() != Role::node && m.owner(w).segment() != own) {
-      if (!m.work.spend_whole(std::uint64_t{queue.size()} + 1)) return;
+      if (!m.work.spend_whole(Units{queue.size()} + 1)) return;
       touch(change, m.owner(w).segment(), w, w);
       queue.add(m, m.owner(w).segment());
     }
@@ -125,7 +125,7 @@ bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
     if (!is_all && r.first == v) r.first = before;
     if (!is_all && r.last == v) r.last = after;
     const Subsegment subsegment = between(m, before, after, m.work.left());
-    m.work.keep(2 * std::uint64_t{subsegment.steps});
+    m.work.keep(2 * Units{subsegment.steps});
     if (!m.work.spend(subsegment.steps)) {
       touch(change, s, before, after);
       return false;
@@ -147,8 +147,8 @@ bool prune(Change& change) noexcept {
   MeshState& m = change.mesh;
   ETCM_VERIFY_THAT(change.dirty.is_empty());
   // A segment's part of sorting them all.
-  constexpr std::uint32_t work_of_listing = 16;
-  if (!m.work.spend_whole(std::uint64_t{work_of_listing} * change.touched_count)) return false;
+  constexpr std::uint32_t work_of_queueing = 16;
+  if (!m.work.spend_whole(Units{work_of_queueing} * change.touched_count)) return false;
   PruneQueue queue;
   for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched) {
     if (is_linked(m, s)) queue.push(m, s);

@@ -18,6 +18,22 @@ namespace {
 // A change as wide as this is harm enough.
 constexpr unsigned triangles_most = 48;
 
+// Sides of triangles, two bits each: this stands at the deepest place of a change.
+class SidePath {
+ public:
+  void set(unsigned place, unsigned side) noexcept {
+    std::uint32_t& word = words_[place / 16];
+    const unsigned shift = 2 * (place % 16);
+    word = (word & ~(3u << shift)) | (side << shift);
+  }
+  unsigned at(unsigned place) const noexcept {
+    return (words_[place / 16] >> (2 * (place % 16))) & 3u;
+  }
+
+ private:
+  std::uint32_t words_[(triangles_most + 15) / 16] = {};
+};
+
 // Where at() starts: which subsegments are watched depends on it, and where rounding makes
 // at_least() say too much, that could show. So it depends on places alone, not on how the walk came
 // or how the triangles are stored.
@@ -201,7 +217,7 @@ unsigned Surroundings::encroachments(Parameter t, unsigned enough) noexcept {
   // The triangles whose circles hold p hang together like a tree: goes round it, its edges u -> v
   // on the left hand, and back through the edge by which a triangle was entered. Of the triangles
   // on the way back that edge's side is enough: the edge before it leads to the triangle.
-  std::uint8_t sides_of_entries[triangles_most - 1];
+  SidePath sides_of_entries;
   Edge entry{};
   unsigned depth = 0;
   unsigned triangles = 1;
@@ -226,7 +242,7 @@ unsigned Surroundings::encroachments(Parameter t, unsigned enough) noexcept {
         if (encroachments >= enough || ++triangles > triangles_most || !work.spend_whole(2)) {
           return enough;
         }
-        sides_of_entries[depth++] = static_cast<std::uint8_t>(Topology::side_of(entry));
+        sides_of_entries.set(depth++, Topology::side_of(entry));
         entry = beyond;
         e = Topology::next(beyond);
         v = w;
@@ -238,7 +254,7 @@ unsigned Surroundings::encroachments(Parameter t, unsigned enough) noexcept {
     e = Topology::next(e);
     while (depth != 0 && e == entry) {
       const Edge back = topo.twin(entry);
-      entry = Topology::edge(Topology::triangle_of(back), sides_of_entries[--depth]);
+      entry = Topology::edge(Topology::triangle_of(back), sides_of_entries.at(--depth));
       e = Topology::next(back);
       if (depth == 0 && ++sides == 3) return encroachments;
     }

@@ -25,7 +25,7 @@ using namespace internal;
 namespace {
 
 // Of a node or a feature that is given, to enter it and to put it in order.
-constexpr std::uint64_t work_of_listing = 24;
+constexpr Units work_of_entry = 24;
 
 // A build that fails on its input leaves nothing, but says what it stumbled over.
 Status reject(Mesh& mesh, Change& change, Status status) noexcept {
@@ -76,7 +76,7 @@ void number_as_given(MeshState& m, std::span<const Position> nodes) noexcept {
 Status insert_nodes(Change& change, std::span<const Position> nodes) noexcept {
   MeshState& m = change.mesh;
   if (nodes.empty()) return Status::ok;
-  if (!m.work.spend_whole(work_of_listing * nodes.size())) return Status::work_limit;
+  if (!m.work.spend_whole(work_of_entry * nodes.size())) return Status::work_limit;
   set_nodes(m, nodes);
   number_along_curve(m, nodes);
   for (IdValue i = 1; i < m.vertex_end; ++i) {
@@ -99,7 +99,7 @@ Status insert_nodes(Change& change, std::span<const Position> nodes) noexcept {
 // The roots of the features, segments 0 .. count - 1, as a list.
 Status enter_features(MeshState& m, std::span<const FeatureEnds> features,
                       FeatureList& list) noexcept {
-  if (!m.work.spend_whole(work_of_listing * features.size())) return Status::work_limit;
+  if (!m.work.spend_whole(work_of_entry * features.size())) return Status::work_limit;
   for (const FeatureEnds& ends : features) {
     const SegmentId root = allocate_segment(m);
     if (root.is_none()) return Status::out_of_features;

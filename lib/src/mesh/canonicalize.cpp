@@ -31,7 +31,7 @@ bool triangulate(Change& change) noexcept {
   m.walk_start = Edge{};
   const std::uint32_t count = m.vertex_count();
   if (count == 0) return true;
-  if (!m.work.spend_whole(std::uint64_t{work_of_order} * count)) return false;
+  if (!m.work.spend_whole(Units{work_of_order} * count)) return false;
   const OrderEntry* const order = hilbert_order(m);
   for (std::uint32_t i = 0; i < count; ++i) {
     const VertexId v{static_cast<IdValue>(order[i].vertex)};

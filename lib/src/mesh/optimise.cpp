@@ -31,19 +31,15 @@ std::uint64_t scattered(std::uint64_t number) noexcept {
 // A segment's part of sorting them all.
 constexpr std::uint32_t work_of_sorting = 16;
 
-VertexId next_on(MeshState& m, VertexId v, VertexId to) noexcept {
-  const Subsegment subsegment = march(m, v, to, m.work.left());
-  return m.work.spend(subsegment.steps) ? subsegment.tail : to;
-}
-
 // The segments with Steiner vertices in canonical order, linked by next_in_group: which are stale
 // is not asked meanwhile.
 [[gnu::noinline]] SegmentId list_segments(MeshState& m) noexcept {
   PendingSegments sorted;
-  if (!m.work.spend_whole(std::uint64_t{work_of_sorting} * m.segment_end)) return {};
+  if (!m.work.spend_whole(Units{work_of_sorting} * m.segment_end)) return {};
   for (IdValue i = 0; i < m.segment_end && !m.work.is_over(); ++i) {
     const SegmentId s{i};
-    if (is_linked(m, s) && next_on(m, m.segment(s).from, m.segment(s).to) != m.segment(s).to) {
+    if (is_linked(m, s) &&
+        march_counted(m, m.segment(s).from, m.segment(s).to) != m.segment(s).to) {
       sorted.push(m, s);
     }
   }
@@ -69,7 +65,7 @@ void unlist_segments(MeshState& m) noexcept {
   const VertexId to = m.segment(s).to;
   VertexId drawn{};
   std::uint32_t count = 0;
-  for (VertexId v = next_on(m, m.segment(s).from, to); v != to; v = next_on(m, v, to)) {
+  for (VertexId v = march_counted(m, m.segment(s).from, to); v != to; v = march_counted(m, v, to)) {
     if (draw(change, ++count) == 0) drawn = v;
   }
   return drawn;

@@ -29,7 +29,7 @@ void break_subsegment(Change& change, Edge e) noexcept {
   MeshState& m = change.mesh;
   const VertexId u = m.topology.origin(e), v = m.topology.target(e);
   const SegmentId s = segment_of_edge(m, u, v);
-  const std::uint64_t degree = degree_at(m, e);
+  const Units degree = degree_at(m, e);
   m.work.add(degree + change.dirty.size() + 1);
   m.work.keep(turns_of_subsegment * degree + work_of_subsegment);
   touch(change, s, u, v);
@@ -39,17 +39,15 @@ void break_subsegment(Change& change, Edge e) noexcept {
 
 // So many flips: the triangles beyond that many edges and as many again are looked at, beforehand
 // too; and the vertex may have to be found again, and taken out.
-std::uint64_t work_of_flips(std::uint64_t flips) noexcept { return 5 * flips + 6; }
-std::uint64_t work_back(std::uint64_t flips) noexcept {
+Units work_of_flips(Units flips) noexcept { return 5 * flips + 6; }
+Units work_back(Units flips) noexcept {
   // Those that come after it may leave it with more neighbours than it has now.
   return removal_work(3 + flips) + 24 * flips + 16;
 }
 
 // For what those that break are found to take beforehand and while others flip: each flip may take
 // one of a degree, or put a segment into the list.
-std::uint64_t work_in_doubt(std::uint64_t breaks, std::uint64_t flips) noexcept {
-  return breaks * flips;
-}
+Units work_in_doubt(Units breaks, Units flips) noexcept { return breaks * flips; }
 
 // What an insertion does and breaks, before it does.
 class Conflicts {
@@ -65,7 +63,7 @@ class Conflicts {
     if (!must_flip(m_, first, p_)) return true;
     enter(first);
     const Edge back = topo.twin(first);
-    std::uint64_t crossed = 0;
+    Units crossed = 0;
     for (Edge e = Topology::next(back); e != back;) {
       if (!must_flip(m_, e, p_)) {
         e = Topology::next(e);
@@ -79,7 +77,7 @@ class Conflicts {
     return true;
   }
   void add_flips(std::uint32_t flips) noexcept { flips_ += flips; }
-  std::uint64_t needed() const noexcept {
+  Units needed() const noexcept {
     return work_of_flips(flips_) + m_.work.to_keep(work_back(flips_) + kept_) + work_of_breaks_ +
            work_in_doubt(breaks_, flips_);
   }
@@ -89,7 +87,7 @@ class Conflicts {
   void enter(Edge e) noexcept {
     ++flips_;
     if (!m_.topology.is_constrained(e)) return;
-    const std::uint64_t degree = degree_at(m_, e);
+    const Units degree = degree_at(m_, e);
     ++breaks_;
     work_of_breaks_ += degree + listing_ + 1;
     kept_ += turns_of_subsegment * degree + work_of_subsegment;
@@ -97,11 +95,11 @@ class Conflicts {
 
   const MeshState& m_;
   const Point p_;
-  std::uint64_t listing_;
-  std::uint64_t flips_ = 0;
-  std::uint64_t breaks_ = 0;
-  std::uint64_t work_of_breaks_ = 0;
-  std::uint64_t kept_ = 0;
+  Units listing_;
+  Units flips_ = 0;
+  Units breaks_ = 0;
+  Units work_of_breaks_ = 0;
+  Units kept_ = 0;
 };
 
 // Whether there is room for the work of an insertion there.
@@ -198,7 +196,7 @@ bool insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
   }
   const Point& p = m.at(v);
   // With so much room nobody need count.
-  constexpr std::uint64_t ample = 64;
+  constexpr Units ample = 64;
   if (!m.work.has_room(ample * topo.triangle_count()) && !fits(change, p, found)) return false;
   Edge e = topo.split_triangle(Topology::triangle_of(found.edge), v);
   // Where p lies on an edge, the triangle between is flat until that edge flips (p is inside any

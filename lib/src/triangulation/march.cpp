@@ -164,6 +164,11 @@ Subsegment march(const MeshState& m, VertexId head, VertexId toward,
   }
 }
 
+VertexId march_counted(MeshState& m, VertexId head, VertexId toward) noexcept {
+  const Subsegment subsegment = march(m, head, toward, m.work.left());
+  return m.work.spend(subsegment.steps) ? subsegment.tail : toward;
+}
+
 Subsegment between(const MeshState& m, VertexId head, VertexId tail,
                    std::uint32_t steps_most) noexcept {
   Subsegment subsegment;

@@ -18,6 +18,8 @@ struct Subsegment {
 };
 Subsegment march(const MeshState& m, VertexId head, VertexId toward,
                  std::uint32_t steps_most = any_steps) noexcept;
+// The next vertex, in the work that is left; `toward` where there is none left.
+VertexId march_counted(MeshState& m, VertexId head, VertexId toward) noexcept;
 // The same where the next vertex is known and the segment is no subsegment: looks at both ends
 // only, and at nothing it crosses.
 Subsegment between(const MeshState& m, VertexId head, VertexId tail,

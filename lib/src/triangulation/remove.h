@@ -6,7 +6,7 @@
 namespace etcm::internal {
 
 // The work that takes a vertex of this degree out, at most.
-constexpr std::uint64_t removal_work(std::uint64_t degree) noexcept {
+constexpr Units removal_work(Units degree) noexcept {
   return degree < 16 ? 4 * degree + 32 : 16 * degree - 160;
 }
 // Takes the vertex out of the triangulation; its id stays. Edges to it must not be needed.

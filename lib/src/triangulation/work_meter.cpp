@@ -4,7 +4,7 @@ namespace etcm::internal {
 
 void WorkMeter::start(Work limit) noexcept {
   *this = WorkMeter{};
-  limit_ = limit.units;
+  limit_ = units_of(limit);
   kept_ = slack;
 }
 
@@ -14,22 +14,23 @@ void WorkMeter::start_anew(Work limit) noexcept {
 }
 
 void WorkMeter::go_back() noexcept {
-  limit_ = Work::unlimited().units;
+  limit_ = units_of(Work::unlimited());
   is_going_back_ = true;
   is_over_ = false;
 }
 
 std::uint32_t WorkMeter::left() const noexcept {
-  const std::uint64_t taken = done_ + kept_;
+  const Units taken = done_ + kept_;
   if (limit_ <= taken) return 0;
   return limit_ - taken < any_steps ? static_cast<std::uint32_t>(limit_ - taken) : any_steps - 1;
 }
 
-bool WorkMeter::fits(std::uint64_t units) noexcept {
-  const std::uint64_t needed = done_ + kept_ + units;
+bool WorkMeter::fits(Units units) noexcept {
+  const Units needed = done_ + kept_ + units;
   if (needed > peak_) peak_ = needed;
-  if (needed > limit_) is_over_ = true;
-  return needed <= limit_;
+  const bool is_enough = has_room(units);
+  if (!is_enough) is_over_ = true;
+  return is_enough;
 }
 
 bool WorkMeter::spend(std::uint32_t units) noexcept {
@@ -40,18 +41,18 @@ bool WorkMeter::spend(std::uint32_t units) noexcept {
 
 bool WorkMeter::spend(std::uint32_t units, std::uint32_t times_back) noexcept {
   const bool is_whole = spend(units);
-  keep(std::uint64_t{times_back} * units);
+  keep(Units{times_back} * units);
   return is_whole;
 }
 
-bool WorkMeter::spend_whole(std::uint64_t units) noexcept {
+bool WorkMeter::spend_whole(Units units) noexcept {
   const bool is_whole = fits(units);
   if (is_whole) done_ += units;
   return is_whole;
 }
 
-void WorkMeter::add(std::uint64_t units) noexcept { done_ += units; }
+void WorkMeter::add(Units units) noexcept { done_ += units; }
 
-void WorkMeter::keep(std::uint64_t units) noexcept { kept_ += units & keeps_; }
+void WorkMeter::keep(Units units) noexcept { kept_ += units & keeps_; }
 
 }  // namespace etcm::internal

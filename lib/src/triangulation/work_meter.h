@@ -5,16 +5,20 @@
 // included; and what a call needs is the most that it has done and kept together.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "etcm/work.h"
 
 namespace etcm::internal {
 
+// Wide enough for what a machine's memory holds, and one register.
+using Units = std::size_t;
+
 // For walks without a limit.
 inline constexpr std::uint32_t any_steps = 0xffff'ffffu;
 
-// Counting is out of line: it is called from many places, and 64 bits are long on small machines.
+// Counting is out of line: it is called from many places.
 class WorkMeter {
  public:
   void start(Work limit) noexcept;
@@ -25,7 +29,7 @@ class WorkMeter {
 
   // What was changed has been taken back, and the call goes on.
   void go_on(Work limit) noexcept {
-    limit_ = limit.units;
+    limit_ = units_of(limit);
     is_going_back_ = false;
     settle();
   }
@@ -34,21 +38,22 @@ class WorkMeter {
   [[nodiscard]] std::uint32_t left() const noexcept;
   // Whether so much more may be done. Where not, the call is over but for going back; has_room()
   // only asks.
-  [[nodiscard]] bool fits(std::uint64_t units) noexcept;
-  [[nodiscard]] bool has_room(std::uint64_t units) const noexcept {
-    return done_ + kept_ + units <= limit_;
+  [[nodiscard]] bool fits(Units units) noexcept;
+  [[nodiscard]] bool has_room(Units units) const noexcept {
+    const Units taken = done_ + kept_;
+    return taken <= limit_ && units <= limit_ - taken;
   }
   // Takes note of a walk: of at most left() steps, or of more, and then it was given up.
   [[nodiscard]] bool spend(std::uint32_t units) noexcept;
   // The same, and room for going the same way so many times when the change is taken back.
   [[nodiscard]] bool spend(std::uint32_t units, std::uint32_t times_back) noexcept;
   // The same of what is to be done, all or nothing.
-  [[nodiscard]] bool spend_whole(std::uint64_t units) noexcept;
+  [[nodiscard]] bool spend_whole(Units units) noexcept;
   // Of what is done anyway.
-  void add(std::uint64_t units) noexcept;
+  void add(Units units) noexcept;
   // For going back.
-  void keep(std::uint64_t units) noexcept;
-  [[nodiscard]] std::uint64_t to_keep(std::uint64_t units) const noexcept { return units & keeps_; }
+  void keep(Units units) noexcept;
+  [[nodiscard]] Units to_keep(Units units) const noexcept { return units & keeps_; }
   // What has been changed stays.
   void settle() noexcept { kept_ = slack; }
   [[nodiscard]] bool is_over() const noexcept { return is_over_; }
@@ -59,14 +64,20 @@ class WorkMeter {
   }
 
  private:
-  // For what is added to what has been done before it is asked for.
-  static constexpr std::uint64_t slack = 24;
+  // A limit that is too much for the machine is none.
+  static Units units_of(Work limit) noexcept {
+    constexpr Units most = ~Units{0};
+    return limit.units < most ? static_cast<Units>(limit.units) : most;
+  }
 
-  std::uint64_t limit_ = Work::unlimited().units;
-  std::uint64_t done_ = 0;
-  std::uint64_t kept_ = 0;
-  std::uint64_t peak_ = 0;
-  std::uint64_t keeps_ = ~std::uint64_t{0};
+  // For what is added to what has been done before it is asked for.
+  static constexpr Units slack = 24;
+
+  Units limit_ = units_of(Work::unlimited());
+  Units done_ = 0;
+  Units kept_ = 0;
+  Units peak_ = 0;
+  Units keeps_ = ~Units{0};
   bool is_over_ = false;
   bool is_going_back_ = false;
 };
