@@ -232,7 +232,8 @@ Attempt run_rival(const inputs::Graph& graph, const RivalRule& rule, Depth depth
   for (IdValue i = 0; i < m.segment_end; ++i) {
     if (is_linked(m, SegmentId{i})) touch(change, SegmentId{i});
   }
-  commit(change);
+  // Without a limit of the work nothing can fail.
+  static_cast<void>(commit(change));
   attempt.added_after_pruning = mesh->steiner_count();
   return attempt;
 }
@@ -246,8 +247,10 @@ VertexId insert_on_segment(Change& change, SegmentId segment, Parameter paramete
   if (v.is_none()) return v;
   m.points[v.value] = point_at(m, segment, parameter);
   m.owner(v) = Owner(Role::fresh, segment);
+  // There is no limit of the work.
+  if (!insert_vertex(change, v, find(m, m.at(v), near))) return VertexId::none();
   ++m.steiner_count;
-  insert_vertex(change, v, find(m, m.at(v), near));
+  ++change.fresh_count;
   return v;
 }
 
