@@ -139,7 +139,12 @@ const std::vector<Case> unopened{
     {Call::nearest_nodes, {}, "nearest_nodes", [](Mesh& m) { drop(nearest_nodes(m, {}, {})); }},
     {Call::nodes_within, {}, "nodes_within", [](Mesh& m) { drop(nodes_within(m, {}, 0, {})); }},
     {Call::features_at, {}, "features_at", [](Mesh& m) { drop(features_at(m, v, {})); }},
-    {Call::least_steiner, {}, "least_steiner", [](Mesh& m) { drop(least_steiner(m, {v, v})); }},
+    {Call::least_steiner,
+     {},
+     "least_steiner",
+     [](Mesh& m) {
+       drop(least_steiner(m, {v, v}));
+     }},
     {Call::feature_between, {}, "feature_between", [](Mesh& m) { drop(feature_between(m, v, v)); }},
 };
 
@@ -204,7 +209,9 @@ const std::vector<Case> illegal{
     {Call::feature_between, Fault::no_vertex, "feature_between_one_and_infinity",
      [](Mesh& m) { drop(feature_between(m, v, infinite_vertex)); }},
     {Call::least_steiner, Fault::has_features, "least_steiner_beside_features",
-     [](Mesh& m) { drop(least_steiner(m, {v, v})); }},
+     [](Mesh& m) {
+       drop(least_steiner(m, {v, v}));
+     }},
     {Call::links_at, Fault::no_vertex, "links_at_none",
      [](Mesh& m) { drop(links_at(m, no_vertex, {})); }},
     {Call::connectivity, Fault::zero_range, "connectivity_in_no_range",
