@@ -141,7 +141,8 @@ TEST(Bound, IsNeverAboveTheMesh) {
 TEST(Bound, IsReachedByAFeatureThatIsAlone) {
   std::uint32_t sum = 0;
   for (std::uint64_t seed = 1; seed <= (is_emulated ? 5u : 100u); ++seed) {
-    Graph graph = inputs::random_graph(200 + 2 * seed, inputs::FeatureLength::any, seed);
+    Graph graph = inputs::random_graph(200 + 2 * static_cast<std::size_t>(seed),
+                                       inputs::FeatureLength::any, seed);
     graph.features.resize(1);
     const std::uint32_t least = least_steiner(**mesh_of_nodes(graph), graph.features.front());
     EXPECT_EQ((*built(graph))->steiner_count(), least) << graph.name;

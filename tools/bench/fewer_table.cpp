@@ -59,8 +59,9 @@ std::vector<Entry> held_out() {
     entries.push_back({"clusters", inputs::random_clusters(12, 50, seed)});
   }
   for (std::uint64_t seed = 941; seed <= 944; ++seed) {
-    const std::size_t count = 2 + 3 * (seed - 941);
-    entries.push_back({"parallels", inputs::parallels(count, 7, 100'000, 60 * (seed - 940), seed)});
+    const auto turn = static_cast<std::size_t>(seed - 941);
+    entries.push_back(
+        {"parallels", inputs::parallels(2 + 3 * turn, 7, 100'000, 60 * (turn + 1), seed)});
   }
   entries.push_back({"polygon", inputs::random_polygon(250, 951)});
   return entries;
