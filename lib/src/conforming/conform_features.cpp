@@ -11,7 +11,7 @@ namespace etcm::internal {
 namespace {
 
 // A segment's part of sorting them all, and of going over them a few times.
-constexpr std::uint32_t work_of_linking = 32;
+constexpr Units work_of_linking = 32;
 
 // All features are linked before the first is laid: where a policy asks which features meet at a
 // node, the answer must not depend on which of them have been laid.

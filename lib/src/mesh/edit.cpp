@@ -33,9 +33,9 @@ SegmentId section_under(const MeshState& m, const Found& found) noexcept {
 }
 
 // What any change takes.
-constexpr std::uint32_t work_least = 16;
+constexpr Units work_least = 16;
 // To link a segment at its ends, or to find it there.
-constexpr std::uint32_t work_of_link = 4;
+constexpr Units work_of_link = 4;
 
 Status report(MeshState& m, Status status, VertexId vertex) noexcept {
   m.error_detail.status = status;

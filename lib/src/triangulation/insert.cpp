@@ -211,7 +211,7 @@ bool insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
   m.work.keep(work_back(flips));
   static_cast<void>(
       m.work.fits(turns_of_subsegment * work_in_doubt(change.broken_count - broken_before, flips) +
-                  work_in_doubt(change.broken_count - broken_before, 2 * flips)));
+                  work_in_doubt(change.broken_count - broken_before, 2 * Units{flips})));
   return true;
 }
 

@@ -60,7 +60,7 @@ void canonicalize_cocircular(MeshState& m, Edge e) noexcept {
     if (first_round) ++boundary;
     if (!first_round && quiet > boundary) {
       m.work.add(looked);
-      m.work.keep(2 * looked);
+      m.work.keep(2 * Units{looked});
       return;
     }
   }
@@ -78,7 +78,7 @@ Edge flip_in(MeshState& m, const Subsegment& subsegment) noexcept {
     const Edge second = topo.flip(e);
     if (apex == subsegment.tail) {
       m.work.add(flips);
-      m.work.keep(2 * flips);
+      m.work.keep(2 * Units{flips});
       return Topology::prev(second);
     }
     // e now leads from the right to the new corner, `second` from there to the left.
