@@ -32,12 +32,18 @@ etcm_packages() {
   done
 }
 
+# By itself, or as a part of another package: Node.js of its makers brings npm along.
+etcm_is_installed() {
+  # Asking each by name: one question for all of them ends at the first unknown one.
+  [[ $(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null) == installed ]] ||
+    dpkg-query -W -f '${db:Status-Status}, ${Provides},\n' |
+    grep -E "^installed, (.*, )?$1( \(.*\))?," >/dev/null
+}
+
 etcm_require() {
   local package missing=()
   for package in $(etcm_packages "$@"); do
-    # Asking each by name: one question for all of them ends at the first unknown one.
-    [[ $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) == installed ]] ||
-      missing+=("$package")
+    etcm_is_installed "$package" || missing+=("$package")
   done
   ((${#missing[@]} == 0)) && return
 

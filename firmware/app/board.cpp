@@ -6,21 +6,34 @@
 
 namespace etcm::firmware {
 
+namespace {
+
+// Lines that are named, by their numbers: visit(line, whether it is an output).
+template <class Visit>
+void for_each_line(const Settings& settings, Visit visit) {
+  const auto look_at = [&](const std::optional<LineSettings>& line, bool is_output) {
+    if (line) visit(*line, is_output);
+  };
+  look_at(settings.gpio.alert, false);
+  look_at(settings.gpio.join_button, false);
+  look_at(settings.gpio.status_led, true);
+  look_at(settings.gpio.watchdog, true);
+  for (const BusSettings& bus : settings.buses) look_at(bus.send_enable, true);
+}
+
+}  // namespace
+
 Board::Board(const Settings& settings, [[maybe_unused]] port::EventLoop& loop,
              [[maybe_unused]] port::Log& log) {
-  std::vector<port::LineRequest> requests;
-  const auto want = [&](const std::optional<LineSettings>& line, port::LineUse use) {
-    if (!line) return;
-    requests.push_back({.name = line->name, .use = use, .is_active_low = line->is_active_low});
-    names_.push_back(line->name);
-  };
-  want(settings.gpio.alert, port::LineUse::input);
-  want(settings.gpio.join_button, port::LineUse::input);
-  want(settings.gpio.status_led, port::LineUse::output);
-  want(settings.gpio.watchdog, port::LineUse::output);
-  for (const BusSettings& bus : settings.buses) want(bus.send_enable, port::LineUse::output);
-  if (requests.empty()) return;
+  for_each_line(settings, [&](const LineSettings& line, bool) { names_.push_back(line.name); });
+  if (names_.empty()) return;
 #ifdef ETCM_WITH_GPIO
+  std::vector<port::LineRequest> requests;
+  for_each_line(settings, [&](const LineSettings& line, bool is_output) {
+    requests.push_back({.name = line.name,
+                        .use = is_output ? port::LineUse::output : port::LineUse::input,
+                        .is_active_low = line.is_active_low});
+  });
   io_.emplace(loop, log, requests, settings.gpio.debounce);
 #else
   throw std::runtime_error(

@@ -5,11 +5,14 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "firmware/app/broker_link.h"
+#include "firmware/app/control_client.h"
 #include "firmware/app/program.h"
 #include "firmware/config/configuration.h"
 #include "firmware/config/settings_text.h"
@@ -41,6 +44,10 @@ int run(const std::string& config, bool is_check) {
 #endif
     auto settings = std::make_shared<const firmware::Settings>(
         firmware::read_configuration(config, projections, mistakes));
+    if (mistakes.empty()) {
+      const std::string what = firmware::broker_mistake(*settings, is_check);
+      if (!what.empty()) mistakes.push_back(config + ": " + what);
+    }
     for (const std::string& mistake : mistakes) {
       // With --check-config they are printed as they are; of a service they are errors in its log.
       if (is_check) {
@@ -78,7 +85,8 @@ int run(const std::string& config, bool is_check) {
 int main(int argc, char** argv) {
   CLI::App app(
       "Collects node positions over Modbus, keeps a conforming Delaunay mesh of them, and "
-      "publishes it as Modbus registers and files.");
+      "publishes it as Modbus registers and files.",
+      "etcm-gateway");
   std::string config;
   bool check_config = false;
   bool register_map = false;
@@ -96,13 +104,19 @@ int main(int argc, char** argv) {
   for (CLI::Option* option : {map_option, settings_option, table_option}) {
     option->excludes(config_option);
   }
-  app.set_version_flag("--version", ETCM_VERSION, "print the version and end");
+  std::function<int()> control;
+  firmware::add_control_command(app, control);
+  app.set_version_flag("--version", "etcm-gateway " ETCM_VERSION, "print the version and end");
   try {
     app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? EXIT_SUCCESS : exit_bad_settings;
+    std::fprintf(stderr, "etcm-gateway: %s (etcm-gateway --help tells more)\n", error.what());
+    return exit_bad_settings;
   }
 
+  if (control) return control();
   if (register_map) std::fputs(firmware::describe_mesh_registers().c_str(), stdout);
   if (settings_file) std::fputs(firmware::print_settings().c_str(), stdout);
   if (settings_table) std::fputs(firmware::describe_settings().c_str(), stdout);

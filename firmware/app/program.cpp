@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <random>
 #include <stdexcept>
 #include <utility>
 
@@ -27,6 +30,12 @@ port::Duration clearing_of(const BusSettings& bus) {
   return longest + port::late_answer_max;
 }
 
+// Of all gateways anywhere no two are likely to draw the same.
+std::uint64_t number_of_run() {
+  std::random_device chance;
+  return std::uint64_t{chance()} << 32 | chance();
+}
+
 PortMessages server_messages() {
   return {.key = "`listen` of [server]",
           .served = "serves the mesh on ",
@@ -39,6 +48,7 @@ Program::Program(std::string config, std::shared_ptr<const Settings> settings,
                  port::ProjectionSource* projections, const port::Clock& clock, port::Log& log,
                  RecentEvents& events)
     : config_(std::move(config)),
+      config_place_(std::filesystem::absolute(config_)),
       settings_(std::move(settings)),
       projections_(projections),
       clock_(clock),
@@ -50,26 +60,45 @@ Program::Program(std::string config, std::shared_ptr<const Settings> settings,
       shared_lines_(settings_->buses, loop_, log),
       server_(loop_, settings_->server.listen, settings_->server.clients_max, identity,
               empty_image(*settings_)),
-      server_report_(server_.acceptor(), server_messages(), settings_->server.allow, log) {
+      server_report_(server_.acceptor(), server_messages(), settings_->server.allow, log),
+      broker_(*settings_, loop_, log) {
   open_mesh();
   const std::vector<PolledBus> buses = open_buses(0);
   server_.allow(settings_->server.allow, log);
   open_disks();
   make_gateway(buses);
+  integrations_.emplace(*settings_, ETCM_VERSION, *gateway_, broker_, wall_clock_);
   server_report_.step();
-  if (settings_->http) {
-    web_.emplace(*settings_->http,
-                 StatusSources{.gateway = *gateway_,
-                               .events = events_,
-                               .masters = server_.counters(),
-                               .readers = readers_,
-                               .version = ETCM_VERSION,
-                               .started_at = clock_.now(),
-                               .resident_bytes = port::resident_bytes},
-                 readers_, loop_, log_);
-  }
+  open_desk();
   watch_.emplace(manager_, *gateway_,
-                 WatchedServers{.masters = server_.counters(), .readers = readers_}, log_);
+                 WatchedServers{.masters = server_.counters(), .readers = readers_}, refusal_,
+                 log_);
+}
+
+void Program::open_desk() {
+  const port::Instant now = clock_.now();
+  desk_.emplace(*settings_,
+                AlarmSources{.gateway = *gateway_,
+                             .masters = server_.counters(),
+                             .readers = settings_->http ? &readers_ : nullptr,
+                             .refusal = refusal_,
+                             .started_at = now},
+                wall_clock_, log_);
+  const StatusSources sources{.gateway = *gateway_,
+                              .events = events_,
+                              .alarms = desk_->alarms(),
+                              .wall_clock = wall_clock_,
+                              .masters = server_.counters(),
+                              .readers = readers_,
+                              .version = ETCM_VERSION,
+                              .config = config_place_,
+                              .started_at = now,
+                              .refusal = &refusal_,
+                              .disk_of_alarms = desk_->disk_of_alarms(),
+                              .resident_bytes = port::resident_bytes,
+                              .heap_bytes = port::heap_bytes};
+  if (settings_->http) web_.emplace(*settings_->http, sources, readers_, loop_, log_);
+  desk_->open(*settings_, *gateway_, sources, loop_);
 }
 
 void Program::open_mesh() {
@@ -147,7 +176,11 @@ void Program::make_gateway(std::span<const PolledBus> buses) {
                                 .store = store_.get(),
                                 .clock = clock_,
                                 .wall_clock = &wall_clock_,
-                                .log = log_});
+                                .log = log_,
+                                .broker = broker_.broker(),
+                                .projections = projections_,
+                                .run = number_of_run(),
+                                .version = ETCM_VERSION});
   if (board_.io() != nullptr) {
     board_io_.emplace(*board_.io(), board_.lines_of(settings_->gpio), *gateway_);
   }
@@ -158,11 +191,14 @@ void Program::run() {
   watch_->ready(clock_.now());
   while (!stop_.received()) {
     if (board_io_) board_io_->step(clock_.now());
+    broker_.step(clock_.now());
     gateway_->step(clock_.now());
+    integrations_->step(clock_.now());
     watch_->step(clock_.now());
     server_.advance(clock_.now());
     server_report_.step();
     shared_lines_.step(clock_.now());
+    desk_->step(clock_.now());
     if (web_) web_->step(clock_.now());
     // A large site takes its time. What arrives meanwhile is taken in before anybody is given up.
     if (reread_.received() && reload_due_ <= clock_.now()) reload_settings();
@@ -176,16 +212,18 @@ void Program::run() {
 void Program::reload_settings() {
   static_cast<void>(reread_.take_received());
   watch_->reloading();
-  if (std::shared_ptr<const Settings> next = reload(config_, *settings_, projections_, events_)) {
+  if (std::shared_ptr<const Settings> next =
+          reload(config_, *settings_, projections_, events_, refusal_)) {
     const std::size_t known = settings_->buses.size();
     settings_ = std::move(next);
     shared_lines_.update(settings_->buses);
     const std::vector<PolledBus> added = open_buses(known);
     server_.allow(settings_->server.allow, log_);
     server_report_.allow(settings_->server.allow);
-    if (web_) web_->allow(settings_->http->allow);
+    if (web_) web_->update(*settings_->http);
     if (folder_ && count_readings(*settings_) > 0) folder_->add_values();
     gateway_->update_settings(settings_, added, clock_.now());
+    integrations_->update_settings(gateway_->settings());
   }
   watch_->ready(clock_.now());
   reload_due_ = clock_.now() + reload_pause;
@@ -193,8 +231,9 @@ void Program::reload_settings() {
 
 port::Instant Program::next_deadline() const {
   return std::min({gateway_->next_deadline(), watch_->next_deadline(), server_.next_deadline(),
-                   shared_lines_.next_deadline(), reread_.received() ? reload_due_ : port::never,
-                   board_io_ ? board_io_->next_deadline() : port::never,
+                   shared_lines_.next_deadline(), broker_.next_deadline(),
+                   integrations_->next_deadline(), reread_.received() ? reload_due_ : port::never,
+                   desk_->next_deadline(), board_io_ ? board_io_->next_deadline() : port::never,
                    web_ ? web_->next_deadline() : port::never});
 }
 
@@ -216,6 +255,7 @@ void Program::finish() {
                                        ".node does not answer; the files show an earlier mesh");
   }
   gateway_->finish_saving(clock_.now());
+  desk_->finish(clock_.now(), std::max<port::Duration>(end - clock_.now(), {}));
 }
 
 }  // namespace etcm::firmware

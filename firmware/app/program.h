@@ -12,6 +12,9 @@
 #include "etcm/mesh.h"
 #include "etcm/port/service_counters.h"
 #include "firmware/app/board.h"
+#include "firmware/app/broker_link.h"
+#include "firmware/app/integrations.h"
+#include "firmware/app/operator_desk.h"
 #include "firmware/app/port_report.h"
 #include "firmware/app/shared_lines.h"
 #include "firmware/app/web.h"
@@ -54,11 +57,13 @@ class Program {
   void open_disks();
   std::vector<PolledBus> open_buses(std::size_t first);
   void make_gateway(std::span<const PolledBus> buses);
+  void open_desk();
   void reload_settings();
   port::Instant next_deadline() const;
   void finish();
 
   const std::string config_;
+  const std::string config_place_;  // the same, wherever who asks for it is
   std::shared_ptr<const Settings> settings_;
   port::ProjectionSource* const projections_;
   const port::Clock& clock_;
@@ -69,6 +74,7 @@ class Program {
   port::StopSignal stop_;
   port::SignalWatch reread_;
   port::Instant reload_due_{};
+  std::string refusal_;            // of the configuration, since it was changed to what is wrong
   std::vector<std::byte> memory_;  // all that the mesh ever has
   Mesh mesh_;
   Board board_;
@@ -79,9 +85,12 @@ class Program {
   PortReport server_report_;
   std::unique_ptr<port::MeshFolder> folder_;
   std::unique_ptr<port::BackgroundStore> store_;
+  BrokerLink broker_;
   std::optional<Gateway> gateway_;
+  std::optional<Integrations> integrations_;
   std::optional<BoardIo> board_io_;
   port::ServiceCounters readers_;
+  std::optional<OperatorDesk> desk_;
   std::optional<Web> web_;
   port::SystemdNotify manager_;
   std::optional<ServiceWatch> watch_;

@@ -21,13 +21,14 @@ Web::Web(const HttpSettings& settings, const StatusSources& sources,
       server_(loop, page_, {.listen = settings.listen, .clients_max = settings.clients_max},
               counters),
       report_(server_.acceptor(), page_messages(), settings.allow, log) {
-  server_.allow(settings.allow, log);
+  update(settings);
   report_.step();
 }
 
-void Web::allow(const std::vector<port::Network>& networks) {
-  server_.allow(networks, log_);
-  report_.allow(networks);
+void Web::update(const HttpSettings& settings) {
+  server_.allow(settings.allow, log_);
+  server_.expect_names(settings.names);
+  report_.allow(settings.allow);
 }
 
 void Web::step(port::Instant now) {

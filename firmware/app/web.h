@@ -1,8 +1,6 @@
 // The status page and its server.
 #pragma once
 
-#include <vector>
-
 #include "etcm/port/clock.h"
 #include "etcm/port/log.h"
 #include "etcm/port/service_counters.h"
@@ -20,7 +18,8 @@ class Web {
   Web(const HttpSettings& settings, const StatusSources& sources, port::ServiceCounters& counters,
       port::EventLoop& loop, port::Log& log);
 
-  void allow(const std::vector<port::Network>& networks);
+  // Who may look, and by which names, from now on.
+  void update(const HttpSettings& settings);
 
   void step(port::Instant now);
   port::Instant next_deadline() const;

@@ -9,14 +9,17 @@
 
 #include "etcm/mesh.h"
 #include "firmware/config/site.h"
+#include "firmware/config/site_plan.h"
 #include "firmware/config/site_scale.h"
 #include "firmware/site/coverage_domain.h"
+#include "firmware/toml/toml_table.h"
 
 namespace etcm::firmware {
 
 namespace {
 
 std::string text_of(const FeatureSettings& feature) {
+  if (!feature.name.empty()) return "'" + feature.name + "'";
   return "the line from " + to_string(feature.from) + " to " + to_string(feature.to);
 }
 
@@ -129,6 +132,27 @@ void check_unsurveyed(Settings& settings) {
   }
 }
 
+// A serial that is made of bus and unit is made alike in each gateway.
+void check_fleet_serials(Settings& settings) {
+  if (!settings.mqtt) return;
+  for (const BusSettings& bus : settings.buses) {
+    for (const DeviceSettings& device : bus.devices) {
+      const Profile* const profile = find_profile(settings, device.profile);
+      if (profile == nullptr || profile->serial) continue;
+      for (const UnitRange range : device.units) {
+        for (const ModbusAddress unit : range) {
+          const NodeSettings* const node = node_at(settings, bus, unit);
+          if (node != nullptr && node->serial) continue;
+          settings.warnings.push_back(
+              device.source + ": unit " + std::to_string(unit.value) + " of " + bus.name +
+              " tells no serial, and the one that is made up for it may be another gateway's too; "
+              "add a [[node]] with a serial of its own");
+        }
+      }
+    }
+  }
+}
+
 // Whoever is surveyed outside of the domain was probably not: its coordinates are swapped.
 void check_surveyed(Settings& settings) {
   for (const NodeSettings& node : settings.nodes) {
@@ -147,12 +171,16 @@ Settings read_configuration(const std::string& path, port::ProjectionSource* pro
   Settings settings = read_settings(path, mistakes);
   // Without good settings the site cannot be placed in a mesh.
   if (validate(settings.mesh) == Status::ok) read_site(settings, projections, mistakes);
+  read_plan(settings, mistakes);
   if (mistakes.empty()) check_site(path, settings, mistakes);
   if (mistakes.empty()) {
     check_unsurveyed(settings);
+    check_fleet_serials(settings);
     check_surveyed(settings);
     check_scale(settings);
   }
+  keep_to_lines(mistakes);
+  keep_to_lines(settings.warnings);
   return settings;
 }
 

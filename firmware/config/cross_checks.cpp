@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include "firmware/config/secret_file.h"
+
 namespace etcm::firmware {
 
 namespace {
@@ -67,6 +69,7 @@ class CrossCheck {
 
   void run() {
     check_times();
+    check_buses();
     check_room();
     for (std::size_t i = 0; i < settings_.buses.size(); ++i) {
       check_address(i);
@@ -76,6 +79,12 @@ class CrossCheck {
       check_sweep(i);
     }
     check_lines();
+    check_reach("server", settings_.server.listen, settings_.server.allow);
+    if (settings_.http) check_reach("http", settings_.http->listen, settings_.http->allow);
+    if (settings_.mqtt) {
+      check_broker(*settings_.mqtt);
+      check_secrets(*settings_.mqtt);
+    }
   }
 
   static std::vector<std::string> in_order(std::vector<std::pair<std::uint32_t, std::string>> all) {
@@ -129,6 +138,15 @@ class CrossCheck {
     }
   }
 
+  // A gateway that has the nodes of others may have none of its own.
+  void check_buses() {
+    const bool has_others = settings_.mqtt && settings_.mqtt->share == FleetShare::site;
+    if (!settings_.buses.empty() || has_others) return;
+    add(warnings_, nullptr,
+        "there is no [[bus]], so nobody is asked where it stands; add one with tcp or rtu, and "
+        "units");
+  }
+
   void check_room() {
     std::size_t units = 0;
     for (const BusSettings& bus : settings_.buses) units += asked_count(bus);
@@ -137,6 +155,23 @@ class CrossCheck {
         "the buses have " + std::to_string(units) + " units, and vertices_max is " +
             std::to_string(settings_.mesh.vertices_max) +
             ", so nodes may find no room in the mesh; set it to twice as many as there are nodes");
+  }
+
+  // Who listens for others means to let some of them in.
+  void check_reach(const char* table, const port::SocketAddress& at,
+                   const std::vector<port::Network>& allow) {
+    const auto is_here = [](const port::HostAddress& host) {
+      return port::this_machine.contains(host) || host == port::loopback_ipv6;
+    };
+    const bool lets_in_any = std::any_of(allow.begin(), allow.end(), [&](const auto& network) {
+      return network.prefix == 0 || !is_here(network.host);
+    });
+    const toml::node* const node = find(table, {"listen"});
+    if (is_here(at.host) || lets_in_any || node == nullptr) return;
+    add(warnings_, node,
+        "'listen' of [" + std::string(table) + "] is for other machines, but 'allow' lets in " +
+            "this one alone; add your network there, such as allow = [\"127.0.0.0/8\", " +
+            "\"192.168.1.0/24\"]");
   }
 
   void check_address(std::size_t bus) {
@@ -186,6 +221,14 @@ class CrossCheck {
   void check_port(std::size_t number) {
     const std::filesystem::path path = port_of(number);
     if (path.empty()) return;
+    std::error_code unknown;
+    if (!std::filesystem::is_character_file(path, unknown) && !unknown) {
+      const bool is_folder = std::filesystem::is_directory(path, unknown);
+      add(mistakes_, find_in_bus(number, {"rtu"}),
+          link_name(settings_.buses[number]) + " is a " + (is_folder ? "folder" : "file") +
+              ", and no serial port; give the path of one (ls /dev/serial/by-path lists them)");
+      return;
+    }
     for (std::size_t i = 0; i < number; ++i) {
       if (port_of(i) != path) continue;
       const auto name = [&](std::size_t bus) { return link_name(settings_.buses[bus]); };
@@ -261,6 +304,50 @@ class CrossCheck {
       add(mistakes_, later->node,
           "the line " + std::string(later->line) + " is " + earlier->what +
               " already; give each a line of its own");
+    }
+  }
+
+  void check_broker(const MqttSettings& mqtt) {
+    const char* does = nullptr;
+    if (reaches(mqtt.broker, settings_.server.listen)) does = "serves the mesh";
+    if (settings_.http && reaches(mqtt.broker, settings_.http->listen)) does = "shows its page";
+    for (const BusSettings& bus : settings_.buses) {
+      if (bus.share.listen && reaches(mqtt.broker, *bus.share.listen)) does = "shares a bus";
+    }
+    if (does == nullptr) return;
+    add(mistakes_, find("mqtt", {"broker"}),
+        to_string(mqtt.broker) + " is where this gateway itself " + does +
+            "; give the address of the broker");
+  }
+
+  // Files whose content is told nobody.
+  void check_secrets(const MqttSettings& mqtt) {
+    struct File {
+      const char* key;
+      const std::string& path;
+      std::string (*read)(const std::string&, std::string&);
+      bool is_secret;
+    };
+    for (const File& file : {File{"password_file", mqtt.password_file, read_secret, true},
+                             File{"psk_file", mqtt.psk_file, read_key, true},
+                             File{"tls_ca", mqtt.tls_ca, read_secret, false},
+                             File{"tls_certificate", mqtt.tls_certificate, read_secret, false},
+                             File{"tls_key", mqtt.tls_key, read_secret, true}}) {
+      if (file.path.empty()) continue;
+      std::string why;
+      if (is_credential(file.path) && read_secret(file.path, why).empty()) {
+        // The service itself will see: it does not start without.
+        add(warnings_, find("mqtt", {file.key}),
+            file.path +
+                " is not looked at: systemd gives it to the service alone, and only while that "
+                "runs");
+      } else if (file.read(file.path, why).empty()) {
+        add(mistakes_, find("mqtt", {file.key}), why);
+      } else if (file.is_secret && is_public(file.path)) {
+        add(warnings_, find("mqtt", {file.key}),
+            "everybody on this machine may read " + file.path +
+                "; take that away: chmod o= " + file.path);
+      }
     }
   }
 

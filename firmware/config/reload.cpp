@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <exception>
 
+#include "etcm/port/utf8.h"
 #include "firmware/config/bus_reload.h"
 #include "firmware/config/configuration.h"
 #include "firmware/config/settings_keys.h"
@@ -12,6 +13,9 @@
 namespace etcm::firmware {
 
 namespace {
+
+// Health and page have so much room for it.
+constexpr std::size_t refusal_mistake_bytes_max = 300;
 
 // Takes over what can change at once, and adds what cannot to `fixed`.
 void take_over_table(const KeyTable& table, Settings& current, Settings& next,
@@ -40,6 +44,14 @@ void tell(const std::vector<std::string>& lines, const char* kind, port::Level l
                        "; --check-config tells them all");
 }
 
+std::string refusal_of(const std::vector<std::string>& mistakes) {
+  if (mistakes.empty()) return {};
+  std::string text = "the configuration was changed and is refused: " +
+                     std::string(port::cut_utf8(mistakes.front(), refusal_mistake_bytes_max));
+  if (mistakes.size() > 1) text += " (and " + std::to_string(mistakes.size() - 1) + " more)";
+  return text + "; the old one holds until that is corrected and reloaded";
+}
+
 }  // namespace
 
 std::vector<std::string> take_over(Settings& settings, const Settings& next) {
@@ -51,7 +63,11 @@ std::vector<std::string> take_over(Settings& settings, const Settings& next) {
   take_over_buses(settings, taken, fixed);
   settings.site.source = next.site.source;
   settings.site.projection = next.site.projection;
+  settings.site.plan = next.site.plan;
   settings.site.has_origin_in_degrees = next.site.has_origin_in_degrees;
+  settings.site.projected_crs = next.site.projected_crs;
+  settings.site.center = next.site.center;
+  settings.node_names = next.node_names;
   settings.features = next.features;
   settings.anchors = next.anchors;
   settings.domain = next.domain;
@@ -59,7 +75,8 @@ std::vector<std::string> take_over(Settings& settings, const Settings& next) {
 }
 
 std::shared_ptr<const Settings> reload(const std::string& path, const Settings& current,
-                                       port::ProjectionSource* projections, port::Log& log) {
+                                       port::ProjectionSource* projections, port::Log& log,
+                                       std::string& refusal) {
   std::vector<std::string> mistakes;
   Settings next;
   try {
@@ -74,6 +91,7 @@ std::shared_ptr<const Settings> reload(const std::string& path, const Settings& 
   } catch (const std::exception& error) {
     mistakes.push_back(path + ": " + error.what());
   }
+  refusal = refusal_of(mistakes);
   if (!mistakes.empty()) {
     tell(mistakes, "mistakes", port::Level::error, path, log);
     log.write(port::Level::error,

@@ -10,6 +10,7 @@
 #include "etcm/files/error.h"
 #include "etcm/files/record_reader.h"
 #include "firmware/config/cross_checks.h"
+#include "firmware/config/names.h"
 #include "firmware/config/settings_keys.h"
 #include "firmware/config/settings_types.h"
 #include "firmware/config/unit_count.h"
@@ -69,6 +70,18 @@ void set_defaults(const KeyTable& table, Target target, BusKind bus = BusKind::a
 
 // ---- What is between keys.
 
+// Whether one of two keys that go together is there; one alone is a mistake.
+bool has_both(TomlTable& toml_table, const char* one, const char* other) {
+  const toml::node* const first = toml_table.find(one);
+  const toml::node* const second = toml_table.find(other);
+  if ((first == nullptr) != (second == nullptr)) {
+    toml_table.mistake(first != nullptr ? *first : *second,
+                       std::string("'") + one + "' and '" + other + "' go together; add '" +
+                           (first == nullptr ? one : other) + "', or take the other out");
+  }
+  return first != nullptr || second != nullptr;
+}
+
 // Whether the gateway asks this unit of the bus at all.
 bool has_unit(const BusSettings& bus, ModbusAddress unit) {
   const auto holds = [unit](const std::vector<UnitRange>& ranges) {
@@ -77,6 +90,12 @@ bool has_unit(const BusSettings& bus, ModbusAddress unit) {
   };
   return holds(bus.units) || holds(bus.assign) || holds(bus.scan) ||
          (unit == default_unit && !bus.assign.empty());
+}
+
+const BusSettings* bus_named(const Settings& settings, const std::string& name) {
+  const auto found = std::find_if(settings.buses.begin(), settings.buses.end(),
+                                  [&](const BusSettings& bus) { return bus.name == name; });
+  return found == settings.buses.end() ? nullptr : &*found;
 }
 
 void check_poll(TomlTable& toml_table, Settings& settings) {
@@ -180,6 +199,59 @@ void check_against(TomlTable& toml_table, const BusSettings& bus, const BusSetti
   if (bus.name == other.name) {
     toml_table.mistake(toml_table.table(),
                        "two buses are named '" + bus.name + "'; give one another 'name'");
+  }
+}
+
+// ---- The broker of a fleet.
+
+void check_tls(TomlTable& toml_table, const MqttSettings& mqtt) {
+  has_both(toml_table, "tls_certificate", "tls_key");
+  has_both(toml_table, "psk_identity", "psk_file");
+  if (!mqtt.tls_ca.empty() && !mqtt.psk_file.empty()) {
+    toml_table.mistake(*toml_table.find("psk_file"),
+                       "TLS both by certificates and by a key that both know; take tls_ca or "
+                       "psk_file out");
+  }
+  if (mqtt.tls_ca.empty() && !mqtt.tls_certificate.empty()) {
+    toml_table.mistake(*toml_table.find("tls_certificate"),
+                       "a certificate is for TLS, which needs tls_ca too; add it");
+  }
+}
+
+// Of a part of a topic, which may have levels of its own where `has_levels`.
+void check_topic(TomlTable& toml_table, const char* key, const std::string& topic,
+                 bool has_levels) {
+  constexpr std::size_t topic_most = 64;
+  const toml::node* const node = toml_table.find(key);
+  if (node == nullptr || topic.empty()) return;
+  const bool has_empty_level = ("/" + topic + "/").find("//") != std::string::npos;
+  const bool has_marks = topic.find_first_of(has_levels ? "+#" : "+#/") != std::string::npos;
+  const bool has_control = std::any_of(topic.begin(), topic.end(), [](char byte) {
+    return static_cast<unsigned char>(byte) < ' ' || byte == 0x7f;
+  });
+  if (!has_empty_level && !has_marks && !has_control && topic.size() <= topic_most) return;
+  toml_table.mistake(*node, std::string("'") + key + "' is no part of a topic; give it 1 to " +
+                                std::to_string(topic_most) + " bytes without " +
+                                (has_levels ? "'+' and '#', and no '/' at an end or beside another"
+                                            : "'/', '+' and '#'"));
+}
+
+void check_mqtt(TomlTable& toml_table, Settings& settings) {
+  constexpr std::uint16_t plain_port = 1883;
+  constexpr std::uint16_t tls_port = 8883;
+  MqttSettings& mqtt = *settings.mqtt;
+  check_tls(toml_table, mqtt);
+  mqtt.is_alone = mqtt.share == FleetShare::publish && toml_table.find("share") != nullptr;
+  check_topic(toml_table, "sparkplug", mqtt.sparkplug, false);
+  check_topic(toml_table, "home_assistant", mqtt.home_assistant, true);
+  const bool has_tls = !mqtt.tls_ca.empty() || !mqtt.psk_file.empty();
+  if (mqtt.broker.port == 0) mqtt.broker.port = has_tls ? tls_port : plain_port;
+  if (mqtt.user.empty() && !mqtt.password_file.empty()) mqtt.user = mqtt.name;
+  if (mqtt.period_min > mqtt.period_max) {
+    const toml::node* culprit = toml_table.find("period_max");
+    if (culprit == nullptr) culprit = toml_table.find("period_min");
+    toml_table.mistake(culprit != nullptr ? *culprit : toml_table.table(),
+                       "period_min is longer than period_max; make it shorter");
   }
 }
 
@@ -294,29 +366,36 @@ void read_feature(TomlTable& toml_table, Settings& settings) {
   settings.features.push_back(std::move(feature));
 }
 
-// Whether one of two keys that go together is there; one alone is a mistake.
-bool has_both(TomlTable& toml_table, const char* one, const char* other) {
-  const toml::node* const first = toml_table.find(one);
-  const toml::node* const second = toml_table.find(other);
-  if ((first == nullptr) != (second == nullptr)) {
-    toml_table.mistake(first != nullptr ? *first : *second,
-                       std::string("'") + one + "' and '" + other + "' go together; add '" +
-                           (first == nullptr ? one : other) + "', or take the other out");
-  }
-  return first != nullptr || second != nullptr;
-}
-
 void read_node(TomlTable& toml_table, Settings& settings) {
   NodeSettings node{.bus = {}, .source = toml_table.place()};
   read_keys(key_table("node"), toml_table, {}, &node);
   const bool in_plane = has_both(toml_table, "x", "y");
   const bool in_degrees = has_both(toml_table, "longitude", "latitude");
+  if (toml_table.find("bus") != nullptr && toml_table.find("unit") == nullptr) {
+    return require(toml_table, key_table("node"), "unit");
+  }
   if (in_plane && in_degrees) {
     toml_table.mistake(*toml_table.find("longitude"),
                        "a place both in the plane and in degrees; take one of the two out");
   }
-  if (node.address == 0) return;  // a mistake already
-  const NodeMistake wrong = add_node(settings, std::move(node));
+  const bool has_place = in_plane || in_degrees;
+  if (toml_table.find("unit") == nullptr) {
+    const bool is_named_by_serial = node.serial && !node.name.empty() && !has_place;
+    if (!is_named_by_serial) return require(toml_table, key_table("node"), "unit");
+  } else if (node.address == 0) {
+    return;  // a mistake already
+  }
+  NodeName name{.bus = node.bus,
+                .address = node.address,
+                .name = std::exchange(node.name, {}),
+                .source = node.source};
+  if (node.address == 0) name.serial = Serial{*node.serial};
+  NodeMistake wrong;
+  // One that only has a name may be a node of our own.
+  if (node.address != 0 && (name.name.empty() || node.serial || has_place)) {
+    wrong = add_node(settings, std::move(node));
+  }
+  if (wrong.what.empty() && !name.name.empty()) wrong = add_name(settings, std::move(name));
   if (wrong.what.empty()) return;
   const toml::node* const culprit = toml_table.find(wrong.key);
   toml_table.mistake(culprit != nullptr ? *culprit : toml_table.table(), wrong.what);
@@ -378,8 +457,11 @@ struct TableWork {
 };
 constexpr TableWork list_readers[] = {
     {"bus", read_bus}, {"node", read_node}, {"feature", read_feature}};
-constexpr TableWork table_checks[] = {
-    {"site", note_site}, {"poll", check_poll}, {"gpio", check_gpio}, {"http", check_http}};
+constexpr TableWork table_checks[] = {{"site", note_site},
+                                      {"poll", check_poll},
+                                      {"gpio", check_gpio},
+                                      {"http", check_http},
+                                      {"mqtt", check_mqtt}};
 
 void read_list(TomlTable& file, const KeyTable& table, Settings& settings) {
   const auto reader = std::find_if(std::begin(list_readers), std::end(list_readers),
@@ -410,12 +492,14 @@ void read_all(TomlTable& file, const std::filesystem::path& folder, Settings& se
   read_all_profiles(file, folder, settings, mistakes);
   for (const KeyTable& table : key_tables()) {
     if (*table.name == '\0') continue;
-    if (table.required != nullptr) file.require(table.name, table.required);
     if (table.kind != KeyTable::Kind::list) {
       read_table(file, table, folder, settings);
     } else if (!is_nested(table)) {
       read_list(file, table, settings);
     }
+  }
+  for (const KeyTable& table : key_tables()) {
+    if (table.required != nullptr) file.require(table.name, table.required);
   }
 }
 
@@ -430,9 +514,13 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
     mistakes.push_back(std::string(error.what()) + "; give the path of the settings");
     return settings;
   } catch (const toml::parse_error& error) {
-    mistakes.push_back(path + ":" + std::to_string(error.source().begin.line) + ": " +
-                       std::string(error.description()) +
-                       "; correct the TOML there (texts stand in quotes)");
+    const std::string_view what = error.description();
+    const bool is_open = what.find("string: unescaped control characters") != what.npos;
+    mistakes.push_back(
+        path + ":" + std::to_string(error.source().begin.line) + ": " +
+        (is_open ? "a text has no end in its line; put a quote (\") behind it"
+                 : std::string(what) + "; correct the TOML there (texts stand in quotes)"));
+    keep_to_lines(mistakes);
     return settings;
   }
   const std::size_t before = mistakes.size();
@@ -449,6 +537,7 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
   };
   std::stable_sort(mistakes.begin() + static_cast<std::ptrdiff_t>(before), mistakes.end(),
                    [&](const std::string& a, const std::string& b) { return line(a) < line(b); });
+  keep_to_lines(mistakes, before);
   return settings;
 }
 
@@ -485,21 +574,27 @@ const NodeSettings* node_at(const Settings& settings, const BusSettings& bus,
   return nullptr;
 }
 
-NodeMistake add_node(Settings& settings, NodeSettings node) {
-  const bool is_named = !node.bus.empty();
-  if (!is_named && settings.buses.size() == 1) node.bus = settings.buses.front().name;
-  const auto bus = std::find_if(settings.buses.begin(), settings.buses.end(),
-                                [&](const BusSettings& other) { return other.name == node.bus; });
-  if (bus == settings.buses.end()) {
-    return {"bus", is_named ? "no [[bus]] is named '" + node.bus + "'; correct one of the names"
+NodeMistake find_bus(const Settings& settings, std::uint32_t address, std::string& name) {
+  const bool is_named = !name.empty();
+  if (!is_named && settings.buses.size() == 1) name = settings.buses.front().name;
+  const BusSettings* const bus = bus_named(settings, name);
+  if (bus == nullptr) {
+    return {"bus", is_named ? "no [[bus]] is named '" + name + "'; correct one of the names"
                             : "there are several buses; add 'bus' with the name of one"};
   }
-  const ModbusAddress unit{static_cast<std::uint8_t>(node.address)};
-  const DeviceSettings* const device = device_at(*bus, unit);
-  const std::string who = "unit " + std::to_string(node.address) + " of " + bus->name;
-  if (!has_unit(*bus, unit)) {
-    return {"unit", who + " is not asked; add it to the units of its bus or of a [[bus.device]]"};
+  if (!has_unit(*bus, ModbusAddress{static_cast<std::uint8_t>(address)})) {
+    return {"unit", "unit " + std::to_string(address) + " of " + name +
+                        " is not asked; add it to the units of its bus or of a [[bus.device]]"};
   }
+  return {};
+}
+
+NodeMistake add_node(Settings& settings, NodeSettings node) {
+  NodeMistake wrong = find_bus(settings, node.address, node.bus);
+  if (!wrong.what.empty()) return wrong;
+  const ModbusAddress unit{static_cast<std::uint8_t>(node.address)};
+  const DeviceSettings* const device = device_at(*bus_named(settings, node.bus), unit);
+  const std::string who = "unit " + std::to_string(node.address) + " of " + node.bus;
   if (device == nullptr || device->profile == node_profile) {
     return {"unit", who +
                         " tells its serial and where it stands itself; give it another profile in "

@@ -2,6 +2,7 @@
 // are, their ranges and defaults, is the table of settings_keys.h.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -137,7 +138,7 @@ struct WriteBackSettings {
 struct FeatureSettings {
   FeatureEnd from;
   FeatureEnd to;
-  std::string name{};  // what the site file calls it, or empty
+  std::string name{};  // what people call it, or empty
   std::string source;  // where it was configured: "file:line"
 };
 
@@ -151,8 +152,18 @@ struct NodeSettings {
   std::optional<std::int64_t> y{};
   std::optional<std::int64_t> longitude{};
   std::optional<std::int64_t> latitude{};
+  std::string name{};                  // only while it is read: see NodeName
   std::string source{};                // as above
   std::optional<Position> position{};  // where that is in the mesh
+};
+
+// What people call the node with a serial, or whichever answers at a unit.
+struct NodeName {
+  Serial serial{};  // none: it is the one at the unit
+  std::string bus{};
+  std::uint32_t address = 0;  // of the unit
+  std::string name;
+  std::string source{};  // as above
 };
 
 struct AnchorSettings {
@@ -170,9 +181,29 @@ struct SiteOrigin {
   std::int64_t y = 0;
   friend constexpr bool operator==(const SiteOrigin&, const SiteOrigin&) = default;
 };
+// What the world file of a plan counts in.
+enum class PlanIn : std::uint8_t {
+  unsaid,
+  plane,  // what the plane of the site counts in
+  degrees,
+};
+// A picture that is drawn below the mesh (site_plan.h).
+struct SitePlan {
+  const char* media_type = "";
+  std::string bytes;          // of its file
+  std::uint64_t version = 0;  // another where the bytes are others
+  std::uint32_t width = 0;    // pixels
+  std::uint32_t height = 0;
+  std::array<double, 6> world{};  // as the world file has them
+  bool is_in_degrees = false;     // these numbers are
+};
 struct SiteSettings {
-  std::string path;    // empty: there is none
-  std::string source;  // as above
+  std::string name{};       // what people call the site, or empty
+  std::string path;         // empty: there is none
+  std::string source;       // as above
+  std::string plan_path{};  // empty: there is no plan
+  PlanIn plan_in = PlanIn::unsaid;
+  std::shared_ptr<const SitePlan> plan{};  // what is there; null: none
   PolyNodes poly_nodes = PolyNodes::serials;
   std::int64_t unit_length = site_nano;  // of a unit of the mesh
   SiteOrigin origin;                     // the mesh's (0, 0)
@@ -182,6 +213,9 @@ struct SiteSettings {
   std::shared_ptr<const port::Projection> projection;
   // The origin was given in degrees: it is the middle of the plane.
   bool has_origin_in_degrees = false;
+  // What the projection is of: the coordinate system of this name, or metres about this place.
+  std::string projected_crs;
+  std::optional<port::EarthPoint> center;
 
   SitePlane plane() const {
     const SiteOrigin at = has_origin_in_degrees ? SiteOrigin{} : origin;
@@ -199,6 +233,7 @@ struct ServerSettings {
 struct HttpSettings {
   port::SocketAddress listen;
   std::vector<port::Network> allow{};  // who may look
+  std::vector<std::string> names{};    // by which it is asked for, beside its addresses
   std::uint32_t clients_max = 0;
 };
 
@@ -208,10 +243,44 @@ struct FileSettings {
   port::Duration interval{};  // at the most so often
 };
 
+// What a gateway of a fleet tells the others, and takes from them.
+enum class FleetShare : std::uint8_t {
+  publish,  // its nodes are told, and its mesh is of its own alone
+  site,     // the nodes of the others are nodes here too
+};
+
+// The broker by which gateways of one site know of each other.
+struct MqttSettings {
+  port::Endpoint broker;
+  std::string site;  // is the same for all of them
+  std::string name;  // is another one for each
+  FleetShare share = FleetShare::publish;
+  bool is_alone = false;        // `publish` is written there: a mesh of its own is what is wanted
+  std::string user{};           // empty: none
+  std::string password_file{};  // empty: no password
+  std::string tls_ca{};         // files; empty: no TLS by certificates
+  std::string tls_certificate{};
+  std::string tls_key{};
+  std::string psk_identity{};  // empty: no TLS by a key that both know
+  std::string psk_file{};
+  port::Duration keep_alive{};
+  // A node is told of no sooner than the first after the last time, where it has changed, and no
+  // later than the second.
+  port::Duration period_min{};
+  port::Duration period_max{};
+  std::string sparkplug{};       // the group of this edge node; empty: it is none
+  std::string home_assistant{};  // before the topics where it looks for devices; empty: not told
+};
+
 // What is worked out for the operator at each generation; 0: not asked for.
 struct AnalysisSettings {
   std::uint32_t radio_range = 0;
   std::uint32_t sensing_range = 0;
+};
+
+// Where a person on this machine tells the gateway something.
+struct ControlSettings {
+  std::string socket{};  // empty: `control` in the folder that systemd gives, or nowhere
 };
 
 struct StateSettings {
@@ -236,11 +305,14 @@ struct Settings {
   std::vector<Profile> device_profiles;
   bool has_all_profiles = true;  // else some could not be read, and that was told
   std::vector<NodeSettings> nodes;
+  std::vector<NodeName> node_names{};
   ServerSettings server;
   std::optional<HttpSettings> http;
   std::optional<FileSettings> files;
   std::optional<StateSettings> state;
+  std::optional<MqttSettings> mqtt;
   GpioSettings gpio;
+  ControlSettings control{};
   AnalysisSettings analysis;
   SiteSettings site;
   // Of the file itself and of the site file.
@@ -265,6 +337,10 @@ struct NodeMistake {
   std::string what;  // empty: nothing is wrong
 };
 NodeMistake add_node(Settings& settings, NodeSettings node);
+
+// That the bus of this name asks this unit; without a name the only bus gives its own. The answer
+// is as above.
+NodeMistake find_bus(const Settings& settings, std::uint32_t address, std::string& name);
 
 // The serial by which the device at this unit is known, unless it tells one: that of its [[node]],
 // or made of the number of the bus, from 0, and the unit.

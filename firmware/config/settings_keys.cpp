@@ -41,6 +41,8 @@ constexpr Key with_rtu(Key key) {
 constexpr Meaning<PolyNodes> poly_nodes[] = {{"serials", PolyNodes::serials},
                                              {"anchors", PolyNodes::anchors}};
 
+constexpr Meaning<PlanIn> plan_frames[] = {{"plane", PlanIn::plane}, {"degrees", PlanIn::degrees}};
+
 constexpr Key profile_keys[] = {
     {"profiles", paths_from_file<&Settings::profiles>(), unset(R"(["profiles.toml"])", "none"),
      at_once,
@@ -50,8 +52,17 @@ constexpr Key profile_keys[] = {
 };
 
 constexpr Key site_keys[] = {
+    {"name", called<&Settings::site, &SiteSettings::name>(), unset(R"("Harbour east")"), at_once,
+     "what people call the site: title of the page, and of the files that are written"},
     {"file", path_from_file<&Settings::site, &SiteSettings::path>(), unset(R"("site.geojson")"),
      at_once, "a `.geojson`, or a Triangle `.poly`"},
+    {"plan", path_from_file<&Settings::site, &SiteSettings::plan_path>(), unset(R"("plan.png")"),
+     at_once,
+     "a picture to be [drawn below the mesh](page.md#a-plan), PNG or JPEG, with a world file "
+     "beside it"},
+    {"plan_in", choice<plan_frames, &Settings::site, &SiteSettings::plan_in>(),
+     unset(R"("degrees")", "what only can be"), at_once,
+     "what the world file counts in, where it can be either: degrees, or what the plane counts in"},
     {"crs", text<&Settings::site, &SiteSettings::crs>(),
      unset(R"("EPSG:25833")", "[found out](site.md#degrees)"), at_once,
      "coordinate system of the plane; `\"plane\"`: of a drawing, nobody knows where on the earth",
@@ -238,11 +249,15 @@ constexpr Key device_keys[] = {
 constexpr Key node_keys[] = {
     {"bus", text<&NodeSettings::bus>(), unset(R"("yard")", "the only one"), restart,
      "where its device answers: the name of a bus", "name"},
-    {"unit", count<&NodeSettings::address>(1, unit_max), required("7"), restart,
+    {"unit", count<&NodeSettings::address>(1, unit_max),
+     conditional("7", "required, unless `serial` and `name` are all that is there"), restart,
      "the unit of its device"},
     {"serial", optional_count<&NodeSettings::serial>(0, Serial::none_value - 1),
      unset("1007", "1000 times the number of its bus, and the unit"), restart,
-     "by which it is known, where the device itself tells none"},
+     "by which it is known, where the device itself tells none; with `name` alone, whose name that "
+     "is, whichever gateway hears it"},
+    {"name", called<&NodeSettings::name>(), unset(R"("pump house")"), at_once,
+     "what [people call it](nodes.md#names), in the log, on the page and in documents"},
     {"x", decimal<&NodeSettings::x>(plane_max), unset(R"("120")", "the device tells it"), restart,
      "where it was surveyed, in what the plane counts in, to the unit; with `y`"},
     {"y", decimal<&NodeSettings::y>(plane_max), unset(R"("-40")", "the device tells it"), restart,
@@ -286,7 +301,7 @@ constexpr Key server_keys[] = {
     {"clients_max", count<&Settings::server, &ServerSettings::clients_max>(1, 1000), standard("16"),
      restart,
      "one more takes the place of the client that has asked nothing for longest, if that is over a "
-     "minute; else it is rejected"},
+     "minute; else it is rejected. One address may have three quarters of the places"},
 };
 
 constexpr Key analysis_keys[] = {
@@ -304,8 +319,13 @@ constexpr Key http_keys[] = {
     {"allow", networks<&Settings::http, &HttpSettings::allow>(),
      standard(R"(["127.0.0.0/8", "::1"])"), at_once,
      "who may look; others are rejected, and the log says so"},
+    {"names", host_names<&Settings::http, &HttpSettings::names>(), standard("[]"), at_once,
+     "by which the page is asked for: its addresses and `localhost` need not be here; [any other "
+     "is told nothing](page.md#by-name)"},
     {"clients_max", count<&Settings::http, &HttpSettings::clients_max>(1, 1000), standard("32"),
-     restart, "connections; a browser takes up to 6; further ones wait"},
+     restart,
+     "connections; a browser takes up to 6; further ones wait. One address may have three "
+     "quarters of them; more of it are rejected"},
 };
 
 constexpr Key file_keys[] = {
@@ -313,10 +333,11 @@ constexpr Key file_keys[] = {
      required(R"("/var/lib/etcm/mesh")"), restart,
      "made where there is none; while it cannot be, the mesh goes on without"},
     {"name", text<&Settings::files, &FileSettings::name>(), standard(R"("mesh")"), restart,
-     "`NAME` of the files"},
+     "`NAME` of the files, which are this gateway's alone (`.NAME.lock`)"},
     {"interval", duration<&Settings::files, &FileSettings::interval>(1ms), standard(R"("1min")"),
      at_once,
-     "written at the most so often, and at the end; what that [costs a disk](capacity.md#disk)"},
+     "written at the most so often, sooner while the mesh grows after a start, and at the end; "
+     "what that [costs a disk](capacity.md#disk)"},
 };
 
 constexpr Key state_keys[] = {
@@ -325,6 +346,63 @@ constexpr Key state_keys[] = {
      "made where there is none; a folder of its own for each gateway"},
     {"interval", duration<&Settings::state, &StateSettings::interval>(1s), standard(R"("1min")"),
      restart, "saved at the most so often, where something has changed, and at the end"},
+};
+
+constexpr Key control_keys[] = {
+    {"socket", path_from_file<&Settings::control, &ControlSettings::socket>(),
+     unset(R"("/run/etcm/control")", "`control` in the folder that systemd gives the service"),
+     restart,
+     "a Unix socket, for `etcm-gateway ctl`: root and the user of the gateway may use it, and "
+     "nobody over a network"},
+};
+
+constexpr Meaning<FleetShare> shares[] = {{"publish", FleetShare::publish},
+                                          {"site", FleetShare::site}};
+
+constexpr Key mqtt_keys[] = {
+    {"broker", endpoint_with_standard_port<&Settings::mqtt, &MqttSettings::broker>(),
+     required(R"("192.0.2.5")"), restart,
+     "an address, `\"[2001:db8::1]:1883\"` of IPv6, or a [name](wiring.md#by-name); without a port "
+     "1883, with TLS 8883"},
+    {"site", name<&Settings::mqtt, &MqttSettings::site>(), required(R"("harbour")"), restart,
+     "the same for all gateways of a site"},
+    {"name", name<&Settings::mqtt, &MqttSettings::name>(), required(R"("north")"), restart,
+     "of this gateway; no other one of the site has it"},
+    {"share", choice<shares, &Settings::mqtt, &MqttSettings::share>(), standard(R"("publish")"),
+     restart,
+     "`publish`: others learn the nodes of this gateway; `site`: and the nodes of the others are "
+     "in its mesh, so that all gateways with `site` have the same; it needs no `[[bus]]` then; "
+     "where `publish` is written, nobody tells that its mesh is another one"},
+    {"user", text<&Settings::mqtt, &MqttSettings::user>(),
+     unset(R"("north")", "`name`, where there is a `password_file`"), restart,
+     "who it is to the broker"},
+    {"password_file", path_from_file<&Settings::mqtt, &MqttSettings::password_file>(),
+     unset(R"("mqtt.password")"), restart, "a file with the password, in its first line"},
+    {"tls_ca", path_from_file<&Settings::mqtt, &MqttSettings::tls_ca>(), unset(R"("ca.pem")"),
+     restart, "TLS: the certificate of the CA that has signed the broker's, in PEM"},
+    {"tls_certificate", path_from_file<&Settings::mqtt, &MqttSettings::tls_certificate>(),
+     unset(R"("north.pem")"), restart, "certificate of the gateway, where the broker wants one"},
+    {"tls_key", path_from_file<&Settings::mqtt, &MqttSettings::tls_key>(), unset(R"("north.key")"),
+     restart, "the key of that, without a password"},
+    {"psk_identity", text<&Settings::mqtt, &MqttSettings::psk_identity>(), unset(R"("north")"),
+     restart, "TLS without certificates, by a key that both know: the name of the key"},
+    {"psk_file", path_from_file<&Settings::mqtt, &MqttSettings::psk_file>(), unset(R"("mqtt.psk")"),
+     restart, "a file with that key, hexadecimal, in its first line: `openssl rand -hex 32`"},
+    {"keep_alive", duration<&Settings::mqtt, &MqttSettings::keep_alive>(5s), standard(R"("30s")"),
+     restart,
+     "a broker that has heard nothing for half as much again tells the others that this gateway is "
+     "gone; whole seconds, up to 18 hours"},
+    {"period_min", duration<&Settings::mqtt, &MqttSettings::period_min>(100ms),
+     standard(R"("500ms")"), restart, "a node that changes is told of at the most so often"},
+    {"period_max", duration<&Settings::mqtt, &MqttSettings::period_max>(1s), standard(R"("10min")"),
+     restart, "one that does not is told of again at the latest then"},
+    {"sparkplug", text<&Settings::mqtt, &MqttSettings::sparkplug>(), unset(R"("plant")"), restart,
+     "the group in which this gateway is an edge node of [Sparkplug B](mqtt.md#sparkplug-b), "
+     "`name` is its name there"},
+    {"home_assistant", text<&Settings::mqtt, &MqttSettings::home_assistant>(),
+     unset(R"("homeassistant")"), restart,
+     "the topic below which [Home Assistant](mqtt.md#home-assistant) looks for devices, "
+     "`homeassistant` where nobody has changed it"},
 };
 
 constexpr Key feature_keys[] = {
@@ -336,6 +414,8 @@ constexpr Key feature_keys[] = {
      count<&FeatureSettings::to, &FeatureEnd::serial, &Serial::value>(0, Serial::none_value - 1,
                                                                       "serial"),
      required("1002"), at_once, "the node at the other end"},
+    {"name", called<&FeatureSettings::name>(), unset(R"("north fence")"), at_once,
+     "what people call it, in the log, on the page and in documents"},
 };
 
 template <auto member>
@@ -356,9 +436,8 @@ constexpr KeyTable tables[] = {
     {"mesh", TableKind::always, "required", "the memory of the mesh is taken once, at the start",
      mesh_keys, "[mesh] with vertices_max"},
     {"poll", TableKind::always, "", "how the nodes are asked, on all buses", poll_keys},
-    {"bus", TableKind::list, "one or more",
-     "a connection with Modbus TCP, or a serial port; [a reload adds more](#additions)", bus_keys,
-     "[[bus]] with tcp or rtu, and units"},
+    {"bus", TableKind::list, "as many as needed; without one nobody is asked",
+     "a connection with Modbus TCP, or a serial port; [a reload adds more](#additions)", bus_keys},
     {"bus.device", TableKind::list, "as many as needed",
      "after its `[[bus]]`: units that are other devices, or need longer than the others; [a reload "
      "adds more](#additions)",
@@ -385,6 +464,11 @@ constexpr KeyTable tables[] = {
      file_keys, nullptr, is_set<&Settings::files>, emplace<&Settings::files>},
     {"state", TableKind::optional, "none kept", "what [outlives a restart](#a-restart)", state_keys,
      nullptr, is_set<&Settings::state>, emplace<&Settings::state>},
+    {"control", TableKind::always, "", "where a person on the gateway [tells it something](ctl.md)",
+     control_keys},
+    {"mqtt", TableKind::optional, "no fleet",
+     "a broker by which the gateways of a site [know of each other](mqtt.md)", mqtt_keys, nullptr,
+     is_set<&Settings::mqtt>, emplace<&Settings::mqtt>},
     {"feature", TableKind::list, "as many as needed",
      "a line from node to node that the mesh follows", feature_keys},
 };

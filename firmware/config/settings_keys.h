@@ -62,7 +62,7 @@ struct KeyTable {
   const char* standard;  // what holds without it, for the guide
   const char* text;
   std::span<const Key> keys;
-  const char* required = nullptr;  // what to add where the file must have it
+  const char* required = nullptr;  // what to add, for the file must have it
   // Of an optional one that is not in the settings until it is in the file.
   bool (*is_there)(const Settings&) = nullptr;
   void (*begin)(Settings&) = nullptr;

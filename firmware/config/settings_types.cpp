@@ -5,6 +5,8 @@
 #include <set>
 
 #include "etcm/files/decimal.h"
+#include "firmware/config/names.h"
+#include "firmware/fleet/fleet_record.h"
 #include "firmware/toml/toml_table.h"
 
 namespace etcm::firmware {
@@ -22,7 +24,7 @@ std::string text_of(port::Duration duration) {
                   : "\"" + std::to_string(duration / 1ms) + "ms\"";
 }
 
-// "1-60" or "7" or "1-3,9".
+// "1-60" or "7" or "1-3,9"; a range also as "1:60", as etcm-bus and mbpoll have it.
 std::optional<std::vector<UnitRange>> parse_units(const std::string& text) {
   std::vector<UnitRange> ranges;
   std::set<ModbusAddress> seen;
@@ -33,7 +35,7 @@ std::optional<std::vector<UnitRange>> parse_units(const std::string& text) {
     auto parsed = std::from_chars(at, end, range.first);
     if (parsed.ec != std::errc{}) return std::nullopt;
     range.last = range.first;
-    if (parsed.ptr != end && *parsed.ptr == '-') {
+    if (parsed.ptr != end && (*parsed.ptr == '-' || *parsed.ptr == ':')) {
       parsed = std::from_chars(parsed.ptr + 1, end, range.last);
       if (parsed.ec != std::errc{}) return std::nullopt;
     }
@@ -68,6 +70,20 @@ std::nullopt_t wrong(const GivenKey& key, const toml::node& node, const std::str
 
 std::string quoted(const GivenKey& key) { return "'" + key.name + "'"; }
 
+bool is_digits(std::string_view text) {
+  return !text.empty() &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+bool is_number_in_quotes(const toml::node& node) {
+  return is_digits(node.value_exact<std::string_view>().value_or(""));
+}
+
+std::string without_quotes(const GivenKey& key, const toml::node& node) {
+  return quoted(key) + " is a number in quotes; write it as " + key.name + " = " +
+         node.value_exact<std::string>().value_or("");
+}
+
 std::optional<port::Duration> read(const DurationType& type, const GivenKey& key,
                                    const toml::node& node) {
   const auto found = key.toml_table.duration(key.name);
@@ -93,6 +109,7 @@ std::optional<std::uint32_t> read(const CountType& type, const GivenKey& key,
   if (found && *found >= type.least && *found <= type.most) {
     return static_cast<std::uint32_t>(*found);
   }
+  if (is_number_in_quotes(node)) return wrong(key, node, without_quotes(key, node));
   return wrong(key, node,
                quoted(key) + " is out of range; give a whole number from " +
                    std::to_string(type.least) + " to " + std::to_string(type.most));
@@ -117,6 +134,7 @@ std::optional<std::uint32_t> read(const BaudType&, const GivenKey& key, const to
       port::is_baud(static_cast<std::uint32_t>(*found))) {
     return static_cast<std::uint32_t>(*found);
   }
+  if (is_number_in_quotes(node)) return wrong(key, node, without_quotes(key, node));
   return wrong(key, node,
                quoted(key) +
                    " is no speed; give 9600, 19200, 115200, or another whole number from " +
@@ -135,6 +153,15 @@ std::optional<std::string> read(const TextType&, const GivenKey& key, const toml
   if (found && !found->empty()) return *found;
   return wrong(key, node,
                quoted(key) + " must be a text; write it as " + key.name + " = " + key.example);
+}
+
+std::optional<std::string> read(const CalledType&, const GivenKey& key, const toml::node& node) {
+  const auto found = node.value_exact<std::string>();
+  if (found && is_name(*found)) return *found;
+  return wrong(key, node,
+               quoted(key) + " must be a text of 1 to " + std::to_string(name_bytes_max) +
+                   " bytes in one line, without control characters; write it as " + key.name +
+                   " = " + key.example);
 }
 
 std::optional<std::string> read(const PathType&, const GivenKey& key, const toml::node& node) {
@@ -164,10 +191,18 @@ std::optional<port::SocketAddress> read(const AddressType&, const GivenKey& key,
   const auto text = node.value_exact<std::string>();
   const auto found = text ? port::parse_socket_address(*text) : std::nullopt;
   if (found) return found;
+  // With the port that was meant, or else that of the example, which stands in quotes.
+  const auto port_in = [](const std::string& place) {
+    const std::size_t last = place.find_last_of("0123456789");
+    const std::size_t before = place.find_last_not_of("0123456789", last);
+    return last == place.npos ? "" : place.substr(before + 1, last - before);
+  };
+  std::string port = text ? port_in(*text) : "";
+  if (port.empty() || port.size() > 5) port = port_in(key.example);
+  const auto at = [&port](const char* host) { return "\"" + (host + (':' + port)) + "\""; };
   return wrong(key, node,
-               quoted(key) +
-                   " is no address; write it as \"127.0.0.1:502\", \"[::1]:502\", or \"[::]:502\" "
-                   "for all addresses of this machine");
+               quoted(key) + " is no address; write it as " + at("127.0.0.1") + ", " + at("[::1]") +
+                   ", or " + at("[::]") + " for all addresses of this machine");
 }
 
 std::optional<std::optional<port::SocketAddress>> read(const OptionalAddressType&,
@@ -178,15 +213,37 @@ std::optional<std::optional<port::SocketAddress>> read(const OptionalAddressType
   return found;
 }
 
-std::optional<port::Endpoint> read(const EndpointType&, const GivenKey& key,
+std::optional<port::Endpoint> read(const EndpointType& type, const GivenKey& key,
                                    const toml::node& node) {
   const auto text = node.value_exact<std::string>();
   auto found = text ? port::parse_endpoint(*text) : std::nullopt;
+  if (type.has_standard_port) {
+    // Port 0 is none, so that it can stand for a port that is not given.
+    if (found && found->port == 0)
+      found.reset();
+    else if (!found && text)
+      found = port::parse_endpoint(*text, std::uint16_t{0});
+    if (found) return found;
+    return wrong(key, node,
+                 quoted(key) +
+                     " is neither an address nor a name; write it as \"192.0.2.5\", "
+                     "\"mqtt.example:8883\", or an IPv6 address in brackets, "
+                     "\"[2001:db8::1]:1883\"");
+  }
   if (found) return found;
   return wrong(key, node,
                quoted(key) +
                    " is neither an address nor a name with a port; write it as \"127.0.0.1:502\", "
                    "\"plc.example:502\", or an IPv6 address in brackets, \"[2001:db8::1]:502\"");
+}
+
+std::optional<std::string> read(const NameType&, const GivenKey& key, const toml::node& node) {
+  const auto found = node.value_exact<std::string>();
+  if (found && is_fleet_name(*found)) return *found;
+  return wrong(key, node,
+               quoted(key) + " must be a name of 1 to " + std::to_string(fleet_name_max) +
+                   " letters, digits, '-', '_' and '.'; write it as " + key.name + " = " +
+                   key.example);
 }
 
 std::optional<std::vector<port::Network>> read(const NetworksType&, const GivenKey& key,
@@ -204,6 +261,29 @@ std::optional<std::vector<port::Network>> read(const NetworksType&, const GivenK
                quoted(key) +
                    " must list networks; write it as [\"127.0.0.0/8\", \"10.0.0.0/8\", "
                    "\"2001:db8::/32\"]");
+}
+
+// Empty where the text is no name of a host.
+std::string host_name_of(const std::string& text) {
+  const auto end = port::parse_endpoint(text, std::uint16_t{0});
+  if (!end || !port::has_name(*end) || text.find(':') != std::string::npos) return {};
+  return end->host.substr(0, end->host.size() - (end->host.ends_with('.') ? 1 : 0));
+}
+
+std::optional<std::vector<std::string>> read(const HostNamesType&, const GivenKey& key,
+                                             const toml::node& node) {
+  const toml::array* const list = node.as_array();
+  std::vector<std::string> names;
+  for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    const auto text = (*list)[i].value_exact<std::string>();
+    std::string name = text ? host_name_of(*text) : std::string();
+    if (name.empty()) break;
+    names.push_back(std::move(name));
+  }
+  if (list != nullptr && names.size() == list->size()) return names;
+  return wrong(key, node,
+               quoted(key) + " must list names of hosts, without a port; write it as " + key.name +
+                   " = " + key.example);
 }
 
 std::optional<std::vector<UnitRange>> read(const UnitsType&, const GivenKey& key,
@@ -287,12 +367,21 @@ std::string range(const BaudType&) {
 }
 std::string range(const FlagType&) { return "`true`, `false`"; }
 std::string range(const TextType&) { return "text"; }
+std::string range(const CalledType&) {
+  return "text of one line, 1 ... " + std::to_string(name_bytes_max) + " bytes";
+}
 std::string range(const PathType&) { return "path"; }
 std::string range(const PathsType&) { return "path, or list of paths"; }
 std::string range(const AddressType&) { return "`\"ADDRESS:PORT\"`"; }
 std::string range(const OptionalAddressType&) { return range(AddressType{}); }
-std::string range(const EndpointType&) { return "`\"HOST:PORT\"`"; }
+std::string range(const EndpointType& type) {
+  return type.has_standard_port ? "`\"HOST\"`, `\"HOST:PORT\"`" : "`\"HOST:PORT\"`";
+}
+std::string range(const NameType&) {
+  return "1 ... " + std::to_string(fleet_name_max) + " letters, digits, `-`, `_`, `.`";
+}
 std::string range(const NetworksType&) { return "list of networks"; }
+std::string range(const HostNamesType&) { return "list of names"; }
 std::string range(const UnitsType&) { return "`\"1-60\"`, `\"1-3,9\"`"; }
 std::string range(const BoardLineType&) { return "line"; }
 std::string range(const OptionalCountType& type) {

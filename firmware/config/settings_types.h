@@ -61,6 +61,10 @@ struct FlagType {
 struct TextType {
   Access<std::string> field;
 };
+// What people call something (names.h).
+struct CalledType {
+  Access<std::string> field;
+};
 // From the folder of the configuration file.
 struct PathType {
   Access<std::string> field;
@@ -79,9 +83,18 @@ struct OptionalAddressType {
 // A host by address or name, and a port.
 struct EndpointType {
   Access<port::Endpoint> field;
+  bool has_standard_port;  // which is taken where it has none; until then it is 0
+};
+// One level of the topics of a fleet.
+struct NameType {
+  Access<std::string> field;
 };
 struct NetworksType {
   Access<std::vector<port::Network>> field;
+};
+// Names of hosts, in lower case and without a dot behind.
+struct HostNamesType {
+  Access<std::vector<std::string>> field;
 };
 struct UnitsType {
   Access<std::vector<UnitRange>> field;
@@ -112,9 +125,9 @@ struct OriginType {
 
 using ValueType =
     std::variant<DurationType, OptionalDurationType, CountType, ChoiceType, BaudType, FlagType,
-                 TextType, PathType, PathsType, AddressType, OptionalAddressType, EndpointType,
-                 NetworksType, UnitsType, BoardLineType, OptionalCountType, DecimalType, ScaleType,
-                 OriginType>;
+                 TextType, CalledType, NameType, PathType, PathsType, AddressType,
+                 OptionalAddressType, EndpointType, NetworksType, HostNamesType, UnitsType,
+                 BoardLineType, OptionalCountType, DecimalType, ScaleType, OriginType>;
 
 // A key as it stands in a file.
 struct GivenKey {
@@ -249,6 +262,10 @@ constexpr TextType text() {
   return {detail::field<std::string, path...>()};
 }
 template <auto... path>
+constexpr CalledType called() {
+  return {detail::field<std::string, path...>()};
+}
+template <auto... path>
 constexpr PathType path_from_file() {
   return {detail::field<std::string, path...>()};
 }
@@ -266,11 +283,23 @@ constexpr OptionalAddressType optional_address() {
 }
 template <auto... path>
 constexpr EndpointType endpoint() {
-  return {detail::field<port::Endpoint, path...>()};
+  return {detail::field<port::Endpoint, path...>(), false};
+}
+template <auto... path>
+constexpr EndpointType endpoint_with_standard_port() {
+  return {detail::field<port::Endpoint, path...>(), true};
+}
+template <auto... path>
+constexpr NameType name() {
+  return {detail::field<std::string, path...>()};
 }
 template <auto... path>
 constexpr NetworksType networks() {
   return {detail::field<std::vector<port::Network>, path...>()};
+}
+template <auto... path>
+constexpr HostNamesType host_names() {
+  return {detail::field<std::vector<std::string>, path...>()};
 }
 template <auto... path>
 constexpr UnitsType units() {

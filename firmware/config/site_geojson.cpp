@@ -10,7 +10,7 @@
 #include "etcm/files/decimal.h"
 #include "etcm/files/error.h"
 #include "etcm/files/json.h"
-#include "etcm/port/utf8.h"
+#include "firmware/config/names.h"
 #include "firmware/config/site.h"
 
 namespace etcm::firmware {
@@ -22,7 +22,6 @@ using files::JsonValue;
 using Kind = JsonValue::Kind;
 
 constexpr std::size_t mistakes_max = 20;
-constexpr std::size_t name_bytes_max = 64;
 
 enum class Role : std::uint8_t { feature, domain, hole };
 
@@ -41,15 +40,6 @@ struct DrawnLine {
   std::string name;
   std::string source;
 };
-
-// Names go to the log and to the page: a line of text, not too long.
-std::string printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(),
-      [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }, ' ');
-  text.resize(port::cut_utf8(text, name_bytes_max).size());
-  return text;
-}
 
 std::string child(const std::string& where, std::size_t index) {
   return where + "/" + std::to_string(index);
@@ -150,7 +140,7 @@ class Drawing {
       fail(*properties, here, "must be an object or null");
     }
     const JsonValue* const name = properties->find("name");
-    if (name != nullptr && name->kind == Kind::text) label.name = printable(name->text);
+    if (name != nullptr && name->kind == Kind::text) label.name = name_of_map(name->text);
     const JsonValue* const role = properties->find("kind");
     if (role != nullptr && role->kind != Kind::null) label.role = role_of(*role, here + "/kind");
     const JsonValue* const serial = properties->find("serial");
@@ -172,7 +162,7 @@ class Drawing {
     std::transform(small.begin(), small.end(), small.begin(),
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
     if (small == "domain" || small == "hole") {
-      fail(value, where, "is '" + printable(value.text) + "'; write it as \"" + small + "\"");
+      fail(value, where, "is '" + name_of_map(value.text) + "'; write it as \"" + small + "\"");
     }
     return Role::feature;
   }
@@ -219,7 +209,7 @@ class Drawing {
                 });
     } else {
       fail(geometry, where,
-           "the geometry '" + printable(type) +
+           "the geometry '" + name_of_map(type) +
                "' is unknown here; use Point, LineString, MultiLineString, Polygon or "
                "MultiPolygon");
     }
@@ -229,8 +219,24 @@ class Drawing {
     const Position position = position_of(coordinates, where);
     const std::optional<Serial> serial =
         label.unit != nullptr ? survey(*label.unit, label, position) : label.serial;
+    name_node(label, coordinates);
     note(position, coordinates, where, serial);
     if (!serial) anchors_.push_back(position);
+  }
+
+  // What is no node here may be called anything.
+  void name_node(const Label& label, const JsonValue& at) {
+    if (label.name.empty() || (label.unit == nullptr && !label.serial)) return;
+    NodeName name{.name = label.name,
+                  .source = settings_.site.path + ":" + std::to_string(at.line_number)};
+    if (label.unit != nullptr) {
+      name.bus = settings_.nodes.back().bus;
+      name.address = settings_.nodes.back().address;
+    } else {
+      name.serial = *label.serial;
+    }
+    const NodeMistake wrong = add_name(settings_, std::move(name));
+    if (!wrong.what.empty()) fail(at, std::string("properties/") + wrong.key, wrong.what);
   }
 
   // The serial of the device at this unit, which stands here.

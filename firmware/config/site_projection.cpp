@@ -75,6 +75,8 @@ class SiteProjector {
   SiteFrame run() {
     site_.projection = nullptr;
     site_.has_origin_in_degrees = false;
+    site_.projected_crs.clear();
+    site_.center.reset();
     SiteFrame frame;
     if (site_.crs == drawing_crs) {
       if (in_degrees_) {
@@ -117,6 +119,7 @@ class SiteProjector {
 
   void take_named() {
     site_.projection = named(site_.crs, site_.source);
+    site_.projected_crs = site_.crs;
     if (site_.projection != nullptr && site_.projection->counts_in_degrees()) {
       fail(site_.source, "crs '" + site_.crs +
                              "' counts in degrees, and a mesh is in a plane; name a projected one, "
@@ -144,6 +147,7 @@ class SiteProjector {
     if (projection == nullptr) return {};
     if (site_.crs.empty() && !projection->counts_in_degrees()) {
       site_.projection = std::move(projection);
+      site_.projected_crs = file_->crs;
       return {};
     }
     return {.kind = SiteFrame::Kind::other, .projection = std::move(projection)};
@@ -167,6 +171,7 @@ class SiteProjector {
     }
     std::string why;
     site_.projection = source_->about(*center, why);
+    site_.center = center;
     if (site_.projection == nullptr) fail(place, "the plane of the site cannot be had: " + why);
   }
 

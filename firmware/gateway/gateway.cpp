@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "etcm/audit.h"
+#include "firmware/config/fleet_settings.h"
 #include "firmware/publish/mesh_registers.h"
 
 namespace etcm::firmware {
@@ -35,28 +36,44 @@ Gateway::Gateway(std::shared_ptr<const Settings> settings, Mesh& mesh, const Gat
       ports_(ports),
       devices_(*settings_),
       poller_(settings_->poll, ports.buses, *this, ports.log, this, &devices_),
-      nodes_(poller_.unit_count(), settings_->room.units),
+      nodes_(poller_.unit_count(), settings_->room.units, foreign_room(*settings_)),
       reading_table_(poller_),
+      foreign_readings_(quantities_listed_max),
       kept_(mesh, *settings_),
       site_(kept_, nodes_, ports.clock, ports.log),
       placement_(kept_, site_, nodes_, *settings_, ports.clock, ports.log),
       presence_(settings_->poll, poller_, nodes_, reading_table_, placement_, ports.log),
       admission_(settings_->poll, kept_.features(), nodes_, poller_, ports.log),
+      clashes_(nodes_, poller_, ports.log),
       assigner_(settings_->poll, poller_, nodes_, ports.log),
       is_assigning_(poller_.bus_count()),
+      unheard_ends_(kept_.features(), ports.log),
       snapshots_(*settings_,
-                 roster_capacity(std::max(poller_.unit_count(), settings_->room.units))),
+                 roster_capacity(std::max(poller_.unit_count(), settings_->room.units)) +
+                     foreign_room(*settings_)),
       reading_taker_(*settings_),
       sensors_(*settings_),
       distributor_(*settings_, poller_, nodes_, snapshots_.latest(), ports.log),
       images_(register_capacity(*settings_), images_ready, settings_->server.clients_max + 2),
       state_transfer_(kept_, site_, placement_, nodes_, poller_) {
-  quarantine_.reserve(quarantine_max(nodes_, kept_.features(), kept_.anchors(), admission_));
+  reserve_quarantine();
+  take_names();
+  unheard_ends_.take_site(ports.clock.now());
   if (ports.store != nullptr && settings_->state) {
     state_saver_.emplace(*settings_, publish_pause, *ports.store, ports.log);
   }
   if (ports.files != nullptr) {
     file_publisher_.emplace(*settings_, publish_share, *ports.files, ports.clock, ports.log);
+  }
+  if (ports.broker != nullptr && settings_->mqtt) {
+    fleet_.emplace(settings_,
+                   FleetPorts{.broker = *ports.broker,
+                              .wall_clock = ports.wall_clock,
+                              .log = ports.log,
+                              .projections = ports.projections,
+                              .run = ports.run,
+                              .version = ports.version},
+                   kept_, nodes_, foreign_readings_, placement_, ports.clock.now());
   }
 }
 
@@ -65,10 +82,15 @@ void Gateway::restore(port::Instant now) {
   const std::optional<SavedState> saved = state_saver_->load();
   if (!saved) return;
   generation_ = saved->next_generation - 1;
-  const bool is_same = state_transfer_.restore(*saved, generation_ + 1, now);
+  // Before the nodes: the mesh was one of that site.
+  auto settings = fleet_ ? fleet_->restore_site(saved->fleet) : nullptr;
+  if (settings != nullptr) take_site(std::move(settings), now);
+  const bool is_shared = fleet_ && settings_->mqtt->share == FleetShare::site;
+  const bool is_same = state_transfer_.restore(*saved, is_shared, generation_ + 1, now);
   // Before the first mesh only a promise about generations is saved.
   if (saved->generation > 0) log_restored(*saved, is_same);
   sensors_.restore(saved->sensors, saved->quantities, time_since(*saved), now);
+  if (fleet_) fleet_->restore(saved->fleet, now);
   presence_.tell_missing(now);
   static_cast<void>(kept_.take_changed());
   // Units where a node was are asked at once, before their turn.
@@ -93,20 +115,25 @@ void Gateway::log_restored(const SavedState& saved, bool is_same) {
 void Gateway::step(port::Instant now) {
   presence_.turn(now);
   poller_.step(now);
-  if (presence_.is_due(now)) {
-    admission_.sweep(now);
-    presence_.sweep(now, generation_ + 1);
-    changed_ = changed_ || presence_.waiting_count() != snapshot().waiting_count;
+  if (fleet_) {
+    fleet_->step(now, generation_ + 1);
+    if (auto settings = fleet_->take_settings()) take_site(std::move(settings), now);
+    take_told_names(now);
+    if (fleet_->take_clash_news()) {
+      clashes_.take(fleet_->clashes());
+      changed_ = true;
+    }
   }
+  if (presence_.is_due(now)) sweep(now);
   placement_.retry_rejected(generation_ + 1);
   changed_ = kept_.take_changed() || changed_;
   changed_ = admission_.take_changed() || changed_;
   changed_ = presence_.take_changed() || changed_;
   if (changed_ && publish_due_ <= now) publish(now);
   if (sensors_.next_deadline() <= now) {
-    sensors_.observe(snapshot(), readings(), now, ports_.log);
+    sensors_.observe(snapshot(), readings(), nodes_, now, ports_.log);
     publish_readings(now);
-  } else if (reading_table_.has_news() && readings_due_ <= now) {
+  } else if (has_reading_news() && readings_due_ <= now) {
     publish_readings(now);
   }
   if (file_publisher_) {
@@ -117,21 +144,35 @@ void Gateway::step(port::Instant now) {
   if (state_saver_) {
     keep_silences(now);
     keep_learned(now);
+    if (fleet_ && fleet_->take_news_to_save()) state_saver_->mark_dirty();
     state_saver_->step(now);
     // What is saved is a generation that was published.
     if (!changed_ && state_saver_->is_due(now)) save_state(now);
   }
 }
 
+void Gateway::sweep(port::Instant now) {
+  admission_.sweep(now);
+  presence_.sweep(now, generation_ + 1);
+  if (fleet_) fleet_->sweep(now);
+  changed_ = changed_ || presence_.waiting_count() != snapshot().waiting_count;
+  unheard_ends_.look(nodes_, poller_, fleet(), settings_->poll.leave_after, now);
+}
+
 void Gateway::update_settings(std::shared_ptr<const Settings> settings,
                               std::span<const PolledBus> added, port::Instant now) {
   const bool is_faster = settings->poll.interval < settings_->poll.interval;
   settings_ = std::move(settings);
+  if (fleet_) {
+    fleet_->update_settings(settings_, now);
+    if (auto shared = fleet_->take_settings()) settings_ = std::move(shared);
+  }
   devices_.update_settings(*settings_);
   const PollSettings& poll = settings_->poll;
   const port::Instant heard_by = poller_.update_settings(poll, settings_->buses, now);
   for (const PolledBus& bus : added) poller_.add_bus(poll, bus);
   nodes_.add_units(poller_.unit_count());
+  take_names();
   reading_table_.add_units(poller_);
   reading_taker_.update_settings(*settings_);
   images_.set_capacity(register_capacity(*settings_), snapshot());
@@ -142,18 +183,70 @@ void Gateway::update_settings(std::shared_ptr<const Settings> settings,
   assigner_.update_settings(poll);
   distributor_.update_settings(poll);
   placement_.update_site(*settings_, generation_ + 1);
-  presence_.dismiss_missing();
+  unheard_ends_.take_site(now);
   snapshots_.update_site(settings_->domain);
   if (file_publisher_) file_publisher_->update_settings(*settings_->files);
   if (state_saver_) state_saver_->update_settings(*settings_);
-  quarantine_.reserve(quarantine_max(nodes_, kept_.features(), kept_.anchors(), admission_));
+  reserve_quarantine();
+}
+
+bool Gateway::dismiss(Serial serial) {
+  NodeRecord* const node = nodes_.find(serial);
+  return node != nullptr && presence_.dismiss(*node);
+}
+
+std::uint32_t Gateway::dismiss_all(port::Instant now) {
+  std::uint32_t count = 0;
+  for (NodeRecord& node : nodes_.records()) {
+    if (node.is_known() && presence_.dismiss(node)) ++count;
+  }
+  return count + (fleet_ ? fleet_->dismiss_gone(now) : 0);
+}
+
+bool Gateway::dismiss_gateway(std::string_view name, port::Instant now) {
+  if (!fleet_ || !fleet_->is_gone(name)) return false;
+  const std::span<const std::string> names = fleet_->gateways();
+  for (NodeRecord& node : nodes_.records()) {
+    if (!node.is_known() || !node.is_foreign() || names[node.owner.value] != name) continue;
+    static_cast<void>(presence_.dismiss(node));
+  }
+  return fleet_->dismiss_gone(name, now);
+}
+
+void Gateway::take_names() {
+  nodes_.set_names(std::make_shared<const NameBook>(
+      *settings_, poller_, fleet_ ? fleet_->told_names() : std::vector<ToldName>()));
+}
+
+// One that has just come to a large fleet hears new names all the time.
+void Gateway::take_told_names(port::Instant now) {
+  if (now < told_names_due_ || !fleet_->take_name_news()) return;
+  told_names_due_ = now + told_names_pause;
+  take_names();
+  changed_ = true;
+}
+
+void Gateway::reserve_quarantine() {
+  quarantine_.reserve(quarantine_max(nodes_, kept_.features(), kept_.anchors(), admission_) +
+                      2 * clashes_max);
+}
+
+void Gateway::take_site(std::shared_ptr<const Settings> settings, port::Instant now) {
+  settings_ = std::move(settings);
+  devices_.update_settings(*settings_);
+  take_names();
+  placement_.update_site(*settings_, generation_ + 1);
+  unheard_ends_.take_site(now);
+  snapshots_.update_site(settings_->domain);
+  reserve_quarantine();
 }
 
 port::Instant Gateway::next_deadline() const {
   port::Instant deadline =
       std::min({poller_.next_deadline(), presence_.next_deadline(), placement_.next_deadline()});
   if (file_publisher_) deadline = std::min(deadline, file_publisher_->next_deadline());
-  if (reading_table_.has_news()) deadline = std::min(deadline, readings_due_);
+  if (fleet_) deadline = std::min(deadline, fleet_->next_deadline());
+  if (has_reading_news()) deadline = std::min(deadline, readings_due_);
   deadline = std::min(deadline, sensors_.next_deadline());
   if (changed_) return std::min(deadline, publish_due_);
   if (state_saver_) deadline = std::min(deadline, state_saver_->next_deadline());
@@ -162,7 +255,7 @@ port::Instant Gateway::next_deadline() const {
 
 void Gateway::finish(port::Instant now) {
   if (changed_) publish(now);
-  if (reading_table_.has_news()) publish_readings(now);
+  if (has_reading_news()) publish_readings(now);
   if (file_publisher_) {
     file_publisher_->step(now);
     file_publisher_->write(snapshot(), readings(), settings_->site.plane(), now);
@@ -210,8 +303,11 @@ void Gateway::keep_learned(port::Instant now) {
 void Gateway::save_state(port::Instant now) {
   StateWriter& writer = state_saver_->begin(generation_, kept_.mesh().hash(), time_of_day_s());
   state_transfer_.write(writer, now);
-  for (const Quantity& quantity : readings().quantities) writer.add(quantity);
+  for (std::size_t i = 0; i < readings().own_quantity_count; ++i) {
+    writer.add(readings().quantities[i]);
+  }
   sensors_.for_each_learned(now, [&](const LearnedSensor& sensor) { writer.add(sensor); });
+  if (fleet_) writer.add_fleet(fleet_->save());
   writer.set_edition(learned_edition_);
   state_saver_->save(now);
 }
@@ -230,8 +326,16 @@ port::Duration Gateway::time_since(const SavedState& saved) const {
 bool Gateway::on_reading(UnitIndex unit, const NodeReading& reading,
                          std::span<const Measurement> measured, port::Instant now) {
   presence_.hear_unit(unit, now);
+  const NodeRecord* const before = nodes_.at(unit);
+  const Serial serial_before = before == nullptr ? Serial::none() : before->serial;
   NodeRecord* const node = admission_.admit(unit, reading.serial, now);
   if (node == nullptr) return false;
+  const bool is_renamed = !serial_before.is_none() && serial_before != node->serial;
+  if (fleet_ && is_renamed) fleet_->end_clash(serial_before, now);
+  if (is_left_to_others(*node, reading, now)) {
+    presence_.hear_foreign(*node);
+    return true;
+  }
   presence_.hear_node(*node, reading, now);
   reading_table_.take(unit, node->serial, measured, now);
   if (node->boot_count != reading.boot_count) {
@@ -252,7 +356,12 @@ bool Gateway::on_reading(UnitIndex unit, const NodeReading& reading,
   placement_.on_still_present(*node);
   // Without a fix the node stays where it was last known to be.
   if ((reading.status & node_status::fix_valid) != 0) follow_position(*node);
+  if (fleet_) fleet_->hear(*node, reading_taker_.latest(), now);
   return true;
+}
+
+bool Gateway::is_left_to_others(NodeRecord& node, const NodeReading& reading, port::Instant now) {
+  return fleet_ && node.is_foreign() && !fleet_->claim(node, reading, now);
 }
 
 port::Instant Gateway::request_due(BusIndex bus) const {
@@ -296,18 +405,24 @@ void Gateway::follow_position(NodeRecord& node) {
 }
 
 void Gateway::publish(port::Instant now) {
+  const port::Instant started = ports_.clock.now();
+  placement_.settle(generation_ + 1);
+  static_cast<void>(kept_.take_changed());
   ++generation_;
   changed_ = false;
   if (state_saver_) state_saver_->mark_dirty();
-  const port::Instant started = ports_.clock.now();
   forget_history();
   list_quarantine(nodes_, kept_.features(), kept_.anchors(), admission_, quarantine_);
+  clashes_.list(quarantine_);
+  if (fleet_) snapshots_.set_gateways(fleet_->gateways());
   const Snapshot& snapshot =
       snapshots_.take(generation_, kept_, nodes_, poller_, presence_, quarantine_, now);
   if (file_publisher_) file_publisher_->mark_dirty(snapshot);
   distributor_.take_snapshot();
+  if (fleet_) fleet_->take(snapshot, quarantine_);
   state_ = snapshot.state;
-  ReadingSnapshot& readings = reading_taker_.take(reading_table_, nodes_, snapshot, now);
+  ReadingSnapshot& readings =
+      reading_taker_.take(reading_table_, foreign_readings_, nodes_, snapshot, now);
   sensors_.take(snapshot, readings);
   sensors_.mark(readings);
   ports_.server.publish(images_.encode(snapshot, readings));
@@ -328,7 +443,8 @@ void Gateway::forget_history() {
 
 void Gateway::publish_readings(port::Instant now) {
   const port::Instant started = ports_.clock.now();
-  ReadingSnapshot& readings = reading_taker_.take(reading_table_, nodes_, snapshot(), now);
+  ReadingSnapshot& readings =
+      reading_taker_.take(reading_table_, foreign_readings_, nodes_, snapshot(), now);
   sensors_.mark(readings);
   ports_.server.publish(images_.encode(readings));
   if (file_publisher_ && readings.value_sequence == readings.sequence) {

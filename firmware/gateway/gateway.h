@@ -12,15 +12,21 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "etcm/port/clock.h"
 #include "etcm/port/log.h"
 #include "etcm/port/mesh_files.h"
 #include "etcm/port/mesh_server.h"
+#include "etcm/port/message_broker.h"
 #include "etcm/port/store.h"
 #include "etcm/port/wall_clock.h"
 #include "firmware/config/settings.h"
+#include "firmware/gateway/fleet_link.h"
+#include "firmware/gateway/fleet_report.h"
+#include "firmware/gateway/serial_clashes.h"
+#include "firmware/gateway/unheard_ends.h"
 #include "firmware/mesh/kept_mesh.h"
 #include "firmware/mesh/node_placement.h"
 #include "firmware/mesh/site_keeper.h"
@@ -38,6 +44,7 @@
 #include "firmware/publish/reading_taker.h"
 #include "firmware/publish/snapshot_taker.h"
 #include "firmware/readings/sensor_watch.h"
+#include "firmware/records/foreign_readings.h"
 #include "firmware/records/node_table.h"
 #include "firmware/records/reading_table.h"
 
@@ -45,7 +52,11 @@ namespace etcm::firmware {
 
 // Least time between two publications; and at most this share of all time is spent on them.
 inline constexpr port::Duration publish_pause = std::chrono::milliseconds(100);
+// Other gateways' names of nodes are taken over no more often.
+inline constexpr port::Duration told_names_pause = std::chrono::seconds(1);
 inline constexpr int publish_share = 20;
+// A change of the mesh that waits longer than that is stuck.
+inline constexpr port::Duration publish_patience = std::chrono::seconds(10);
 
 struct GatewayPorts {
   std::span<const PolledBus> buses;
@@ -55,6 +66,10 @@ struct GatewayPorts {
   const port::Clock& clock;
   const port::WallClock* wall_clock = nullptr;  // null: no restart tells how long it took
   port::Log& log;
+  port::MessageBroker* broker = nullptr;          // null: it is in no fleet
+  port::ProjectionSource* projections = nullptr;  // null: of no site that comes by the broker
+  std::uint64_t run = 0;       // another for each run of a program, on any machine
+  std::string_view version{};  // of the program, as the fleet is told
 };
 
 class Gateway final : private ReadingListener, private RequestSource {
@@ -80,10 +95,21 @@ class Gateway final : private ReadingListener, private RequestSource {
 
   // Other settings, in what can change while the gateway runs (reload.h). `added`: for each bus
   // that the settings have beyond those before, in this order. Where units are asked more often
-  // than before, silence counts once all of them have had time to answer. Nodes that are missing
-  // are dismissed.
+  // than before, silence counts once all of them have had time to answer.
   void update_settings(std::shared_ptr<const Settings> settings, std::span<const PolledBus> added,
                        port::Instant now);
+
+  // The node is waited for no longer. False: none with this serial is missing, or the mesh cannot
+  // do without it.
+  bool dismiss(Serial serial);
+  // The same of all nodes that are missing, and of all gateways that are gone and have none left.
+  // Returns how many.
+  std::uint32_t dismiss_all(port::Instant now);
+  // The gateway is left out of the list, and its nodes that are missing are waited for no longer.
+  // False: none of this name is gone.
+  bool dismiss_gateway(std::string_view name, port::Instant now);
+
+  // With the site that holds, which may be that of another gateway.
   const Settings& settings() const { return *settings_; }
 
   std::uint32_t generation() const { return generation_; }
@@ -98,6 +124,9 @@ class Gateway final : private ReadingListener, private RequestSource {
   // What the nodes measure; published more often than the mesh.
   const ReadingSnapshot& readings() const { return reading_taker_.latest(); }
 
+  // Null where the gateway is in none.
+  const FleetReport* fleet() const { return fleet_ ? &fleet_->report() : nullptr; }
+
   // Null where nothing is to be written there.
   const DiskWriter* disk_of_files() const {
     return file_publisher_ ? &file_publisher_->disk() : nullptr;
@@ -107,6 +136,8 @@ class Gateway final : private ReadingListener, private RequestSource {
   // As they are now; published are readings().
   const ReadingTable& reading_table() const { return reading_table_; }
   const NodeTable& nodes() const { return nodes_; }
+  std::span<const FeatureRecord> features() const { return kept_.features().records(); }
+  const UnheardEnds& unheard_ends() const { return unheard_ends_; }
   const Presence& presence() const { return presence_; }
   const MeshTimes& mesh_times() const { return placement_.times(); }
   // As published last.
@@ -118,9 +149,20 @@ class Gateway final : private ReadingListener, private RequestSource {
   port::Instant request_due(BusIndex bus) const override;
   bool next_request(BusIndex bus, port::Instant now, BusRequest& request) override;
   void on_request_done(BusIndex bus, const port::BusAnswer& answer, port::Instant now) override;
+  // The node is another gateway's, and stays so.
+  bool is_left_to_others(NodeRecord& node, const NodeReading& reading, port::Instant now);
   void follow_position(NodeRecord& node);
+  // The same settings with another site.
+  void take_site(std::shared_ptr<const Settings> settings, port::Instant now);
+  void sweep(port::Instant now);
+  void reserve_quarantine();
+  void take_names();
+  void take_told_names(port::Instant now);
   void publish(port::Instant now);
   void publish_readings(port::Instant now);
+  bool has_reading_news() const {
+    return reading_table_.has_news() || foreign_readings_.has_news();
+  }
   // Of the mesh: what is published is a function of its nodes and features.
   void forget_history();
   void save_state(port::Instant now);
@@ -136,14 +178,17 @@ class Gateway final : private ReadingListener, private RequestSource {
   Poller poller_;
   NodeTable nodes_;
   ReadingTable reading_table_;
+  ForeignReadings foreign_readings_;
   KeptMesh kept_;
   SiteKeeper site_;
   NodePlacement placement_;
   Presence presence_;
   Admission admission_;
+  SerialClashes clashes_;
   AddressAssigner assigner_;
   std::vector<bool> is_assigning_;  // by bus: whose request is under way
   std::vector<QuarantineEntry> quarantine_;
+  UnheardEnds unheard_ends_;
   SnapshotTaker snapshots_;
   ReadingTaker reading_taker_;
   SensorWatch sensors_;
@@ -152,9 +197,11 @@ class Gateway final : private ReadingListener, private RequestSource {
   StateTransfer state_transfer_;
   std::optional<StateSaver> state_saver_;
   std::optional<FilePublisher> file_publisher_;
-  port::Instant publish_due_{};   // not before
-  port::Instant readings_due_{};  // as well
-  std::uint32_t generation_ = 0;  // published last
+  std::optional<FleetLink> fleet_;
+  port::Instant told_names_due_{};  // not before
+  port::Instant publish_due_{};     // not before
+  port::Instant readings_due_{};    // as well
+  std::uint32_t generation_ = 0;    // published last
   std::uint16_t state_ = 0;
   bool changed_ = false;        // since then
   bool keeps_history_ = false;  // there is no room to forget it

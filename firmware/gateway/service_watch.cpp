@@ -9,10 +9,12 @@
 namespace etcm::firmware {
 
 ServiceWatch::ServiceWatch(port::ServiceManager& manager, const Gateway& gateway,
-                           const WatchedServers& servers, port::Log& log)
+                           const WatchedServers& servers, const std::string& refusal,
+                           port::Log& log)
     : manager_(manager),
       gateway_(gateway),
       servers_(servers),
+      refusal_(refusal),
       log_(log),
       // Twice in the time it has, as sd_watchdog_enabled(3) advises.
       feed_interval_(manager.watchdog_timeout() / 2) {}
@@ -39,7 +41,8 @@ bool ServiceWatch::has_news() const {
 // As it ends the status; with an end of its own, for printf().
 std::string_view ServiceWatch::what_is_missing() const {
   if (!servers_.masters.is_listening) return "; nobody can read the mesh: see the log";
-  return servers_.readers.is_listening ? "" : "; no status page: see the log";
+  if (!servers_.readers.is_listening) return "; no status page: see the log";
+  return refusal_.empty() ? "" : "; the changed configuration is refused: see the log";
 }
 
 void ServiceWatch::feed(port::Instant now) {

@@ -27,9 +27,10 @@ struct WatchedServers {
 
 class ServiceWatch {
  public:
-  // All arguments must outlive the watch, and so must what `servers` names.
+  // All arguments must outlive the watch, and so must what `servers` names. `refusal`: what
+  // reload() said last.
   ServiceWatch(port::ServiceManager& manager, const Gateway& gateway, const WatchedServers& servers,
-               port::Log& log);
+               const std::string& refusal, port::Log& log);
 
   void ready(port::Instant now);
   // After a turn of the gateway.
@@ -50,6 +51,7 @@ class ServiceWatch {
   port::ServiceManager& manager_;
   const Gateway& gateway_;
   const WatchedServers servers_;
+  const std::string& refusal_;
   port::Log& log_;
   const port::Duration feed_interval_;
   port::Instant feed_due_ = port::never;

@@ -18,7 +18,18 @@ constexpr std::size_t looks_per_line = 8;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// FNV-1a over the line without the numbers behind `details`; never 0.
+// Behind the name that a number has there: " 'pump house'". `at` where it has none.
+std::size_t name_end(std::string_view line, std::size_t at) {
+  if (!line.substr(at).starts_with(" '")) return at;
+  for (std::size_t i = at + 2; i < line.size(); ++i) {
+    const bool ends = i + 1 == line.size() ||
+                      std::string_view(" ,:;)]").find(line[i + 1]) != std::string_view::npos;
+    if (line[i] == '\'' && ends) return i + 1;
+  }
+  return at;
+}
+
+// FNV-1a over the line without the numbers behind `details`, and the names of these; never 0.
 std::uint64_t hash_of(port::Level level, std::string_view line, std::size_t details) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   const auto add = [&](char c) { hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u; };
@@ -26,6 +37,7 @@ std::uint64_t hash_of(port::Level level, std::string_view line, std::size_t deta
   for (std::size_t i = 0; i < line.size(); ++i) {
     if (i >= details && is_digit(line[i])) {
       if (i == 0 || !is_digit(line[i - 1])) add('#');
+      i = name_end(line, i + 1) - 1;
     } else if (i < details || (line[i] != '-' && line[i] != '.')) {
       // A sign or a decimal point is part of a number too.
       add(line[i]);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "firmware/mesh/length_text.h"
+#include "firmware/mesh/rejection_text.h"
+
 namespace etcm::firmware {
 
 namespace {
@@ -52,7 +55,7 @@ void NodePlacement::update_site(const Settings& settings, std::uint32_t generati
   expel_from_outside(generation);
   site_.place_anchors();
   join_rejected(generation);
-  site_.try_features();
+  site_.features().settle_all();
 }
 
 void NodePlacement::join_rejected(std::uint32_t generation) {
@@ -62,68 +65,127 @@ void NodePlacement::join_rejected(std::uint32_t generation) {
 }
 
 void NodePlacement::join(NodeRecord& node, std::uint32_t generation) {
-  if (!is_worth_a_try(node)) return;
+  // One that loses its place may have told another one since.
+  for (NodeRecord* next = &node; next != nullptr;) next = place(*next, generation);
+}
+
+NodeRecord* NodePlacement::place(NodeRecord& node, std::uint32_t generation) {
+  if (!is_worth_a_try(node)) return nullptr;
   const Before start = before();
-  if (const DomainPlace there = domain_.place_of(node.position); there != DomainPlace::inside) {
-    return reject(node, "join", there, start);
-  }
-  const AnchorRecord* const anchor = kept_.anchors().find(node.position);
-  const bool is_vacant = anchor != nullptr && anchor->is_vacant();
+  Rejection rejection = domain_.place_of(node.position);
   VertexId id;
-  if (is_vacant) {
-    id = anchor->vertex;
-  } else if (const Status status = kept_.mesh().join(node.position, id, kept_.work_limit());
-             status != Status::ok) {
-    return reject(node, "join", status, start);
+  NodeRecord* displaced = nullptr;
+  if (rejection.is_none()) rejection = find_vertex(node, id, displaced);
+  if (!rejection.is_none()) {
+    reject(node, "join", rejection, start);
+    return nullptr;
   }
+  if (displaced != nullptr) displace(*displaced, node.serial, generation);
+  const AnchorRecord* const anchor = kept_.anchors().find(node.position);
+  const bool is_on_anchor = anchor != nullptr && anchor->is_vacant();
   assign_vertex(node, id);
-  site_.activate_features_at(node.serial);
   TextLine text;
-  text << "node " << node.serial.value << " joined at ";
+  tell_node(text, node);
+  text << " joined at ";
   tell_place(text, node.placed);
-  text << (is_vacant ? ", on the anchor" : "") << ": generation " << generation << ", "
+  text << (is_on_anchor ? ", on the anchor" : "") << ": generation " << generation << ", "
        << Counted{kept_.mesh().neighbours(id, {}), "neighbour", "neighbours"};
   tell_difference(text, start);
   log_.write(port::Level::info, text);
+  return displaced;
+}
+
+// A vertex for a node that has none: a new one, an anchor's, or that of a node which has to go.
+Status NodePlacement::find_vertex(const NodeRecord& node, VertexId& id, NodeRecord*& displaced) {
+  const AnchorRecord* const anchor = kept_.anchors().find(node.position);
+  if (anchor != nullptr && anchor->is_vacant()) {
+    id = anchor->vertex;
+    return Status::ok;
+  }
+  const Status status = kept_.mesh().join(node.position, id, kept_.work_limit());
+  displaced = greater_at_place(node, status);
+  if (displaced == nullptr) return status;
+  id = displaced->vertex;
+  return Status::ok;
+}
+
+// The node that the mesh has at this one's place, if its serial is the greater one; null: else.
+NodeRecord* NodePlacement::greater_at_place(const NodeRecord& node, Status status) {
+  if (status != Status::duplicate_vertex) return nullptr;
+  const Serial serial = kept_.serial_of(kept_.mesh().error_detail().vertex);
+  return !serial.is_none() && node.serial < serial ? nodes_.find(serial) : nullptr;
 }
 
 void NodePlacement::move(NodeRecord& node, std::uint32_t generation) {
   if (!is_worth_a_try(node)) return;
   const Before start = before();
-  if (const DomainPlace there = domain_.place_of(node.position); there != DomainPlace::inside) {
-    return reject(node, "move", there, start);
-  }
   const Position from = node.placed;
-  AnchorRecord* const left = anchor_of(node);
-  AnchorRecord* const reached = kept_.anchors().find(node.position);
-  const bool is_vacant = reached != nullptr && reached->is_vacant();
-  Status status = Status::ok;
-  if (left == nullptr && !is_vacant) {
-    status = kept_.mesh().move(node.vertex, node.position, kept_.work_limit());
-  } else if (left != reached) {
-    status = change_vertex(node, left, is_vacant ? reached : nullptr);
+  NodeRecord* displaced = nullptr;
+  Rejection rejection = domain_.place_of(node.position);
+  if (rejection.is_none()) rejection = step(node, displaced);
+  if (!rejection.is_none()) {
+    reject(node, "move", rejection, start);
+    if (!is_want_of_room(rejection)) withdraw(node, generation);
+    return;
   }
-  if (status != Status::ok) return reject(node, "move", status, start);
+  if (displaced != nullptr) displace(*displaced, node.serial, generation);
+  site_.features().note_place(from);
   assign_vertex(node, node.vertex);
   kept_.begin_epoch();
   TextLine text;
-  text << "node " << node.serial.value << " moved from " << from << " to ";
+  tell_node(text, node);
+  text << " moved ";
+  write_distance(text, plane_, from, node.placed, " ");
+  text << "from " << from << " to ";
   tell_place(text, node.placed);
   text << ": generation " << generation;
   tell_difference(text, start);
   log_.write(port::Level::info, text);
+  if (displaced != nullptr) join(*displaced, generation);
+}
+
+// To where the node says it is, with a vertex of its own, an anchor's, or that of a node which has
+// to go. All or nothing, but for features.
+Status NodePlacement::step(NodeRecord& node, NodeRecord*& displaced) {
+  const AnchorRecord* const left = anchor_of(node);
+  const AnchorRecord* const reached = kept_.anchors().find(node.position);
+  if (left != nullptr && left == reached) return Status::ok;
+  if (reached != nullptr && reached->is_vacant()) return change_vertex(node, reached->vertex);
+  Status status;
+  if (left != nullptr) {
+    VertexId id;
+    status = kept_.mesh().join(node.position, id, kept_.work_limit());
+    if (status == Status::ok) return change_vertex(node, id);
+  } else {
+    do {
+      status = kept_.mesh().move(node.vertex, node.position, kept_.work_limit());
+    } while (status != Status::ok && site_.features().give_way());
+  }
+  NodeRecord* const greater = greater_at_place(node, status);
+  if (greater == nullptr) return status;
+  status = change_vertex(node, greater->vertex);
+  if (status == Status::ok) displaced = greater;
+  return status;
+}
+
+Status NodePlacement::change_vertex(NodeRecord& node, VertexId to) {
+  site_.features().remove_at(node.serial);
+  const Status status = release_vertex(node);
+  if (status == Status::ok) {
+    node.vertex = to;
+  } else {
+    site_.features().activate_at(node.serial);
+  }
+  return status;
 }
 
 void NodePlacement::leave(NodeRecord& node, const char* why, std::uint32_t generation) {
   const Before start = before();
-  site_.remove_features_at(node.serial);
+  site_.features().remove_at(node.serial);
   const bool lost_features = kept_.features().active_count() != start.features_active;
   // Else it would be rejected again.
   if (node.leave_rejected && node.rejected_epoch == kept_.epoch() && !lost_features) return;
-  AnchorRecord* const anchor = anchor_of(node);
-  if (anchor != nullptr) anchor->is_taken = false;
-  const Status status =
-      anchor != nullptr ? Status::ok : kept_.mesh().leave(node.vertex, kept_.work_limit());
+  const Status status = release_vertex(node);
   node.leave_rejected = status != Status::ok;
   // A rejection alone makes no room.
   if (!node.leave_rejected || lost_features) {
@@ -131,13 +193,58 @@ void NodePlacement::leave(NodeRecord& node, const char* why, std::uint32_t gener
     kept_.mark_changed();
   }
   if (node.leave_rejected) return reject(node, "leave", status, start);
-  kept_.set_serial(node.vertex, Serial::none());
+  node.rejection = {};
+  report_left(node, why, generation, start);
+}
+
+// The node is not where the mesh has it, and cannot be where it is. It stays where the mesh has no
+// room for what its leaving takes.
+void NodePlacement::withdraw(NodeRecord& node, std::uint32_t generation) {
+  const Before start = before();
+  site_.features().remove_at(node.serial);
+  if (release_vertex(node) != Status::ok) return site_.features().activate_at(node.serial);
+  kept_.begin_epoch();
+  kept_.mark_changed();
+  report_left(node, "it is elsewhere", generation, start);
+}
+
+// The vertex is another node's from now on.
+void NodePlacement::displace(NodeRecord& node, Serial by, std::uint32_t generation) {
+  const Before start = before();
+  site_.features().remove_at(node.serial);
   node.vertex = VertexId::none();
   node.rejection = {};
+  node.leave_rejected = false;
+  TextLine why;
+  why << nodes_.called(by) << ", with a smaller serial, stands there too";
+  report_left(node, why, generation, start);
+}
+
+void NodePlacement::report_left(const NodeRecord& node, std::string_view why,
+                                std::uint32_t generation, const Before& start) {
   TextLine text;
-  text << "node " << node.serial.value << " left (" << why << "): generation " << generation;
+  tell_node(text, node);
+  text << " left (" << why << "): generation " << generation;
   tell_difference(text, start);
   log_.write(port::Level::info, text);
+}
+
+// The vertex leaves the mesh, or is its anchor alone. Features that only it let cross give way.
+Status NodePlacement::release_vertex(NodeRecord& node) {
+  AnchorRecord* const anchor = anchor_of(node);
+  Status status = Status::ok;
+  if (anchor != nullptr) {
+    anchor->is_taken = false;
+  } else {
+    do {
+      status = kept_.mesh().leave(node.vertex, kept_.work_limit());
+    } while (status != Status::ok && site_.features().give_way());
+    if (status != Status::ok) return status;
+  }
+  kept_.set_serial(node.vertex, Serial::none());
+  node.vertex = VertexId::none();
+  site_.features().note_place(node.placed);
+  return status;
 }
 
 void NodePlacement::on_still_present(NodeRecord& node) {
@@ -145,7 +252,7 @@ void NodePlacement::on_still_present(NodeRecord& node) {
   if (!node.leave_rejected || domain_.place_of(node.placed) != DomainPlace::inside) return;
   node.leave_rejected = false;
   clear_rejection(node);
-  site_.activate_features_at(node.serial);
+  site_.features().activate_at(node.serial);
 }
 
 void NodePlacement::clear_rejection(NodeRecord& node) {
@@ -154,13 +261,24 @@ void NodePlacement::clear_rejection(NodeRecord& node) {
   kept_.mark_changed();
 }
 
+void NodePlacement::settle(std::uint32_t generation) {
+  if (settled_epoch_ != kept_.epoch()) {
+    settled_epoch_ = kept_.epoch();
+    for (NodeRecord& node : nodes_.records()) {
+      const bool waits = !node.is_placed() && node.rejection == Rejection(Status::duplicate_vertex);
+      if (waits) join(node, generation);
+    }
+  }
+  site_.features().settle();
+}
+
 void NodePlacement::retry_rejected(std::uint32_t generation) {
   const port::Instant started = clock_.now();
   if (started < next_deadline()) return;
   retried_epoch_ = kept_.epoch();
   join_rejected(generation);
   site_.place_anchors();
-  site_.retry_features();
+  site_.features().retry_for_room();
   const port::Instant ended = clock_.now();
   retry_due_ = ended + retry_share * (ended - started);
 }
@@ -198,6 +316,13 @@ void NodePlacement::tell_difference(TextLine& text, const Before& start) {
   text << ", " << tenths / 10 << "." << tenths % 10 << " us";
 }
 
+void NodePlacement::tell_node(TextLine& text, const NodeRecord& node) const {
+  text << nodes_.called(node);
+  if (node.is_foreign() && node.owner.value < gateways_.size()) {
+    text << " of gateway " << gateways_[node.owner.value];
+  }
+}
+
 void NodePlacement::tell_place(TextLine& text, Position position) const {
   text << position;
   const auto place = earth_point(plane_, to_point(position));
@@ -223,10 +348,11 @@ void NodePlacement::reject(NodeRecord& node, const char* verb, const Rejection& 
   if (is_news) {
     kept_.mark_changed();
     TextLine text;
-    text << "node " << node.serial.value << " cannot " << verb << " at ";
+    tell_node(text, node);
+    text << " cannot " << verb << " at ";
     tell_place(text, node.position);
     text << ": ";
-    site_.report_error_detail(text, rejection);
+    write_rejection(text, kept_, nodes_, rejection);
     log_.write(port::Level::warning, text);
   }
 }
@@ -242,37 +368,16 @@ void NodePlacement::assign_vertex(NodeRecord& node, VertexId id) {
   node.placed = node.position;
   node.rejection = {};
   kept_.set_serial(id, node.serial);
+  FeatureKeeper& features = site_.features();
+  features.note_place(node.placed);
+  features.activate_at(node.serial);
   if (AnchorRecord* const anchor = kept_.anchors().find(node.placed); anchor != nullptr) {
     // One that is no longer wanted leaves the vertex to the node.
     anchor->is_taken = !anchor->is_obsolete;
     anchor->vertex = anchor->is_obsolete ? VertexId::none() : id;
     anchor->rejection = {};
-    site_.activate_features_at(FeatureEnd::anchor(node.placed));
+    features.activate_at(FeatureEnd::anchor(node.placed));
   }
-}
-
-// All or nothing, but for features that the mesh cannot take again: these are rejected for
-// themselves.
-Status NodePlacement::change_vertex(NodeRecord& node, AnchorRecord* from, AnchorRecord* to) {
-  VertexId id;
-  if (to == nullptr) {
-    const Status status = kept_.mesh().join(node.position, id, kept_.work_limit());
-    if (status != Status::ok) return status;
-  } else {
-    id = to->vertex;
-  }
-  site_.remove_features_at(node.serial);
-  if (from != nullptr) {
-    from->is_taken = false;
-  } else if (const Status status = kept_.mesh().leave(node.vertex, kept_.work_limit());
-             status != Status::ok) {
-    site_.activate_features_at(node.serial);
-    return status;
-  }
-  kept_.set_serial(node.vertex, Serial::none());
-  node.vertex = id;
-  site_.activate_features_at(node.serial);
-  return Status::ok;
 }
 
 void NodePlacement::expel_from_outside(std::uint32_t generation) {

@@ -85,8 +85,9 @@ UnitIndex AddressAssigner::done(BusIndex bus, const port::BusAnswer& answer, por
                                      answer.left_out) == ReadingFault::none &&
                          reading.serial == job.serial;
       if (is_it) {
-        log_.write(port::Level::info, TextLine() << "node " << job.serial.value << " has "
-                                                 << poller_.name(job.unit_index) << " now");
+        TextLine line;
+        log_.write(port::Level::info, line << nodes_.called(job.serial) << " has "
+                                           << poller_.name(job.unit_index) << " now");
         job.is_full = false;
         job.unwilling = Serial::none();
         const UnitIndex unit = job.unit_index;
@@ -126,18 +127,20 @@ void AddressAssigner::choose(BusIndex bus, bool is_first, port::Instant now) {
     return;
   }
   if (!std::exchange(job.is_full, true)) {
-    log_.write(port::Level::warning, TextLine() << "bus " << poller_.bus(bus).name
-                                                << ": no unit is free for node " << job.serial.value
-                                                << ", which stays at 247; give more in `assign`");
+    TextLine line;
+    log_.write(port::Level::warning, line << "bus " << poller_.bus(bus).name
+                                          << ": no unit is free for " << nodes_.called(job.serial)
+                                          << ", which stays at 247; give more in `assign`");
   }
   end(job, now + settings_.absent_interval);
 }
 
 void AddressAssigner::give_up(Job& job, std::string_view why, port::Instant now) {
   if (std::exchange(job.unwilling, job.serial) != job.serial) {
-    log_.write(port::Level::warning, TextLine() << "node " << job.serial.value << " did not take "
-                                                << poller_.name(job.unit_index) << ": " << why
-                                                << "; it stays at 247, and is asked to again");
+    TextLine line;
+    log_.write(port::Level::warning, line << nodes_.called(job.serial) << " did not take "
+                                          << poller_.name(job.unit_index) << ": " << why
+                                          << "; it stays at 247, and is asked to again");
   }
   end(job, now + settings_.absent_interval);
 }

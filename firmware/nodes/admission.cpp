@@ -30,7 +30,10 @@ NodeRecord* Admission::admit(UnitIndex unit, Serial serial, port::Instant now) {
   NodeRecord* const here = nodes_.at(unit);
   if (here != nullptr && here->serial == serial) {
     conflict.sightings = 0;
+    const bool is_back = !conflict.serial.is_none() && conflict.serial == conflict.displaced;
+    conflict.alternates = conflict.alternates || is_back;
     if (conflict.conflict == IdentityConflict::waiting) clear(conflict);
+    here->answered_at = now;
     return here;
   }
   if (conflict.serial != serial) {
@@ -46,8 +49,10 @@ NodeRecord* Admission::admit(UnitIndex unit, Serial serial, port::Instant now) {
     if (here->serial == swap_words(serial)) {
       return disbelieve(unit, IdentityConflict::swapped_words, here->serial);
     }
-    if (conflict.displaced == serial)
+    if (conflict.displaced == serial && conflict.alternates) {
       return disbelieve(unit, IdentityConflict::same_unit, here->serial);
+    }
+    if (conflict.displaced == serial && !may_be_back(conflict, *here, now)) return nullptr;
     if (conflict.sightings < sightings_wanted) return nullptr;
   } else if (!is_named(serial) && is_named(swap_words(serial))) {
     return disbelieve(unit, IdentityConflict::swapped_words, swap_words(serial));
@@ -58,21 +63,24 @@ NodeRecord* Admission::admit(UnitIndex unit, Serial serial, port::Instant now) {
     node = add(serial, now);
     if (node == nullptr) return disbelieve(unit, IdentityConflict::no_room, Serial::none());
   } else if (!node->unit_index.is_none()) {
-    if (conflict.conflict == IdentityConflict::same_serial || node->heard_at > conflict.since) {
+    if (conflict.conflict == IdentityConflict::same_serial || answered_at(*node) > conflict.since) {
       return disbelieve(unit, IdentityConflict::same_serial, serial);
     }
     if (!has_gone(*node, now)) return nullptr;
-    log_.write(port::Level::info, TextLine() << "node " << serial.value << " went from "
-                                             << poller_.name(node->unit_index) << " to "
-                                             << poller_.name(unit));
+    TextLine line;
+    log_.write(port::Level::info, line << nodes_.called(*node) << " went from "
+                                       << poller_.name(node->unit_index) << " to "
+                                       << poller_.name(unit));
   }
   if (here != nullptr) {
-    log_.write(port::Level::info, TextLine()
-                                      << poller_.name(unit) << ": node " << serial.value
-                                      << " is there now, node " << here->serial.value << " is not");
+    TextLine line;
+    log_.write(port::Level::info, line << poller_.name(unit) << ": " << nodes_.called(*node)
+                                       << " is there now, " << nodes_.called(*here) << " is not");
   }
   conflict.displaced = here == nullptr ? Serial::none() : here->serial;
+  conflict.alternates = conflict.alternates && here != nullptr;
   nodes_.assign_unit(*node, unit);
+  node->answered_at = now;
   clear(conflict);
   return node;
 }
@@ -84,11 +92,31 @@ void Admission::sweep(port::Instant now) {
         now - conflict.seen_at > settings_.leave_after)
       clear(conflict);
   }
+  // One of this gateway is missing then, and has none.
+  for (NodeRecord& node : nodes_.records()) {
+    const bool is_gone = node.is_known() && node.is_foreign() && !node.unit_index.is_none() &&
+                         now - node.answered_at > settings_.leave_after;
+    if (is_gone) nodes_.vacate(node);
+  }
+}
+
+// Of one that is known from an earlier run, when that heard it.
+port::Instant Admission::answered_at(const NodeRecord& node) const {
+  return node.is_foreign() ? node.answered_at : std::max(node.answered_at, node.heard_at);
 }
 
 bool Admission::has_gone(const NodeRecord& node, port::Instant now) const {
   return poller_.failures(node.unit_index) >= failures_of_the_gone ||
-         now - node.heard_at > settings_.stale_after;
+         now - answered_at(node) > settings_.stale_after;
+}
+
+// One that had another serial for a while has its own again, once: where it does not alternate with
+// the one that is here.
+bool Admission::may_be_back(UnitConflict& conflict, const NodeRecord& here,
+                            port::Instant now) const {
+  if (now - answered_at(here) <= settings_.stale_after) return false;
+  conflict.alternates = true;
+  return true;
 }
 
 // A node that answers comes before one that is missing.
@@ -100,11 +128,13 @@ NodeRecord* Admission::add(Serial serial, port::Instant now) {
     if (longest == nullptr || node.heard_at < longest->heard_at) longest = &node;
   }
   if (longest == nullptr) return nullptr;
+  TextLine line;
   log_.write(port::Level::warning,
-             TextLine() << "node " << longest->serial.value
-                        << " is no longer missed, though it did not come back: there is no room to "
-                           "know node "
-                        << serial.value << " too; dismiss those that are missing by a reload");
+             line << nodes_.called(*longest)
+                  << " is no longer missed, though it did not come back: there is no room to "
+                     "know "
+                  << nodes_.called(serial)
+                  << " too; dismiss those that are missing (sudo etcm-gateway ctl dismiss all)");
   nodes_.release(*longest);
   changed_ = true;
   return nodes_.add(serial, now);
@@ -118,6 +148,7 @@ NodeRecord* Admission::disbelieve(UnitIndex unit, IdentityConflict why, Serial o
   switch (why) {
     case IdentityConflict::none:
     case IdentityConflict::waiting:
+    case IdentityConflict::other_gateway:
       break;
     case IdentityConflict::same_serial:
       line << "two nodes with serial " << conflict.serial.value << ": "
@@ -134,7 +165,7 @@ NodeRecord* Admission::disbelieve(UnitIndex unit, IdentityConflict why, Serial o
            << " with its words swapped; set `word_order` of the bus (ABCD <-> CDAB, BADC <-> DCBA)";
       break;
     case IdentityConflict::no_room:
-      line << poller_.name(unit) << ": no room to know node " << conflict.serial.value
+      line << poller_.name(unit) << ": no room to know " << nodes_.called(conflict.serial)
            << " too; too many nodes without a unit, wait for them to leave";
       break;
   }
@@ -144,9 +175,11 @@ NodeRecord* Admission::disbelieve(UnitIndex unit, IdentityConflict why, Serial o
 
 void Admission::clear(UnitConflict& conflict) {
   changed_ = changed_ || conflict.is_alarm();
+  const bool alternates = conflict.alternates;
   const Serial displaced = conflict.displaced;
   conflict = {};
   conflict.displaced = displaced;
+  conflict.alternates = alternates;
 }
 
 }  // namespace etcm::firmware

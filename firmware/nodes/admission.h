@@ -26,7 +26,8 @@ struct UnitConflict {
   std::uint8_t sightings = 0;  // of it in a row
   port::Instant since{};
   port::Instant seen_at{};
-  Serial displaced;  // the node that was at this unit before the present one
+  Serial displaced;         // the node that was at this unit before the present one
+  bool alternates = false;  // both have answered here since, or that one is back already
 
   bool is_alarm() const { return conflict > IdentityConflict::waiting; }
 };
@@ -46,7 +47,8 @@ class Admission {
   // The record of the node that answered; null when it is not believed, at least not yet.
   NodeRecord* admit(UnitIndex unit, Serial serial, port::Instant now);
 
-  // Drops conflicts for which there has been no reason lately.
+  // Drops conflicts for which there has been no reason lately, and the units of nodes that answer
+  // at other gateways by now.
   void sweep(port::Instant now);
 
   // By unit.
@@ -57,7 +59,9 @@ class Admission {
  private:
   // Whether a feature ends at this serial.
   bool is_named(Serial serial) const { return !features_.ending_at(serial).empty(); }
+  port::Instant answered_at(const NodeRecord& node) const;
   bool has_gone(const NodeRecord& node, port::Instant now) const;
+  bool may_be_back(UnitConflict& conflict, const NodeRecord& here, port::Instant now) const;
   // A record for a node that is not known; null where there is no room for it.
   NodeRecord* add(Serial serial, port::Instant now);
   // Null, always; says why when that is news. `other`: the serial that is believed.

@@ -12,6 +12,7 @@ enum class IdentityConflict : std::uint8_t {
   same_unit,      // another node answers at this unit too
   swapped_words,  // the serial is a known one, its words swapped
   no_room,        // the node table is full
+  other_gateway,  // another gateway hears this serial in another place
 };
 
 }  // namespace etcm::firmware

@@ -64,9 +64,10 @@ void Presence::hear_unit(UnitIndex unit, port::Instant now) {
 void Presence::hear_node(NodeRecord& node, const NodeReading& reading, port::Instant now) {
   if (std::exchange(node.is_missing, false)) {
     changed_ = true;
-    log_.write(port::Level::info, TextLine() << "node " << node.serial.value
-                                             << " is back: it answers again, after "
-                                             << whole_seconds(now - node.heard_at) << " s");
+    TextLine line;
+    log_.write(port::Level::info, line << nodes_.called(node)
+                                       << " is back: it answers again, after "
+                                       << whole_seconds(now - node.heard_at) << " s");
   }
   node.heard_at = now;
   node.heard = clock_.shown(bus_of(node));
@@ -103,15 +104,14 @@ void Presence::update_settings(const PollSettings& settings, port::Instant heard
   fresh_from_ = heard_by;
 }
 
-void Presence::dismiss_missing() {
-  for (NodeRecord& node : nodes_.records()) {
-    // One that the mesh cannot do without stays known.
-    if (!node.is_missing || node.is_placed()) continue;
-    log_.write(port::Level::info, TextLine() << "node " << node.serial.value
-                                             << " is no longer missed: dismissed by the reload");
-    nodes_.release(node);
-    changed_ = true;
-  }
+bool Presence::dismiss(NodeRecord& node) {
+  if (!node.is_missing || node.is_placed()) return false;
+  TextLine line;
+  placement_.tell_node(line, node);
+  log_.write(port::Level::info, line << " is no longer missed: dismissed");
+  nodes_.release(node);
+  changed_ = true;
+  return true;
 }
 
 void Presence::tell_missing(port::Instant now) {
@@ -125,8 +125,8 @@ void Presence::tell_missing(port::Instant now) {
   if (first == nullptr) return;
   TextLine line;
   line << count << (count == 1 ? " node is" : " nodes are")
-       << " missing since before the restart: " << (count == 1 ? "" : "the longest ") << "node "
-       << first->serial.value << ", " << last_place_of(*first, poller_) << ", silent for "
+       << " missing since before the restart: " << (count == 1 ? "" : "the longest ")
+       << nodes_.called(*first) << ", " << last_place_of(*first, poller_) << ", silent for "
        << whole_seconds(now - first->heard_at) << " s at least";
   log_.write(port::Level::warning, line);
 }
@@ -142,6 +142,8 @@ BusIndex Presence::bus_of(const NodeRecord& node) const {
 }
 
 void Presence::check_node(NodeRecord& node, port::Instant now, std::uint32_t generation) {
+  // The gateway that hears it says how it is.
+  if (node.is_foreign()) return;
   if (node.has_asked_to_leave() && !node.is_placed()) {
     // It leaves at once, whatever its bus does.
     if (now - node.heard_at > settings_.leave_after) nodes_.release(node);
@@ -158,12 +160,13 @@ void Presence::check_node(NodeRecord& node, port::Instant now, std::uint32_t gen
 void Presence::lose(NodeRecord& node, port::Instant now, std::uint32_t generation) {
   if (!node.has_asked_to_leave() && !std::exchange(node.is_missing, true)) {
     changed_ = true;
+    TextLine line;
     log_.write(port::Level::warning,
-               TextLine() << "node " << node.serial.value
-                          << " is missing: " << last_place_of(node, poller_) << ", silent for "
-                          << whole_seconds(now - node.heard_at)
-                          << " s; it counts as missing until it answers, or a reload dismisses "
-                             "it");
+               line << nodes_.called(node) << " is missing: " << last_place_of(node, poller_)
+                    << ", silent for " << whole_seconds(now - node.heard_at)
+                    << " s; it counts as missing until it answers, or is dismissed: "
+                       "sudo etcm-gateway ctl dismiss "
+                    << node.serial.value);
     nodes_.vacate(node);
   }
   if (node.is_placed()) {
@@ -174,8 +177,11 @@ void Presence::lose(NodeRecord& node, port::Instant now, std::uint32_t generatio
 }
 
 void Presence::check_freshness(NodeRecord& node, port::Instant now) {
-  const bool is_stale = node.stale || is_old(node.positioned_at, now);
-  const bool lacks_fix = is_stale && now - node.heard_at <= settings_.stale_after &&
+  const bool is_old_place = is_old(node.positioned_at, now);
+  const bool is_stale = node.stale || is_old_place;
+  // One that is known from before a restart is stale, and may tell its place any moment.
+  const bool lacks_fix = is_old_place && node.answered_at != port::Instant{} &&
+                         now - node.heard_at <= settings_.stale_after &&
                          (node.status & node_status::fix_valid) == 0;
   const bool is_news = is_stale != node.stale || lacks_fix != node.lacks_fix;
   if (lacks_fix && !node.lacks_fix) tell_no_fix(node, now);
@@ -186,7 +192,7 @@ void Presence::check_freshness(NodeRecord& node, port::Instant now) {
 
 void Presence::tell_no_fix(const NodeRecord& node, port::Instant now) {
   TextLine line;
-  line << "node " << node.serial.value << " has no fix: " << last_place_of(node, poller_)
+  line << nodes_.called(node) << " has no fix: " << last_place_of(node, poller_)
        << " answers, and has told no position ";
   if (node.has_position()) {
     line << "for " << whole_seconds(now - node.positioned_at) << " s";
@@ -199,7 +205,7 @@ void Presence::tell_no_fix(const NodeRecord& node, port::Instant now) {
 
 void Presence::tell_fix(const NodeRecord& node, port::Instant now) {
   TextLine line;
-  line << "node " << node.serial.value << " has a fix";
+  line << nodes_.called(node) << " has a fix";
   if (node.has_position()) {
     line << " again, after " << whole_seconds(now - node.positioned_at) << " s";
   }

@@ -34,6 +34,8 @@ class Presence {
   void hear_unit(UnitIndex unit, port::Instant now);
   // It is this node's. After hear_unit().
   void hear_node(NodeRecord& node, const NodeReading& reading, port::Instant now);
+  // It is of a node that another gateway has: should that lose it, it has not been silent here.
+  void hear_foreign(NodeRecord& node) const { node.heard = clock_.shown(bus_of(node)); }
 
   // Finds nodes whose position is no longer fresh, those to leave, readings that are no longer
   // fresh, and silent buses.
@@ -44,8 +46,8 @@ class Presence {
 
   // No node needs to have answered before `heard_by`.
   void update_settings(const PollSettings& settings, port::Instant heard_by, port::Instant now);
-  // Nodes that are missing now are waited for no longer.
-  void dismiss_missing();
+  // It is waited for no longer. False: it is not missing, or the mesh cannot do without it.
+  bool dismiss(NodeRecord& node);
   // Those known from an earlier run: the log says how many, and one of them.
   void tell_missing(port::Instant now);
 

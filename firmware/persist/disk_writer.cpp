@@ -32,6 +32,7 @@ DiskWriter::Heard DiskWriter::end(const port::DiskResult& result) {
   const bool was_in_trouble = std::exchange(is_unresponsive_, false) || is_failing_;
   const bool was_failing = std::exchange(is_failing_, !result.ok);
   if (result.ok) {
+    has_written_ = true;
     if (was_in_trouble) log_.write(port::Level::info, messages_.works_again);
     return Heard::written;
   }

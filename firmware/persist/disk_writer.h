@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "etcm/port/clock.h"
 #include "etcm/port/disk_result.h"
@@ -54,10 +55,16 @@ class DiskWriter {
   port::Instant next_deadline() const;
   bool is_under_way() const { return is_under_way_; }
 
+  // Something was written in this run, and nothing is wrong since.
+  bool works() const { return has_written_ && !is_in_trouble(); }
   // The last write failed.
   bool is_failing() const { return is_failing_; }
   // Or the disk has not answered for a while.
   bool is_in_trouble() const { return is_failing_ || is_unresponsive_; }
+  // What is wrong with it then, for a person.
+  std::string_view trouble() const {
+    return is_unresponsive_ ? "the disk does not answer; look at it" : std::string_view(failure_);
+  }
 
  private:
   Heard end(const port::DiskResult& result);
@@ -67,6 +74,7 @@ class DiskWriter {
   port::Duration interval_;
   port::Log& log_;
   bool is_dirty_ = false;
+  bool has_written_ = false;
   bool is_urgent_ = true;
   bool is_under_way_ = false;
   bool is_unresponsive_ = false;  // and the log was told

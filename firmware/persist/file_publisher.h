@@ -1,7 +1,8 @@
 // Keeps the published files up to date: seldom enough, and whatever the disk does (disk_writer.h).
 //
-// They are due when there is a generation that they do not show. Before the first one it is seen
-// whether they could be written.
+// They are due when there is a generation that they do not show: after a start, when a mesh grows
+// from a few nodes to all, a second after the first, then after two, four and so on up to the
+// interval. Before the first one it is seen whether they could be written.
 #pragma once
 
 #include "etcm/port/clock.h"
@@ -33,7 +34,7 @@ class FilePublisher {
   void step(port::Instant now) { static_cast<void>(disk_.hear(files_, now)); }
   bool is_due(port::Instant now) const { return next_deadline() <= now; }
   port::Instant next_deadline() const;
-  void update_settings(const FileSettings& settings) { disk_.set_interval(settings.interval); }
+  void update_settings(const FileSettings& settings);
 
   // Starts to write the generation that was published last, unless something is under way or they
   // show it already. Only checks the folder as long as no mesh has had a vertex.
@@ -49,6 +50,8 @@ class FilePublisher {
   DiskWriter disk_;
   SnapshotImager imager_;
   bool has_mesh_ = false;
+  port::Duration interval_;  // at the most
+  port::Duration pace_;      // the present one
   port::Instant not_before_{};
 };
 

@@ -10,19 +10,24 @@ bool MeshRestorer::restore(const SavedState& saved, std::span<NodeRecord* const>
   if (std::find(nodes.begin(), nodes.end(), nullptr) != nodes.end()) return false;
   if (!find_positions(saved) || !find_features(saved)) return false;
   kept_.clear();
-  Mesh& mesh = kept_.mesh();
-  if (mesh.restore(positions_, ends_, saved.steiner) != Status::ok ||
-      mesh.hash() != saved.mesh_hash) {
+  if (make_mesh(saved) != Status::ok) {
     kept_.clear();
     site_.place_anchors();
     return false;
   }
+  const bool is_same = kept_.mesh().hash() == saved.mesh_hash;
   assign_vertices(saved, nodes);
   // What has been configured since then.
   site_.place_anchors();
-  site_.try_features();
+  site_.features().settle_all();
   kept_.mark_changed();
-  return true;
+  return is_same;
+}
+
+// A mesh that is not as it was saved is a good one all the same.
+Status MeshRestorer::make_mesh(const SavedState& saved) {
+  return saved.is_canonical ? kept_.mesh().build(positions_, ends_)
+                            : kept_.mesh().restore(positions_, ends_, saved.steiner);
 }
 
 bool MeshRestorer::find_positions(const SavedState& saved) {

@@ -21,11 +21,12 @@ class MeshRestorer {
   MeshRestorer(KeptMesh& kept, SiteKeeper& site, const SiteDomain& domain)
       : kept_(kept), site_(site), domain_(domain) {}
 
-  // `nodes` are the records of the saved nodes, null for one without. False where the mesh cannot
-  // be the same: no node is in it then.
+  // `nodes` are the records of the saved nodes, null for one without. False where the mesh is not
+  // the same: all nodes are in it then, as build() joins them today, or none is.
   bool restore(const SavedState& saved, std::span<NodeRecord* const> nodes);
 
  private:
+  Status make_mesh(const SavedState& saved);
   bool find_positions(const SavedState& saved);
   bool find_features(const SavedState& saved);
   void assign_vertices(const SavedState& saved, std::span<NodeRecord* const> nodes);

@@ -5,10 +5,12 @@
 #include <bit>
 #include <cmath>
 #include <functional>
-#include <type_traits>
 #include <utility>
 
+#include "etcm/port/bytes.h"
+#include "firmware/config/fleet_settings.h"
 #include "firmware/config/unit_count.h"
+#include "firmware/fleet/fleet_member.h"
 #include "firmware/records/node_table.h"
 
 namespace etcm::firmware {
@@ -28,8 +30,13 @@ enum Section : std::size_t {
 };
 
 constexpr std::size_t counts_at = 20;
-constexpr std::size_t head_size = counts_at + kinds * 4 + 8;
+constexpr std::size_t time_at = counts_at + kinds * 4;
+constexpr std::size_t flags_at = time_at + 8;
+constexpr std::size_t head_size = flags_at + 4;
 constexpr std::uint32_t oldest_version = 1;
+constexpr std::uint32_t first_version_with_flags = 4;
+constexpr std::uint32_t flag_canonical = 1;
+constexpr std::uint32_t flag_fleet = 2;
 // How many kinds of records a form has.
 constexpr std::size_t kinds_of(std::uint32_t version) {
   return version == 1 ? missing : version == 2 ? quantities : kinds;
@@ -50,48 +57,13 @@ constexpr unsigned ended_alarms_shift = 3;  // two bits, behind the flags
 // A silence that goes on is as good as another one each hour.
 constexpr std::uint32_t seconds_per_hour = 3600;
 
-// Takes numbers off the front. Past the end they are 0, and is_cut_off() says so.
-class Reader {
- public:
-  explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+double take_real(port::ByteReader& reader) {
+  return std::bit_cast<double>(reader.take<std::uint64_t>());
+}
 
-  template <class Value>
-  Value take() {
-    using Bits = std::make_unsigned_t<Value>;
-    Bits bits = 0;
-    const std::span<const std::byte> taken = take_bytes(sizeof(Value));
-    for (std::size_t i = taken.size(); i-- > 0;) {
-      bits = static_cast<Bits>(static_cast<std::uint64_t>(bits) << 8 |
-                               std::to_integer<std::uint64_t>(taken[i]));
-    }
-    return static_cast<Value>(bits);
-  }
-  double take_real() { return std::bit_cast<double>(take<std::uint64_t>()); }
-  std::string take_text() {
-    const auto text = take_bytes(take<std::uint8_t>());
-    return {reinterpret_cast<const char*>(text.data()), text.size()};
-  }
-  std::span<const std::byte> take_bytes(std::size_t size) {
-    if (size > bytes_.size()) {
-      is_cut_off_ = true;
-      bytes_ = {};
-      return {};
-    }
-    const std::span<const std::byte> taken = bytes_.first(size);
-    bytes_ = bytes_.subspan(size);
-    return taken;
-  }
-  // Whether that many records may still come: asked before memory is taken for them.
-  bool has(std::uint64_t count, std::size_t size_each) const {
-    return count <= bytes_.size() / size_each;
-  }
-  std::size_t left() const { return bytes_.size(); }
-  bool is_cut_off() const { return is_cut_off_; }
-
- private:
-  std::span<const std::byte> bytes_;
-  bool is_cut_off_ = false;
-};
+std::string_view take_short_text(port::ByteReader& reader) {
+  return reader.take_text(reader.take<std::uint8_t>());
+}
 
 // In the order in which they are saved.
 std::array<double*, 10> numbers_of(LearnedSensor& sensor) {
@@ -100,14 +72,14 @@ std::array<double*, 10> numbers_of(LearnedSensor& sensor) {
           &sensor.rise,      &sensor.fall};
 }
 
-Position take_position(Reader& reader) {
+Position take_position(port::ByteReader& reader) {
   Position position;
   position.x = reader.take<std::int32_t>();
   position.y = reader.take<std::int32_t>();
   return position;
 }
 
-SavedNode take_node(Reader& reader, std::uint8_t& flags) {
+SavedNode take_node(port::ByteReader& reader, std::uint8_t& flags) {
   SavedNode node;
   node.serial = Serial{reader.take<std::uint32_t>()};
   node.position = take_position(reader);
@@ -118,7 +90,7 @@ SavedNode take_node(Reader& reader, std::uint8_t& flags) {
   return node;
 }
 
-LearnedSensor take_sensor(Reader& reader) {
+LearnedSensor take_sensor(port::ByteReader& reader) {
   LearnedSensor sensor;
   sensor.serial = Serial{reader.take<std::uint32_t>()};
   sensor.quantity = QuantityIndex{reader.take<std::uint16_t>()};
@@ -132,7 +104,7 @@ LearnedSensor take_sensor(Reader& reader) {
   sensor.point.x = reader.take<std::int64_t>();
   sensor.point.y = reader.take<std::int64_t>();
   sensor.age_s = reader.take<std::uint32_t>();
-  for (double* const number : numbers_of(sensor)) *number = reader.take_real();
+  for (double* const number : numbers_of(sensor)) *number = take_real(reader);
   sensor.residual_count = reader.take<std::uint16_t>();
   sensor.roughness_count = reader.take<std::uint16_t>();
   sensor.step_count = reader.take<std::uint16_t>();
@@ -168,6 +140,11 @@ std::string judge(const SavedState& state) {
   for (const SavedFeature& feature : state.features) {
     if (feature.from >= ends || feature.to >= ends) return "a feature ends at no node";
   }
+  if (state.is_canonical && !state.steiner.empty()) return "its mesh contradicts itself";
+  const bool are_on_features =
+      std::all_of(state.steiner.begin(), state.steiner.end(),
+                  [&](const SteinerPlace& place) { return place.feature < state.features.size(); });
+  if (!are_on_features) return "a Steiner vertex is on no feature";
   for (LearnedSensor sensor : state.sensors) {
     if (sensor.quantity.value >= state.quantities.size()) {
       return "a sensor measures what it does not name";
@@ -185,7 +162,7 @@ std::string judge(const SavedState& state) {
 
 std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
   state = {};
-  Reader reader(bytes);
+  port::ByteReader reader(bytes);
   const auto version = reader.take<std::uint32_t>();
   if (reader.is_cut_off()) return "it is cut off";
   if (version < oldest_version || version > saved_state_version) {
@@ -201,6 +178,9 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
     counts[kind] = reader.take<std::uint32_t>();
   }
   if (kinds_of(version) == kinds) state.saved_at_s = reader.take<std::int64_t>();
+  const std::uint32_t state_flags =
+      version >= first_version_with_flags ? reader.take<std::uint32_t>() : 0;
+  state.is_canonical = (state_flags & flag_canonical) != 0;
 
   const auto each = [&](Section section, std::size_t size_least, auto take) {
     if (!reader.has(counts[section], size_least)) {
@@ -209,7 +189,7 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
     }
     for (std::uint32_t i = 0; i < counts[section] && !reader.is_cut_off(); ++i) take();
   };
-  each(buses, 1, [&] { state.buses.push_back(reader.take_text()); });
+  each(buses, 1, [&] { state.buses.emplace_back(take_short_text(reader)); });
   each(nodes, node_size, [&] {
     std::uint8_t flags = 0;
     state.nodes.push_back(take_node(reader, flags));
@@ -237,12 +217,16 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
   });
   each(quantities, quantity_size_least, [&] {
     Quantity quantity;
-    quantity.name = reader.take_text();
-    quantity.unit = reader.take_text();
+    quantity.name = take_short_text(reader);
+    quantity.unit = take_short_text(reader);
     state.quantities.push_back(std::move(quantity));
   });
   each(sensors, sensor_size, [&] { state.sensors.push_back(take_sensor(reader)); });
   if (reader.is_cut_off()) return "it is cut off";
+  if ((state_flags & flag_fleet) != 0) {
+    const std::span<const std::byte> fleet = reader.take_bytes(reader.left());
+    state.fleet.assign(fleet.begin(), fleet.end());
+  }
   if (reader.left() != 0) return "it is too long";
   return judge(state);
 }
@@ -257,6 +241,7 @@ std::size_t saved_state_size_max(const Settings& settings) {
   size += settings.mesh.features_max * feature_size;
   size += quantities_of(settings).size() * quantity_size_max;
   size += count_readings(settings) * sensor_size;
+  if (settings.mqtt) size += save_bytes_max(fleet_settings_of(settings));
   return size +
          roster_capacity(std::max(count_units(settings), settings.room.units)) * missing_size;
 }
@@ -264,15 +249,8 @@ std::size_t saved_state_size_max(const Settings& settings) {
 StateWriter::StateWriter(std::size_t size_max) { bytes_.reserve(size_max); }
 
 template <class Value>
-void StateWriter::put(Value value) {
-  for (std::size_t i = 0; i < sizeof value; ++i) {
-    bytes_.push_back(static_cast<std::byte>(static_cast<std::uint64_t>(value) >> (8 * i)));
-  }
-}
-
-template <class Value>
 void StateWriter::put_content(Value value) {
-  put(value);
+  port::put_number(bytes_, value);
   mix(static_cast<std::uint64_t>(value));
 }
 
@@ -285,13 +263,15 @@ void StateWriter::begin(std::uint32_t generation, std::uint32_t next_generation,
                         std::uint64_t mesh_hash, std::int64_t time_of_day_s) {
   bytes_.clear();
   content_ = 0;
+  is_canonical_ = has_fleet_ = false;
   std::fill(std::begin(counts_), std::end(counts_), 0u);
-  put(saved_state_version);
-  put(generation);
-  put(next_generation);
+  port::put_number(bytes_, saved_state_version);
+  port::put_number(bytes_, generation);
+  port::put_number(bytes_, next_generation);
   put_content(mesh_hash);
-  bytes_.resize(head_size - 8);  // the counts come in finish()
-  put(time_of_day_s);
+  bytes_.resize(time_at);  // the counts, and then the flags, come in finish()
+  port::put_number(bytes_, time_of_day_s);
+  bytes_.resize(head_size);
 }
 
 void StateWriter::add_bus(std::string_view name) {
@@ -310,7 +290,7 @@ void StateWriter::put_node(const SavedNode& node, std::uint8_t flags) {
   put_content(node.serial.value);
   put_content(node.position.x);
   put_content(node.position.y);
-  put(node.age_ms);
+  port::put_number(bytes_, node.age_ms);
   put_content(node.bus);
   put_content(node.address);
   put_content(flags);
@@ -338,45 +318,54 @@ void StateWriter::add(const SteinerPlace& place) {
 void StateWriter::add(const SavedMissing& each) {
   count(missing);
   put_node(each.node, each.has_position ? flag_position : std::uint8_t{0});
-  put(each.silence_s);
+  port::put_number(bytes_, each.silence_s);
   mix(each.silence_s / seconds_per_hour);
 }
 
 void StateWriter::add(const Quantity& quantity) {
   count(quantities);
   for (const std::string& text : {std::cref(quantity.name), std::cref(quantity.unit)}) {
-    put(static_cast<std::uint8_t>(text.size()));
-    for (const char c : text) put(static_cast<std::uint8_t>(c));
+    port::put_number(bytes_, static_cast<std::uint8_t>(text.size()));
+    for (const char c : text) port::put_number(bytes_, static_cast<std::uint8_t>(c));
   }
 }
 
 void StateWriter::add(const LearnedSensor& sensor) {
   count(sensors);
-  put(sensor.serial.value);
-  put(static_cast<std::uint16_t>(sensor.quantity.value));
-  put(static_cast<std::uint8_t>(
-      (sensor.disagrees ? flag_disagrees : 0) | (sensor.has_slow_change ? flag_slow_change : 0) |
-      (sensor.is_noisy ? flag_noisy : 0) | (sensor.ended_alarms & 3u) << ended_alarms_shift));
-  put(static_cast<std::uint8_t>(sensor.sample_count));
-  put(sensor.definition);
-  put(sensor.point.x);
-  put(sensor.point.y);
-  put(sensor.age_s);
+  port::put_number(bytes_, sensor.serial.value);
+  port::put_number(bytes_, static_cast<std::uint16_t>(sensor.quantity.value));
+  port::put_number(bytes_,
+                   static_cast<std::uint8_t>((sensor.disagrees ? flag_disagrees : 0) |
+                                             (sensor.has_slow_change ? flag_slow_change : 0) |
+                                             (sensor.is_noisy ? flag_noisy : 0) |
+                                             (sensor.ended_alarms & 3u) << ended_alarms_shift));
+  port::put_number(bytes_, static_cast<std::uint8_t>(sensor.sample_count));
+  port::put_number(bytes_, sensor.definition);
+  port::put_number(bytes_, sensor.point.x);
+  port::put_number(bytes_, sensor.point.y);
+  port::put_number(bytes_, sensor.age_s);
   LearnedSensor numbers = sensor;
   for (const double* const number : numbers_of(numbers)) {
-    put(std::bit_cast<std::uint64_t>(*number));
+    port::put_number(bytes_, std::bit_cast<std::uint64_t>(*number));
   }
-  put(static_cast<std::uint16_t>(sensor.residual_count));
-  put(static_cast<std::uint16_t>(sensor.roughness_count));
-  put(static_cast<std::uint16_t>(sensor.step_count));
-  put(static_cast<std::uint16_t>(sensor.wander_count));
+  port::put_number(bytes_, static_cast<std::uint16_t>(sensor.residual_count));
+  port::put_number(bytes_, static_cast<std::uint16_t>(sensor.roughness_count));
+  port::put_number(bytes_, static_cast<std::uint16_t>(sensor.step_count));
+  port::put_number(bytes_, static_cast<std::uint16_t>(sensor.wander_count));
+}
+
+void StateWriter::add_fleet(std::span<const std::byte> fleet) {
+  has_fleet_ = true;
+  bytes_.insert(bytes_.end(), fleet.begin(), fleet.end());
+  for (const std::byte byte : fleet) mix(std::to_integer<std::uint64_t>(byte));
 }
 
 std::span<const std::byte> StateWriter::finish() {
-  std::size_t at = counts_at;
-  for (const std::uint32_t counted : counts_) {
-    for (std::size_t i = 0; i < 4; ++i) bytes_[at++] = static_cast<std::byte>(counted >> (8 * i));
-  }
+  const auto set = [this](std::size_t at, std::uint32_t value) {
+    for (std::size_t i = 0; i < 4; ++i) bytes_[at + i] = static_cast<std::byte>(value >> (8 * i));
+  };
+  for (std::size_t kind = 0; kind < kinds; ++kind) set(counts_at + 4 * kind, counts_[kind]);
+  set(flags_at, (is_canonical_ ? flag_canonical : 0) | (has_fleet_ ? flag_fleet : 0));
   return bytes_;
 }
 

@@ -3,12 +3,15 @@
 // is the store's business.
 //
 // All numbers are little-endian, and everything follows the one before without gaps:
-//   u32 version of this form, 3
+//   u32 version of this form, 4
 //   u32 generation, u32 the first one that a restart may give out
 //   u64 mesh hash
 //   u32 counts of buses, nodes, anchors, features, Steiner vertices, missing nodes, quantities,
 //       sensors
 //   i64 time of day when it was saved, in s since 1970 (UTC); 0: it was not known
+//   u32 flags (1: the mesh is the one that build() makes of the nodes, anchors and features, so no
+//       Steiner vertices follow; 2: what FleetMember::save() gave follows all records, up to the
+//       end)
 //   bus:     u8 length, name (at most 255 bytes of it)
 //   node:    u32 serial, i32 x, i32 y, u32 age of the position in ms, u16 bus, u8 unit, u8 0
 //   anchor:  i32 x, i32 y
@@ -22,8 +25,8 @@
 //            followed, slow change, slow residual, residual, roughness, step, wander, rise, fall,
 //            u16 samples of the residual, of the roughness, the step, the wander
 //            (records/learned_sensor.h)
-// Forms 1 and 2 are read too: neither has quantities, sensors, their counts and the time, and form
-// 1 no missing nodes either.
+// Forms 1 to 3 are read too: none has flags, and each has all Steiner vertices; forms 1 and 2 have
+// no quantities, sensors, their counts and the time, and form 1 no missing nodes either.
 #pragma once
 
 #include <cstddef>
@@ -40,7 +43,7 @@
 
 namespace etcm::firmware {
 
-inline constexpr std::uint32_t saved_state_version = 3;
+inline constexpr std::uint32_t saved_state_version = 4;
 // The bus of a node that answers nowhere at the moment.
 inline constexpr std::uint16_t no_saved_bus = 0xffff;
 
@@ -74,20 +77,22 @@ struct SavedState {
   std::uint32_t generation = 0;
   std::uint32_t next_generation = 0;
   std::uint64_t mesh_hash = 0;
+  bool is_canonical = false;  // the mesh is the one of build()
   std::vector<std::string> buses;
   std::vector<SavedNode> nodes;
   std::vector<Position> anchors;
   std::vector<SavedFeature> features;  // those in the mesh
-  std::vector<SteinerPlace> steiner;
+  std::vector<SteinerPlace> steiner;   // none where the mesh is canonical
   std::vector<SavedMissing> missing{};
   std::int64_t saved_at_s = 0;  // time of day; 0: not known
   std::vector<Quantity> quantities{};
   std::vector<LearnedSensor> sensors{};  // of these quantities
+  std::vector<std::byte> fleet{};        // what FleetMember::save() gave; or empty
 };
 
 // Reads it. Returns what is wrong with it, as in "it is cut off"; empty where nothing is. What it
-// then says makes sense: indices name something, no serial or place of a node comes twice, numbers
-// are finite.
+// then says makes sense: indices name something, no serial of a node comes twice, numbers are
+// finite.
 std::string decode_state(std::span<const std::byte> bytes, SavedState& state);
 
 // The most bytes that a gateway with these settings needs.
@@ -101,6 +106,8 @@ class StateWriter {
   // `time_of_day_s` may be 0: not known.
   void begin(std::uint32_t generation, std::uint32_t next_generation, std::uint64_t mesh_hash,
              std::int64_t time_of_day_s = 0);
+  // The mesh is the one of build(), so its Steiner vertices need not be added.
+  void set_canonical() { is_canonical_ = true; }
   // More room: takes memory.
   void set_room(std::size_t size_max) { bytes_.reserve(size_max); }
   void add_bus(std::string_view name);
@@ -111,6 +118,8 @@ class StateWriter {
   void add(const SavedMissing& missing);
   void add(const Quantity& quantity);
   void add(const LearnedSensor& sensor);
+  // What FleetMember::save() gives; the last of all.
+  void add_fleet(std::span<const std::byte> fleet);
   // What is learned changes all the time: it is content when this number is another one.
   void set_edition(std::uint32_t edition) { mix(edition); }
 
@@ -123,8 +132,6 @@ class StateWriter {
 
  private:
   template <class Value>
-  void put(Value value);
-  template <class Value>
   void put_content(Value value);
   void mix(std::uint64_t value);
   void put_node(const SavedNode& node, std::uint8_t flags);
@@ -132,6 +139,8 @@ class StateWriter {
 
   std::vector<std::byte> bytes_;
   std::uint32_t counts_[8] = {};
+  bool is_canonical_ = false;
+  bool has_fleet_ = false;
   std::uint64_t content_ = 0;
 };
 

@@ -80,19 +80,30 @@ void StateTransfer::write(StateWriter& writer, port::Instant now) {
     writer.add(SavedFeature{.from = number_by_vertex_[ends.from.value],
                             .to = number_by_vertex_[ends.to.value]});
   }
+  if (mesh.is_canonical()) {
+    writer.set_canonical();
+  } else {
+    write_steiner(writer);
+  }
+  write_missing(writer, now);
+}
+
+void StateTransfer::write_steiner(StateWriter& writer) const {
+  const KeptMesh& kept = kept_;
+  const Mesh& mesh = kept.mesh();
   for (std::uint32_t value = 1; value < mesh.vertex_id_end(); ++value) {
     const VertexId id{static_cast<IdValue>(value)};
     if (mesh.kind(id) != VertexKind::steiner) continue;
     const std::uint32_t feature = kept.features().number_of(mesh.feature_of(id));
     writer.add(SteinerPlace{.feature = number_by_feature_[feature], .point = mesh.point(id)});
   }
-  write_missing(writer, now);
 }
 
 // One that the mesh cannot do without is a node of the mesh first of all.
 void StateTransfer::write_missing(StateWriter& writer, port::Instant now) const {
   for (const NodeRecord& node : nodes_.records()) {
-    if (!node.is_missing || node.is_placed()) continue;
+    // Who is missing elsewhere is saved with the fleet.
+    if (!node.is_missing || node.is_placed() || node.is_foreign()) continue;
     writer.add(SavedMissing{.node = saved_node(node, now),
                             .has_position = node.has_position(),
                             .silence_s = silence_in_s(now - node.heard_at)});
@@ -111,13 +122,19 @@ SavedNode StateTransfer::saved_node(const NodeRecord& node, port::Instant now) c
   return saved;
 }
 
-bool StateTransfer::restore(const SavedState& saved, std::uint32_t generation, port::Instant now) {
+bool StateTransfer::restore(const SavedState& saved, bool is_shared, std::uint32_t generation,
+                            port::Instant now) {
+  // Of a gateway in a fleet, a node without a bus is one that another gateway hears.
+  const bool needs_bus = !saved.fleet.empty() && !is_shared;
   std::vector<NodeRecord*> nodes;
-  for (const SavedNode& node : saved.nodes) nodes.push_back(restore_node(saved, node, now));
+  for (const SavedNode& node : saved.nodes) {
+    const bool is_left_out = needs_bus && node.bus == no_saved_bus;
+    nodes.push_back(is_left_out ? nullptr : restore_node(saved, node, now));
+  }
   for (const SavedMissing& missing : saved.missing) restore_missing(saved, missing, now);
   if (MeshRestorer(kept_, site_, placement_.domain()).restore(saved, nodes)) return true;
   for (NodeRecord* const node : nodes) {
-    if (node != nullptr) placement_.join(*node, generation);
+    if (node != nullptr && !node->is_placed()) placement_.join(*node, generation);
   }
   return false;
 }

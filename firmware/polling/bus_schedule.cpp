@@ -29,11 +29,6 @@ port::Duration cost_max_of(const BusSettings& bus) {
   return timeout + (is_line ? bus.quiet + exchange_floor_of(bus) : port::Duration{});
 }
 
-// What others had to wait for it.
-port::Duration cost_of(port::Instant asked_at, const port::BusAnswer& answer, port::Instant now) {
-  return now - asked_at + answer.silence;
-}
-
 // A well-mixed number from two: the same in every run.
 std::uint32_t mix(std::uint32_t a, std::uint32_t b) {
   std::uint32_t value = a * 0x9e3779b9u ^ b * 0x85ebca6bu;
@@ -59,14 +54,12 @@ void BusSchedule::add_unit(ModbusAddress address, bool is_listed) {
                            .is_listed = is_listed,
                            .is_undiscovered = !is_listed};
   if (is_listed) {
-    turns_.push_back({.due = port::Instant{}, .address = address});
+    firsts_.push_back({.due = port::Instant{}, .address = address});
   } else {
     discovery_.push_back(address);
     ++undiscovered_;
   }
-  for (Turns* const turns : {&turns_, &repeats_, &retries_}) {
-    turns->reserve(turns_.size() + discovery_.size());
-  }
+  for (Turns* const turns : all_turns()) turns->reserve(firsts_.size() + discovery_.size());
 }
 
 port::Instant BusSchedule::update_settings(const PollSettings& poll, const BusSettings& settings,
@@ -79,7 +72,7 @@ port::Instant BusSchedule::update_settings(const PollSettings& poll, const BusSe
   }
   cost_max_ = cost_max_of(settings_);
   const port::Instant asked_by = now + poll_.interval;
-  for (Turns* const turns : {&turns_, &repeats_, &retries_}) {
+  for (Turns* const turns : all_turns()) {
     for (Turn& turn : *turns) turn.due = std::min(turn.due, now + pause_of(turn.address));
     std::make_heap(turns->begin(), turns->end(), Later{});
   }
@@ -102,28 +95,48 @@ std::optional<BusSchedule::Question> BusSchedule::next_question(port::Instant no
   return Question{.address = turn.address, .reason = *reason, .due = turn.due};
 }
 
+std::uint32_t BusSchedule::half_of_the_requests() const {
+  return takes_one() ? 1 : std::max(1u, settings_.outstanding_max / 2);
+}
+
+// Of the sound units and those that nobody has heard yet.
+BusSchedule::Reason BusSchedule::reason_in_turn() const {
+  const bool may_be_first = sound_ == 0 || unsure_under_way_ < half_of_the_requests();
+  if (firsts_.empty() || !may_be_first) return Reason::turn;
+  const bool is_first = turns_.empty() || firsts_.front().due <= turns_.front().due;
+  return is_first ? Reason::first : Reason::turn;
+}
+
+port::Instant BusSchedule::due_in_turn() const {
+  const Turns& turns = reason_in_turn() == Reason::first ? firsts_ : turns_;
+  return turns.empty() ? port::never : turns.front().due;
+}
+
 // The one that has waited longest and may be asked.
 std::optional<BusSchedule::Reason> BusSchedule::next_reason(port::Instant now) const {
-  const port::Instant turn = turns_.empty() ? port::never : turns_.front().due;
+  const Reason in_turn = reason_in_turn();
+  const port::Instant turn = due_in_turn();
   if (repeats_.empty() && retries_.empty()) {
-    return turn <= now ? std::optional(Reason::turn) : std::nullopt;
+    return turn <= now ? std::optional(in_turn) : std::nullopt;
   }
   const port::Instant repeat = repeat_start(now);
   const port::Instant retry = retry_start(now);
   if (std::min({turn, repeat, retry}) > now) return std::nullopt;
   const Reason failing = repeat <= retry ? Reason::repeat : Reason::retry;
-  if (!takes_one()) return turn <= std::min(repeat, retry) ? Reason::turn : failing;
+  if (!takes_one()) return turn <= std::min(repeat, retry) ? in_turn : failing;
   if (turn > now) return failing;
   if (repeat <= now) return Reason::repeat;
   // A retry of a busy line has its share of the time, however long the others have waited; but
   // where they will soon have been asked it comes after them, unless it is called for.
   const bool is_first =
       retry <= now && (retries_.front().due == port::Instant{} || now - retry >= poll_.interval);
-  return is_first ? Reason::retry : Reason::turn;
+  return is_first ? Reason::retry : in_turn;
 }
 
 BusSchedule::Turns& BusSchedule::turns_of(Reason reason) {
-  return reason == Reason::turn ? turns_ : reason == Reason::repeat ? repeats_ : retries_;
+  if (reason == Reason::turn) return turns_;
+  if (reason == Reason::first) return firsts_;
+  return reason == Reason::repeat ? repeats_ : retries_;
 }
 
 void BusSchedule::ask(const Question& question, port::Instant now) {
@@ -138,7 +151,9 @@ void BusSchedule::ask(const Question& question, port::Instant now) {
   if (question.due < *begun_at_) unit.due = now;
   unit.reason = question.reason;
   unit.asked_at = now;
-  if (question.reason == Reason::repeat || question.reason == Reason::retry) ++retries_under_way_;
+  if (question.reason != Reason::turn && question.reason != Reason::discovery) {
+    ++unsure_under_way_;
+  }
   if (question.reason == Reason::discovery) {
     discovery_under_way_ = true;
     discovery_postponed_ = 0;
@@ -158,24 +173,23 @@ void BusSchedule::postpone(const Question& question, port::Instant until) {
 }
 
 port::Instant BusSchedule::next_due(port::Instant now) const {
-  const port::Instant turn = turns_.empty() ? port::never : turns_.front().due;
-  return std::min({turn, repeat_start(now), retry_start(now)});
+  return std::min({due_in_turn(), repeat_start(now), retry_start(now)});
 }
 
 // From when on something may be asked that is less urgent than those whose turn it is: at once
 // where no unit is about to be asked, else when its share allows.
 port::Instant BusSchedule::start_beside(port::Instant due, port::Instant free_at,
                                         port::Duration cost, port::Instant now) const {
-  if (due == port::never || turns_.empty()) return due;
-  const bool is_idle = turns_.front().due > std::max(due, now) + cost;
+  const port::Instant turn = due_in_turn();
+  if (due == port::never || turn == port::never) return due;
+  const bool is_idle = turn > std::max(due, now) + cost;
   return is_idle ? due : std::max(due, free_at);
 }
 
 // When the first of these may be asked, as far as that is known now.
 port::Instant BusSchedule::start_of_failing(const Turns& turns, const TimeShare& share,
                                             port::Instant now) const {
-  const std::uint32_t under_way_max = takes_one() ? 1 : std::max(1u, settings_.outstanding_max / 2);
-  if (turns.empty() || retries_under_way_ >= under_way_max) return port::never;
+  if (turns.empty() || unsure_under_way_ >= half_of_the_requests()) return port::never;
   const port::Instant due = turns.front().due;
   if (!takes_one()) return due;
   return start_beside(due, share.free_at(), retry_cost(units_[turns.front().address.value]), now);
@@ -207,7 +221,7 @@ port::Instant BusSchedule::request_start(port::Instant due, port::Instant now) c
 
 port::Instant BusSchedule::client_start(port::Instant now) const {
   port::Instant first = undiscovered_ > 0 && !discovery_under_way_ ? discovery_due_ : port::never;
-  for (const Turns* const turns : {&turns_, &repeats_, &retries_}) {
+  for (const Turns* const turns : {&turns_, &firsts_, &repeats_, &retries_}) {
     if (!turns->empty()) first = std::min(first, turns->front().due);
   }
   const bool is_idle = first > now + (takes_one() ? cost_max_ : port::Duration{});
@@ -230,6 +244,11 @@ ModbusAddress BusSchedule::next_undiscovered() {
   return address;
 }
 
+port::Duration BusSchedule::cost_of(port::Instant asked_at, const port::BusAnswer& answer,
+                                    port::Instant now) const {
+  return std::min(now - asked_at, cost_max_ + bus_.delay_max()) + answer.silence;
+}
+
 // What the others had to wait for a unit that failed, or was only looked for, comes off its share.
 void BusSchedule::note_cost(ModbusAddress address, const port::BusAnswer& answer,
                             port::Instant now) {
@@ -240,19 +259,22 @@ void BusSchedule::note_cost(ModbusAddress address, const port::BusAnswer& answer
   const bool is_ok = answer.result == port::BusResult::ok;
   if (!is_ok) unit.cost = cost;
   switch (unit.reason) {
+    case Reason::first:
+      --unsure_under_way_;
+      [[fallthrough]];
     case Reason::turn:
       // A unit that was never there is asked again in the time of those that fail.
       if (!is_ok && !unit.has_answered) charge_retry(cost, now);
       return;
     case Reason::repeat:
-      --retries_under_way_;
+      --unsure_under_way_;
       // One that loses every other answer has the time of the lost ones from this share too.
       if (unit.has_answered) return repeat_share_.charge(cost + missed_cost, now);
       first_repeat_share_.charge(cost, now);
       if (!is_ok) charge_retry(cost, now);
       return;
     case Reason::retry:
-      --retries_under_way_;
+      --unsure_under_way_;
       // One that answers takes no more than those that are there.
       if (!is_ok) charge_retry(cost, now);
       return;
@@ -363,10 +385,9 @@ void BusSchedule::push(Turns& turns, const Turn& turn) {
 
 void BusSchedule::ask_again(ModbusAddress address, port::Instant due) {
   const UnitSchedule& unit = units_[address.value];
-  const Reason reason = unit.failures == 0  ? Reason::turn
-                        : is_repeated(unit) ? Reason::repeat
-                                            : Reason::retry;
-  push(turns_of(reason), {.due = due, .address = address});
+  const Reason sound = unit.has_answered ? Reason::turn : Reason::first;
+  const Reason failing = is_repeated(unit) ? Reason::repeat : Reason::retry;
+  push(turns_of(unit.failures == 0 ? sound : failing), {.due = due, .address = address});
 }
 
 // It is looked for again when its time comes.
@@ -399,7 +420,7 @@ void BusSchedule::bring_forward(ModbusAddress address, port::Instant due) {
     --undiscovered_;
     return ask_again(address, due);
   }
-  for (Turns* const turns : {&turns_, &repeats_, &retries_}) {
+  for (Turns* const turns : all_turns()) {
     const auto found = std::find_if(turns->begin(), turns->end(),
                                     [&](const Turn& turn) { return turn.address == address; });
     if (found == turns->end()) continue;

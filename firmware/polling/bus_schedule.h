@@ -1,6 +1,7 @@
 // Which unit of a bus is asked next, and when.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -24,6 +25,9 @@ namespace etcm::firmware {
 // 1/32 of the rest, of a line behind a converter 1/100: there a question in vain costs whatever
 // time the converter takes. A torn read is repeated at once. While a bus has lost its link, its
 // units are not asked and do not count as failing.
+//
+// Once one has answered, units that nobody has heard yet share that half: those that are not there
+// must not keep the others waiting.
 //
 // A frame may be lost. So a unit whose answer is missing where the one before was there is asked
 // once more at once, and on a serial line one that has missed its first question is after an
@@ -49,7 +53,7 @@ namespace etcm::firmware {
 // Units go by their addresses; all calls but has_unit() and add_unit() are for one that was added.
 class BusSchedule {
  public:
-  enum class Reason : std::uint8_t { turn, repeat, retry, discovery };
+  enum class Reason : std::uint8_t { turn, first, repeat, retry, discovery };
   struct Question {
     ModbusAddress address;
     Reason reason = Reason::turn;
@@ -114,6 +118,10 @@ class BusSchedule {
   port::Duration exchange_floor() const { return exchange_floor_; }
   // The most a question costs that is not answered.
   port::Duration cost_max() const { return cost_max_; }
+  // What others had to wait for a question. Where the program stood still meanwhile only what it
+  // takes at the most: else they would go on to wait for hours.
+  port::Duration cost_of(port::Instant asked_at, const port::BusAnswer& answer,
+                         port::Instant now) const;
 
  private:
   struct UnitSchedule {
@@ -157,10 +165,14 @@ class BusSchedule {
                                  port::Instant now) const;
   port::Instant repeat_start(port::Instant now) const;
   port::Instant retry_start(port::Instant now) const;
+  std::uint32_t half_of_the_requests() const;
+  Reason reason_in_turn() const;
+  port::Instant due_in_turn() const;
   std::optional<Reason> next_reason(port::Instant now) const;
   ModbusAddress next_undiscovered();
 
   Turns& turns_of(Reason reason);
+  std::array<Turns*, 4> all_turns() { return {&turns_, &firsts_, &repeats_, &retries_}; }
   void push(Turns& turns, const Turn& turn);
   void ask_again(ModbusAddress address, port::Instant due);
   void bring_forward(ModbusAddress address, port::Instant due);
@@ -174,11 +186,12 @@ class BusSchedule {
   port::Duration cost_max_;
   std::vector<UnitSchedule> units_;  // by address
 
-  Turns turns_;              // of sound units
-  Turns repeats_;            // of those that have failed once
-  Turns retries_;            // of other failing ones
-  std::uint32_t sound_ = 0;  // units that answered when last asked
-  std::uint32_t retries_under_way_ = 0;
+  Turns turns_;                            // of sound units
+  Turns firsts_;                           // of units that nobody has heard yet
+  Turns repeats_;                          // of those that have failed once
+  Turns retries_;                          // of other failing ones
+  std::uint32_t sound_ = 0;                // units that answered when last asked
+  std::uint32_t unsure_under_way_ = 0;     // questions to units that failed or are not heard yet
   std::optional<port::Instant> begun_at_;  // the first question
 
   // At others' cost, where the bus takes one request at a time.

@@ -29,7 +29,7 @@ bool ClientRequests::start(port::NodeBus& bus, const BusSchedule& schedule, std:
 void ClientRequests::finish(const port::BusAnswer& answer, BusSchedule& schedule,
                             port::Instant now) {
   time_ += now - asked_at_;
-  schedule.charge_client(now - asked_at_ + answer.silence, now);
+  schedule.charge_client(schedule.cost_of(asked_at_, answer, now), now);
   switch (answer.result) {
     case port::BusResult::ok:
     case port::BusResult::exception:

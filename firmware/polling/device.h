@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,7 @@ class Device {
 
   std::span<const RegisterSpan> blocks() const { return blocks_; }
   std::uint32_t register_count() const { return register_count_; }
+  std::string_view profile_name() const { return profile_.name; }
   port::RegisterKind kind() const {
     return profile_.function == 3 ? port::RegisterKind::holding : port::RegisterKind::input;
   }

@@ -1,13 +1,60 @@
 // What happened on the buses, in numbers that only grow.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 
 #include "etcm/port/clock.h"
 #include "etcm/port/node_bus.h"
 
 namespace etcm::firmware {
+
+// What was wrong with a question.
+enum class UnitFault : std::uint8_t {
+  none,
+  timeout,
+  exception,
+  bad_answer,
+  link_lost,
+  torn,
+  unbelieved,
+  jumped,
+};
+
+constexpr UnitFault fault_of(port::BusResult result) {
+  switch (result) {
+    case port::BusResult::ok:
+      break;
+    case port::BusResult::timeout:
+      return UnitFault::timeout;
+    case port::BusResult::exception:
+      return UnitFault::exception;
+    case port::BusResult::bad_answer:
+      return UnitFault::bad_answer;
+    case port::BusResult::link_lost:
+      return UnitFault::link_lost;
+  }
+  return UnitFault::none;
+}
+
+// How the last questions to a unit went, 64 at the most.
+class RecentQuestions {
+ public:
+  void add(bool is_sound) {
+    faults_ = faults_ << 1 | (is_sound ? 0u : 1u);
+    count_ = std::min(count_ + 1, 64u);
+  }
+  // The newest was not sound after all.
+  void spoil() { faults_ |= 1u; }
+  std::uint32_t count() const { return count_; }
+  std::uint32_t faults() const { return static_cast<std::uint32_t>(std::popcount(faults_)); }
+
+ private:
+  std::uint64_t faults_ = 0;  // a bit each, the newest lowest
+  std::uint32_t count_ = 0;
+};
 
 struct UnitCounters {
   std::uint64_t requests = 0;
@@ -20,7 +67,18 @@ struct UnitCounters {
   port::Duration answer_time{};  // from the question to the answer, of all together
   port::Duration answer_time_last{};
   port::Duration answer_time_max{};
+  port::Instant sound_since{};  // no question has failed from then on; the origin: never
+  port::Instant sound_at{};     // the last sound answer; the origin: never
+  RecentQuestions recent{};
+  UnitFault last_fault = UnitFault::none;
+  std::uint8_t exception = 0;  // the last one
+  port::Instant failed_at{};   // last
 
+  void note_fault(UnitFault fault, port::Instant now) {
+    last_fault = fault;
+    failed_at = now;
+    recent.spoil();
+  }
   std::uint64_t count(port::BusResult result) const {
     return results[static_cast<std::size_t>(result)];
   }
@@ -31,6 +89,7 @@ struct UnitCounters {
 };
 
 struct BusCounters {
+  port::Instant up_since{};         // the link is there; the origin: it is not
   port::Instant answered_at{};      // last, by any of its units; the origin: never
   port::Instant heard_at{};         // anything else came last, sound or not
   port::Instant absence_told_at{};  // a converter said last that nobody is there

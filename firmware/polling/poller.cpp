@@ -94,7 +94,12 @@ void Poller::step(port::Instant now) {
     }
     while (bus.bus->ready() && ask_next(number, now)) {
     }
-    if (!bus.bus->is_up()) bus.clients.refuse_all();
+    if (!bus.bus->is_up()) {
+      bus.clients.refuse_all();
+      bus.counters.up_since = {};
+    } else if (bus.counters.up_since == port::Instant{}) {
+      bus.counters.up_since = now;
+    }
   }
 }
 
@@ -198,6 +203,7 @@ void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant 
   PolledUnit& unit = units_[index.value];
   note_heard(buses_[unit.bus.value].counters, answer, now);
   count_answer(unit, is_absence ? port::BusResult::timeout : answer.result, now);
+  if (answer.result == port::BusResult::exception) unit.counters.exception = answer.exception;
   pause_after(answer, index, now);
   // What is to be believed comes from one sweep.
   if (answer.result != port::BusResult::ok) unit.block = 0;
@@ -257,19 +263,38 @@ void Poller::take_registers(const port::BusAnswer& answer, UnitIndex index, port
   if (fault == ReadingFault::torn && unit.torn_repeats < torn_repeats_max) {
     ++unit.torn_repeats;
     ++unit.counters.torn;
+    unit.counters.note_fault(UnitFault::torn, now);
     return schedule.note_more(unit.address);
   }
   unit.torn_repeats = 0;
   if (fault != ReadingFault::none) {
-    ++(fault == ReadingFault::torn ? unit.counters.torn : unit.counters.unbelieved);
+    const bool is_torn = fault == ReadingFault::torn;
+    ++(is_torn ? unit.counters.torn : unit.counters.unbelieved);
+    unit.counters.note_fault(is_torn ? UnitFault::torn : UnitFault::unbelieved, now);
     return fail(index, {.why = explain(fault)}, now);
   }
   if (!can_follow(index, reading, now)) return;
   if (!listener_.on_reading(index, reading, measured_, now)) {
     ++unit.counters.unbelieved;
+    unit.counters.note_fault(UnitFault::unbelieved, now);
     return fail(index, {.why = {}, .is_silence = true}, now);  // the listener has said why
   }
+  note_sound(unit, now);
   schedule.note_success(unit.address, now);
+}
+
+// Before the schedule knows of it.
+void Poller::note_sound(PolledUnit& unit, port::Instant now) {
+  const Bus& bus = buses_[unit.bus.value];
+  if (!bus.schedule.is_sound(unit.address) || unit.counters.sound_since < bus.counters.up_since) {
+    unit.counters.sound_since = now;
+  }
+  unit.counters.sound_at = now;
+}
+
+bool Poller::is_answering(UnitIndex unit) const {
+  const Bus& bus = buses_[bus_of(unit).value];
+  return bus.bus->is_up() && is_sound(unit) && counters(unit).sound_since >= bus.counters.up_since;
 }
 
 bool Poller::can_follow(UnitIndex index, const NodeReading& reading, port::Instant now) {
@@ -287,6 +312,7 @@ bool Poller::can_follow(UnitIndex index, const NodeReading& reading, port::Insta
       return false;
     case JumpCheck::Verdict::drop:
       ++unit.counters.jumped;
+      unit.counters.note_fault(UnitFault::jumped, now);
       fail(index, {.why = "its position jumps farther than speed_max allows, each time elsewhere"},
            now);
       return false;
@@ -300,6 +326,8 @@ void Poller::count_answer(PolledUnit& unit, port::BusResult result, port::Instan
   bus.progressed_at = now;
   UnitCounters& counters = unit.counters;
   ++counters.results[static_cast<std::size_t>(result)];
+  counters.recent.add(result == port::BusResult::ok);
+  if (result != port::BusResult::ok) counters.note_fault(fault_of(result), now);
   if (result == port::BusResult::ok || result == port::BusResult::exception) {
     counters.answered_at = now;
   }
@@ -360,7 +388,7 @@ void Poller::finish_request(BusIndex number, const port::BusAnswer& answer, port
   bus.request_under_way = false;
   --bus.under_way;
   bus.progressed_at = now;
-  bus.schedule.charge_request(now - bus.request_asked_at + answer.silence, now);
+  bus.schedule.charge_request(bus.schedule.cost_of(bus.request_asked_at, answer, now), now);
   requests_->on_request_done(number, answer, now);
 }
 

@@ -71,6 +71,8 @@ class Poller {
     return schedule_of(unit).failures(address_of(unit));
   }
   bool is_sound(UnitIndex unit) const { return schedule_of(unit).is_sound(address_of(unit)); }
+  // Its last question was answered soundly, and the link has not gone since.
+  bool is_answering(UnitIndex unit) const;
   TextLine name(UnitIndex unit) const;  // "unit 7 of yard"
 
   std::uint32_t bus_count() const { return static_cast<std::uint32_t>(buses_.size()); }
@@ -78,6 +80,7 @@ class Poller {
   const BusCounters& bus_counters(BusIndex bus) const { return buses_[bus.value].counters; }
   const ClientRequests& client_requests(BusIndex bus) const { return buses_[bus.value].clients; }
   // As the bus itself says (node_bus.h).
+  bool is_up(BusIndex bus) const { return buses_[bus.value].bus->is_up(); }
   std::string_view why_down(BusIndex bus) const { return buses_[bus.value].bus->why_down(); }
   bool is_clearing(BusIndex bus, port::Instant now) const {
     return buses_[bus.value].bus->is_clearing(now);
@@ -94,6 +97,11 @@ class Poller {
   const UnitCounters& counters(UnitIndex unit) const { return units_[unit.value].counters; }
   // Serves our registers; else it is a device with a profile.
   bool is_node(UnitIndex unit) const { return units_[unit.value].device == nullptr; }
+  // Of the device; empty: a node.
+  std::string_view profile_name(UnitIndex unit) const {
+    const Device* const device = units_[unit.value].device;
+    return device == nullptr ? std::string_view{} : device->profile_name();
+  }
   // What is measured there, in the order in which the listener hears of it.
   std::span<const QuantityIndex> quantities(UnitIndex unit) const {
     const Device* const device = units_[unit.value].device;
@@ -160,6 +168,7 @@ class Poller {
   // Whether the position of a device counts; else it is asked again, or the question has failed.
   bool can_follow(UnitIndex unit, const NodeReading& reading, port::Instant now);
   void count_answer(PolledUnit& unit, port::BusResult result, port::Instant now);
+  void note_sound(PolledUnit& unit, port::Instant now);
   // Why a question failed. Silence is no news of a unit that was never there; after a miss a frame
   // may have been lost.
   struct Failure {

@@ -194,6 +194,7 @@ std::optional<toml::table> parse(const std::string& path, std::vector<std::strin
     mistakes.push_back(path + ":" + std::to_string(error.source().begin.line) + ": " +
                        std::string(error.description()) +
                        "; correct the TOML there (texts stand in quotes)");
+    keep_to_lines(mistakes);
   }
   return std::nullopt;
 }
@@ -216,6 +217,7 @@ void read_file(const std::string& path, std::vector<Profile>& profiles,
   TomlTable file(path, *parsed, "", mistakes);
   take_profiles(file, profiles);
   file.finish();
+  keep_to_lines(mistakes);
 }
 
 // A gateway has a mesh and buses; a file of profiles has neither.
@@ -255,6 +257,7 @@ std::vector<Profile> read_profiles_or_gateways(const std::string& path,
   // Its other keys are the gateway's business, which checks them.
   TomlTable file(path, *parsed, "", mistakes);
   take_profiles(file, profiles);
+  keep_to_lines(mistakes);
   const auto named = (*parsed)["profiles"].value<std::string>();
   const auto others = std::filesystem::path(path).parent_path() / named.value_or(installed);
   if (!named && !std::filesystem::exists(others, error)) return profiles;

@@ -213,19 +213,19 @@ void NeighbourDistributor::fail(DeliveredConfig& told, const port::BusAnswer& an
   if (answer.result == port::BusResult::exception &&
       (answer.exception == illegal_function || answer.exception == illegal_address)) {
     told.is_rejected = true;
-    log_.write(port::Level::info, TextLine()
-                                      << "node " << told.serial.value
-                                      << " has no registers for its neighbours: exception "
-                                      << answer.exception << "; it is not written until it boots");
+    TextLine line;
+    log_.write(port::Level::info, line << nodes_.called(told.serial)
+                                       << " has no registers for its neighbours: exception "
+                                       << answer.exception << "; it is not written until it boots");
     return;
   }
   ++told.tries;
   told.retry_at = now + settings_.absent_interval;
   if (told.tries == tries_max) {
+    TextLine line;
     log_.write(port::Level::warning,
-               TextLine() << "node " << told.serial.value
-                          << " was not told its neighbours: " << to_string(answer.result)
-                          << ", three times; tried again when they change");
+               line << nodes_.called(told.serial) << " was not told its neighbours: "
+                    << to_string(answer.result) << ", three times; tried again when they change");
   }
 }
 

@@ -15,6 +15,10 @@ const char* explain(const QuarantineEntry& entry) {
       return "a known serial with its words swapped: set `word_order` of the bus";
     case IdentityConflict::no_room:
       return "too many nodes without a unit are known already: wait for them to leave";
+    case IdentityConflict::other_gateway:
+      return "another gateway hears a node with this serial too, in another place: give one of "
+             "them "
+             "a serial of its own";
   }
   return "";
 }
@@ -41,8 +45,10 @@ void list_quarantine(const NodeTable& nodes, const FeatureTable& features,
   for (const FeatureRecord& feature : features.records()) {
     ++number;
     if (feature.rejection == Status::ok) continue;
-    list.push_back(
-        {.feature = number, .rejection = feature.rejection, .since = feature.rejected_since});
+    list.push_back({.feature = number,
+                    .blocker = feature.blocker,
+                    .rejection = feature.rejection,
+                    .since = feature.rejected_since});
   }
   for (const AnchorRecord& anchor : anchors.records()) {
     if (anchor.rejection.is_none()) continue;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,11 +16,12 @@
 namespace etcm::firmware {
 
 struct QuarantineEntry {
-  Serial serial{};            // of a node; none: it is a feature or an anchor
-  std::uint32_t feature = 0;  // its number, counted from 1 as configured; 0: it is none
-  UnitIndex unit_index{};     // where the node answers, if that is known
-  Position position{};        // where the node or the anchor cannot be, if it is one
-  Rejection rejection{};      // none: it did not come so far
+  Serial serial{};                   // of a node; none: it is a feature or an anchor
+  std::uint32_t feature = 0;         // its number, counted from 1 as configured; 0: it is none
+  std::optional<Blocker> blocker{};  // of a feature: the one in its way
+  UnitIndex unit_index{};            // where the node answers, if that is known
+  Position position{};               // where the node or the anchor cannot be, if it is one
+  Rejection rejection{};             // none: it did not come so far
   IdentityConflict conflict = IdentityConflict::none;  // about the node's identity
   port::Instant since{};
 };

@@ -28,6 +28,8 @@ constexpr auto reasons = std::to_array<QuarantineReason>({
     {31, Status::ok, IdentityConflict::same_unit, "another node answers at this unit"},
     {32, Status::ok, IdentityConflict::swapped_words, "a known serial with its words swapped"},
     {33, Status::ok, IdentityConflict::no_room, "too many nodes without a unit are known"},
+    {34, Status::ok, IdentityConflict::other_gateway,
+     "another gateway hears this serial in another place"},
     {other_reason, Status::ok, IdentityConflict::none, "anything else; the log says what"},
 });
 

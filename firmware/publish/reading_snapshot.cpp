@@ -20,17 +20,36 @@ std::uint32_t count_disagreeing(const ReadingSnapshot& snapshot) {
                     [](const PublishedReading& reading) { return reading.disagrees; }));
 }
 
+namespace {
+
+void add_property(ReadingSnapshot& snapshot, const Quantity& quantity) {
+  const std::string name =
+      "reading " + quantity.name + (quantity.unit.empty() ? "" : " (" + quantity.unit + ")");
+  snapshot.properties.push_back(name);
+  snapshot.properties.push_back("stale " + name);
+}
+
+}  // namespace
+
 void reserve(ReadingSnapshot& snapshot, const Settings& settings) {
-  const std::size_t known = snapshot.quantities.size();
+  snapshot.quantities.resize(snapshot.own_quantity_count);
+  snapshot.properties.resize(2 * snapshot.own_quantity_count);
   add_quantities(settings, snapshot.quantities);
-  for (std::size_t i = known; i < snapshot.quantities.size(); ++i) {
-    const Quantity& quantity = snapshot.quantities[i];
-    const std::string name =
-        "reading " + quantity.name + (quantity.unit.empty() ? "" : " (" + quantity.unit + ")");
-    snapshot.properties.push_back(name);
-    snapshot.properties.push_back("stale " + name);
+  for (std::size_t i = snapshot.own_quantity_count; i < snapshot.quantities.size(); ++i) {
+    add_property(snapshot, snapshot.quantities[i]);
   }
+  snapshot.own_quantity_count = snapshot.quantities.size();
   snapshot.readings.reserve(count_readings(settings));
+}
+
+QuantityIndex number_of(ReadingSnapshot& snapshot, const Quantity& quantity) {
+  const auto found = std::find(snapshot.quantities.begin(), snapshot.quantities.end(), quantity);
+  const auto number = static_cast<std::uint32_t>(found - snapshot.quantities.begin());
+  if (found == snapshot.quantities.end()) {
+    snapshot.quantities.push_back(quantity);
+    add_property(snapshot, quantity);
+  }
+  return QuantityIndex{number};
 }
 
 }  // namespace etcm::firmware

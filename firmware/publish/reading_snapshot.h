@@ -3,6 +3,7 @@
 // It has a sequence of its own: what is measured makes no generation of the mesh.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -18,7 +19,7 @@ namespace etcm::firmware {
 
 struct PublishedReading {
   Serial serial;
-  UnitIndex unit_index;              // that it was read from
+  UnitIndex unit_index;              // that it was read from; none: another gateway did
   QuantityIndex quantity;            // into ReadingSnapshot::quantities
   std::uint64_t definition = 0;      // by the profile (polling/device.h)
   std::uint32_t row = no_row;        // of the node in the mesh of that generation
@@ -28,6 +29,9 @@ struct PublishedReading {
   // What the nodes around say that it should read; none where they do not suffice.
   std::optional<std::int64_t> expected_nano{};
   bool disagrees = false;  // with that, for some time
+
+  // This gateway read it itself.
+  bool is_own() const { return !unit_index.is_none(); }
 };
 
 struct ReadingSnapshot {
@@ -35,7 +39,9 @@ struct ReadingSnapshot {
   std::uint32_t value_sequence = 0;  // the last one that differs in more than times
   std::uint32_t generation = 0;      // of the mesh that the rows are of
   port::Instant taken_at{};
-  std::vector<Quantity> quantities;        // those of the devices (polling/device.h)
+  // Those of the devices (polling/device.h), and behind them what else other gateways read.
+  std::vector<Quantity> quantities;
+  std::size_t own_quantity_count = 0;
   std::vector<std::string> properties;     // their names as properties: see property_of()
   std::vector<PublishedReading> readings;  // by serial, and of each node by quantity
 };
@@ -54,7 +60,10 @@ std::span<const PublishedReading> readings_of(const ReadingSnapshot& snapshot, S
 std::uint32_t count_disagreeing(const ReadingSnapshot& snapshot);
 
 // Takes the memory for all that the snapshots of these settings have, and adds the quantities that
-// are new.
+// are new; those of other gateways are to be added again.
 void reserve(ReadingSnapshot& snapshot, const Settings& settings);
+
+// The number of the quantity; adds it behind the others where it is not known.
+QuantityIndex number_of(ReadingSnapshot& snapshot, const Quantity& quantity);
 
 }  // namespace etcm::firmware

@@ -2,13 +2,18 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "etcm/mesh.h"
 #include "firmware/polling/indices.h"
 #include "firmware/protocol/serial.h"
 #include "firmware/publish/mesh_analysis.h"
+#include "firmware/records/feature_table.h"
+#include "firmware/records/node_table.h"
 #include "firmware/site/feature_end.h"
 #include "firmware/site/rejection.h"
 
@@ -31,6 +36,8 @@ struct SnapshotVertex {
   Rejection rejection{};      // of a node: why the mesh does not have it where it is now
   Serial serial{};            // of a node that is no anchor
   UnitIndex unit_index{};     // that answers for a node; none: it is sought
+  MemberIndex owner{};        // the gateway that hears a node; none: this one
+  NameIndex name{};           // of a node, into Snapshot::names
   std::uint32_t feature = 0;  // a Steiner vertex stands on it; counted from 1 as configured
   Point point;
   std::uint32_t first_neighbour = 0;  // into Snapshot::neighbours
@@ -48,6 +55,8 @@ struct SnapshotNeighbour {
 struct SnapshotUnplacedNode {
   Serial serial{};
   UnitIndex unit_index{};
+  MemberIndex owner{};
+  NameIndex name{};         // as above
   bool is_missing = false;  // its unit is then where it answered last
   bool has_position = false;
   Position position;
@@ -59,7 +68,8 @@ struct SnapshotMissingFeature {
   std::uint32_t number = 0;  // from 1 as configured
   FeatureEnd from;
   FeatureEnd to;
-  Rejection rejection;  // none: it waits for its ends
+  Rejection rejection;               // none: it waits for its ends
+  std::optional<Blocker> blocker{};  // the one in its way
 };
 
 enum class QuarantineKind : std::uint8_t { none, node, feature, anchor, answer };
@@ -97,8 +107,17 @@ struct Snapshot {
   std::vector<SnapshotUnplacedNode> unplaced_nodes{};
   std::vector<SnapshotMissingFeature> missing_features{};
   std::vector<SnapshotQuarantined> quarantine{};
+  std::vector<std::string> gateways{};  // the names of the other gateways, by `owner`
+  // What people called things when it was taken.
+  std::shared_ptr<const NameBook> names = std::make_shared<const NameBook>();
   MeshAnalysis analysis{};
 };
+
+// The name of a gateway that is not this one; empty where it is not known.
+inline std::string_view gateway_name(const Snapshot& snapshot, MemberIndex owner) {
+  return owner.value < snapshot.gateways.size() ? std::string_view(snapshot.gateways[owner.value])
+                                                : std::string_view();
+}
 
 // Of the vertex in this row, counter-clockwise.
 inline std::span<const SnapshotNeighbour> neighbours_of(const Snapshot& snapshot,

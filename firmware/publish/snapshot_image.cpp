@@ -4,6 +4,8 @@
 #include <array>
 #include <string>
 
+#include "firmware/config/names.h"
+
 namespace etcm::firmware {
 
 namespace {
@@ -25,6 +27,7 @@ std::uint32_t end_of_segment(const Snapshot& snapshot, std::uint32_t node, std::
 SnapshotImager::SnapshotImager(const Settings& settings)
     : image_(std::make_shared<files::MeshImage>()), domain_(settings.mesh) {
   const std::size_t vertices = settings.mesh.vertices_max;
+  image_->name.reserve(name_bytes_max);
   image_->vertices.reserve(vertices);
   image_->triangles.reserve(2 * vertices);
   image_->edges.reserve(3 * vertices);
@@ -44,6 +47,8 @@ SnapshotImager::SnapshotImager(const Settings& settings)
 std::shared_ptr<const files::MeshImage> SnapshotImager::make(const Snapshot& snapshot,
                                                              const ReadingSnapshot& readings,
                                                              const SitePlane& plane) {
+  image_->name = snapshot.names->site();
+  image_->metres_per_unit = metres_per_unit(plane);
   image_->vertices.clear();
   image_->triangles.clear();
   image_->edges.clear();

@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "firmware/config/fleet_settings.h"
 #include "firmware/polling/quantity.h"
 #include "firmware/publish/quarantine_reason.h"
 
@@ -33,6 +34,7 @@ MeshRegisterCapacity register_capacity(const Settings& settings) {
   const std::uint32_t sensing = analysis(settings.analysis.sensing_range);
   const std::uint64_t known =
       std::uint64_t{settings.mesh.vertices_max} + settings.mesh.features_max;
+  const std::uint32_t foreign = foreign_room(settings);
   return {.vertices = settings.mesh.vertices_max,
           .relays = radio,
           .holes = sensing,
@@ -40,9 +42,10 @@ MeshRegisterCapacity register_capacity(const Settings& settings) {
           .long_links = radio,
           .quarantined =
               static_cast<std::uint32_t>(std::min<std::uint64_t>(known, quarantine_listed_max)),
-          .quantities = static_cast<std::uint32_t>(
-              std::min<std::size_t>(quantities_of(settings).size(), quantities_listed_max)),
-          .readings = std::min(count_readings(settings), readings_listed_max)};
+          .quantities = static_cast<std::uint32_t>(std::min<std::size_t>(
+              quantities_of(settings).size() + (foreign > 0 ? quantities_listed_max : 0),
+              quantities_listed_max)),
+          .readings = std::min(count_readings(settings) + foreign, readings_listed_max)};
 }
 
 void reserve(Snapshot& snapshot, const Settings& settings, std::uint32_t nodes) {
@@ -77,6 +80,7 @@ const Snapshot& SnapshotTaker::take(std::uint32_t generation, const KeptMesh& ke
   snapshot_.quarantined_count = static_cast<std::uint32_t>(quarantine.size());
   snapshot_.silent_bus_count = presence.silent_bus_count();
   snapshot_.mesh_hash = mesh.hash();
+  snapshot_.names = nodes.names();
   copy_mesh(kept);
   look_at_nodes(nodes, now);
   look_at_features(features);
@@ -134,12 +138,14 @@ void SnapshotTaker::look_at_nodes(const NodeTable& nodes, port::Instant now) {
     if (!node.is_known()) continue;
     if (node.is_missing) ++snapshot_.missing_count;
     if (!node.is_placed()) {
-      look_at_outsider(node);
+      look_at_outsider(node, nodes.name_of(node));
       continue;
     }
     oldest = std::max(oldest, now - node.positioned_at);
     SnapshotVertex& vertex = snapshot_.vertices[node.vertex.value - 1u];
     vertex.unit_index = node.unit_index;
+    vertex.owner = node.owner;
+    vertex.name = nodes.name_of(node);
     vertex.stale = node.stale;
     vertex.lacks_fix = node.lacks_fix;
     vertex.rejection = node.rejection;
@@ -149,11 +155,13 @@ void SnapshotTaker::look_at_nodes(const NodeTable& nodes, port::Instant now) {
       std::min<std::int64_t>(oldest / 1ms, std::numeric_limits<std::uint32_t>::max()));
 }
 
-void SnapshotTaker::look_at_outsider(const NodeRecord& node) {
+void SnapshotTaker::look_at_outsider(const NodeRecord& node, NameIndex name) {
   if (node.is_waiting()) ++snapshot_.waiting_count;
   snapshot_.unplaced_nodes.push_back(
       {.serial = node.serial,
        .unit_index = node.is_missing ? node.last_unit : node.unit_index,
+       .owner = node.owner,
+       .name = name,
        .is_missing = node.is_missing,
        .has_position = node.has_position(),
        .position = node.position,
@@ -169,7 +177,8 @@ void SnapshotTaker::look_at_features(const FeatureTable& features) {
     snapshot_.missing_features.push_back({.number = number + 1,
                                           .from = record.settings.from,
                                           .to = record.settings.to,
-                                          .rejection = record.rejection});
+                                          .rejection = record.rejection,
+                                          .blocker = record.blocker});
   }
 }
 

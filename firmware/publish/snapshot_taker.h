@@ -1,9 +1,11 @@
 // Takes snapshots of the mesh, one after the other into the same memory.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "etcm/mesh.h"
@@ -34,6 +36,14 @@ class SnapshotTaker {
   // The settings have another site.
   void update_site(const SiteDomain& domain) { analyst_.take_site(domain); }
 
+  // The names of the gateways that other owners of nodes are, for the next snapshots.
+  void set_gateways(std::span<const std::string> names) {
+    if (!std::equal(names.begin(), names.end(), snapshot_.gateways.begin(),
+                    snapshot_.gateways.end())) {
+      snapshot_.gateways.assign(names.begin(), names.end());
+    }
+  }
+
   // Good until the next call.
   const Snapshot& take(std::uint32_t generation, const KeptMesh& kept, const NodeTable& nodes,
                        const Poller& poller, const Presence& presence,
@@ -44,7 +54,7 @@ class SnapshotTaker {
  private:
   void copy_mesh(const KeptMesh& kept);
   void look_at_nodes(const NodeTable& nodes, port::Instant now);
-  void look_at_outsider(const NodeRecord& node);
+  void look_at_outsider(const NodeRecord& node, NameIndex name);
   std::uint16_t state_of(const KeptMesh& kept, const NodeTable& nodes) const;
   void look_at_features(const FeatureTable& features);
   void look_at_quarantine(const Poller& poller, std::span<const QuarantineEntry> quarantine,

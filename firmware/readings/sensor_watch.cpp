@@ -31,6 +31,11 @@ std::string text_of(double value, const Quantity& quantity) {
   return digits + (quantity.unit.empty() ? "" : " " + quantity.unit);
 }
 
+// Sensors of another gateway are its own business.
+bool is_watched(const PublishedReading& reading) {
+  return reading.row != no_row && reading.is_own();
+}
+
 std::pair<QuantityIndex, Serial> key_of(const LearnedSensor& learned) {
   return {learned.quantity, learned.serial};
 }
@@ -63,13 +68,13 @@ void SensorWatch::take(const Snapshot& snapshot, const ReadingSnapshot& readings
   if (watches_.empty()) return;
   rows_.clear();
   for (const PublishedReading& reading : readings.readings) {
-    if (reading.row != no_row) rows_.push_back(reading.row);
+    if (is_watched(reading)) rows_.push_back(reading.row);
   }
   nodes_.take(snapshot, rows_);
   for (std::uint32_t number = 0; number < watches_.size(); ++number) {
     sensors_.clear();
     for (const PublishedReading& reading : readings.readings) {
-      if (reading.quantity.value != number || reading.row == no_row) continue;
+      if (reading.quantity.value != number || !is_watched(reading)) continue;
       sensors_.push_back({.row = reading.row, .definition = reading.definition});
     }
     watches_[number].take(snapshot, sensors_);
@@ -104,7 +109,7 @@ port::Duration SensorWatch::age_of(const Waiting& waiting, port::Instant now) co
 // Each is tried once, as soon as its sensor is there.
 void SensorWatch::take_waiting(const ReadingSnapshot& readings, port::Instant now) {
   for (const PublishedReading& reading : readings.readings) {
-    if (reading.row == no_row || reading.is_stale) continue;
+    if (!is_watched(reading) || reading.is_stale) continue;
     const std::pair key(reading.quantity, reading.serial);
     const auto found = std::lower_bound(waiting_.begin(), waiting_.end(), key,
                                         [](const Waiting& waiting, const auto& wanted) {
@@ -120,7 +125,7 @@ void SensorWatch::take_waiting(const ReadingSnapshot& readings, port::Instant no
 bool SensorWatch::has_sensors_of(const ReadingSnapshot& readings) const {
   std::size_t count = 0;
   for (const PublishedReading& reading : readings.readings) {
-    if (reading.row == no_row) continue;
+    if (!is_watched(reading)) continue;
     if (!watches_[reading.quantity.value].has_sensor(reading.row)) return false;
     ++count;
   }
@@ -131,24 +136,24 @@ bool SensorWatch::has_sensors_of(const ReadingSnapshot& readings) const {
 }
 
 void SensorWatch::observe(const Snapshot& snapshot, const ReadingSnapshot& readings,
-                          port::Instant now, port::Log& log) {
+                          const NodeTable& nodes, port::Instant now, port::Log& log) {
   if (!has_sensors_of(readings)) take(snapshot, readings);
   take_waiting(readings, now);
   for (std::uint32_t number = 0; number < watches_.size(); ++number) {
     DisagreementWatch& watch = watches_[number];
     std::fill(values_.begin(), values_.end(), std::numeric_limits<double>::quiet_NaN());
     for (const PublishedReading& reading : readings.readings) {
-      if (reading.quantity.value != number || reading.row == no_row) continue;
+      if (reading.quantity.value != number || !is_watched(reading)) continue;
       disagreed_[reading.row] = watch.of(reading.row).disagrees;
       if (reading.is_stale || !reading.nano || reading.taken_at <= sampled_at_) continue;
       values_[reading.row] = static_cast<double>(*reading.nano) / nano_per_unit;
     }
     watch.observe(values_);
     for (const PublishedReading& reading : readings.readings) {
-      if (reading.quantity.value != number || reading.row == no_row) continue;
+      if (reading.quantity.value != number || !is_watched(reading)) continue;
       const Agreement& agreement = watch.of(reading.row);
       if (agreement.disagrees == (disagreed_[reading.row] != 0)) continue;
-      log_change(reading, readings.quantities[number], agreement, log);
+      log_change(reading, readings.quantities[number], agreement, nodes, log);
     }
   }
   has_learned_ = has_learned_ || !readings.readings.empty();
@@ -158,9 +163,11 @@ void SensorWatch::observe(const Snapshot& snapshot, const ReadingSnapshot& readi
 }
 
 void SensorWatch::log_change(const PublishedReading& reading, const Quantity& quantity,
-                             const Agreement& agreement, port::Log& log) const {
-  const std::string who =
-      "node " + std::to_string(reading.serial.value) + ": its " + quantity.name + " ";
+                             const Agreement& agreement, const NodeTable& nodes,
+                             port::Log& log) const {
+  TextLine line;
+  line << nodes.called(reading.serial) << ": its " << quantity.name << " ";
+  const std::string who(line.view());
   if (!agreement.disagrees) {
     log.write(port::Level::info, who + "agrees with the nodes around it again");
     return;
@@ -179,7 +186,7 @@ void SensorWatch::log_change(const PublishedReading& reading, const Quantity& qu
 void SensorWatch::mark(ReadingSnapshot& readings) {
   if (watches_.empty()) return;
   for (PublishedReading& reading : readings.readings) {
-    if (reading.row == no_row) continue;
+    if (!is_watched(reading)) continue;
     const Agreement& agreement = watches_[reading.quantity.value].of(reading.row);
     reading.disagrees = agreement.disagrees;
     if (agreement.expected) reading.expected_nano = to_nano(*agreement.expected);

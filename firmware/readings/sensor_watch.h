@@ -14,6 +14,7 @@
 #include "firmware/publish/snapshot.h"
 #include "firmware/readings/disagreement.h"
 #include "firmware/readings/nearest_nodes.h"
+#include "firmware/records/node_table.h"
 
 namespace etcm::firmware {
 
@@ -36,8 +37,8 @@ class SensorWatch {
 
   // Judges what was read since the last sample, and tells the log who disagrees, and who agrees
   // again. REQUIRES: the rows of `readings` are those of `snapshot`, the generation taken last.
-  void observe(const Snapshot& snapshot, const ReadingSnapshot& readings, port::Instant now,
-               port::Log& log);
+  void observe(const Snapshot& snapshot, const ReadingSnapshot& readings, const NodeTable& nodes,
+               port::Instant now, port::Log& log);
   port::Instant next_deadline() const { return due_; }
 
   // Sets what is expected of each reading. REQUIRES: as above.
@@ -68,7 +69,7 @@ class SensorWatch {
   port::Duration age_of(const Waiting& waiting, port::Instant now) const;
   void take_waiting(const ReadingSnapshot& readings, port::Instant now);
   void log_change(const PublishedReading& reading, const Quantity& quantity,
-                  const Agreement& agreement, port::Log& log) const;
+                  const Agreement& agreement, const NodeTable& nodes, port::Log& log) const;
 
   std::vector<Quantity> quantities_;
   NearestNodes nodes_{0, 0};

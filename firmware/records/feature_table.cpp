@@ -47,25 +47,28 @@ void FeatureTable::deactivate(std::uint32_t number) {
   record.id = FeatureId::none();
 }
 
-void FeatureTable::reject(std::uint32_t number, Status why, std::uint32_t epoch,
-                          port::Instant now) {
+void FeatureTable::reject(std::uint32_t number, Status why, const std::optional<Blocker>& blocker,
+                          std::uint32_t epoch, port::Instant now) {
   FeatureRecord& record = records_[number];
   if (record.rejection == Status::ok) ++rejected_count_;
   if (record.rejection != why) record.rejected_since = now;
   record.rejection = why;
+  record.blocker = blocker;
   record.rejected_epoch = epoch;
 }
 
 void FeatureTable::clear_rejection(FeatureRecord& record) {
   if (record.rejection != Status::ok) --rejected_count_;
   record.rejection = Status::ok;
+  record.blocker.reset();
 }
 
 std::string FeatureTable::name(std::uint32_t number) const {
   const FeatureSettings& feature = records_[number].settings;
   return "feature " + std::to_string(number + 1) +
-         (feature.name.empty() ? "" : " '" + feature.name + "'") + " (" + to_string(feature.from) +
-         "-" + to_string(feature.to) + ", " + feature.source + ")";
+         (feature.name.empty() ? " (" + to_string(feature.from) + "-" + to_string(feature.to) + ", "
+                               : " '" + feature.name + "' (") +
+         feature.source + ")";
 }
 
 }  // namespace etcm::firmware

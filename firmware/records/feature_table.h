@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,10 +12,18 @@
 
 namespace etcm::firmware {
 
+// A feature that is in the way of another.
+struct Blocker {
+  std::uint32_t number = 0;        // from 0
+  std::optional<Position> near{};  // where they cross, to the unit; none: they overlap
+  friend constexpr bool operator==(const Blocker&, const Blocker&) = default;
+};
+
 struct FeatureRecord {
   FeatureSettings settings;
-  FeatureId id;                   // none: not in the mesh
-  Status rejection = Status::ok;  // why the mesh rejected it; it waits for the mesh to make room
+  FeatureId id;                      // none: not in the mesh
+  Status rejection = Status::ok;     // why the mesh rejected it; it waits for the mesh to make room
+  std::optional<Blocker> blocker{};  // none: it was something else
   std::uint32_t rejected_epoch = 0;
   port::Instant rejected_since{};
 
@@ -38,12 +47,13 @@ class FeatureTable {
   void activate(std::uint32_t number, FeatureId id);
   // It waits for its ends, neither in the mesh nor rejected.
   void deactivate(std::uint32_t number);
-  void reject(std::uint32_t number, Status why, std::uint32_t epoch, port::Instant now);
+  void reject(std::uint32_t number, Status why, const std::optional<Blocker>& blocker,
+              std::uint32_t epoch, port::Instant now);
 
   std::uint32_t active_count() const { return active_count_; }
   std::uint32_t rejected_count() const { return rejected_count_; }
 
-  // "feature 3 (1001-1004, site.toml:31)".
+  // "feature 3 'north fence' (site.geojson:31)", or "feature 3 (1001-1004, site.toml:31)".
   std::string name(std::uint32_t number) const;
 
  private:

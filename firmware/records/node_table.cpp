@@ -5,11 +5,13 @@
 
 namespace etcm::firmware {
 
-NodeTable::NodeTable(std::uint32_t unit_count, std::uint32_t unit_room) {
+NodeTable::NodeTable(std::uint32_t unit_count, std::uint32_t unit_room, std::uint32_t foreign_room)
+    : foreign_room_(foreign_room) {
   const std::uint32_t room = std::max(unit_count, unit_room);
-  records_.reserve(roster_capacity(room));
-  by_serial_.reserve(roster_capacity(room));
-  free_.reserve(roster_capacity(room));
+  const std::uint32_t capacity = roster_capacity(room) + foreign_room;
+  records_.reserve(capacity);
+  by_serial_.reserve(capacity);
+  free_.reserve(capacity);
   by_unit_.reserve(room);
   released_heard_at_.reserve(room);
   add_units(unit_count);
@@ -17,7 +19,7 @@ NodeTable::NodeTable(std::uint32_t unit_count, std::uint32_t unit_room) {
 
 void NodeTable::add_units(std::uint32_t unit_count) {
   const std::size_t before = records_.size();
-  records_.resize(roster_capacity(unit_count));
+  records_.resize(roster_capacity(unit_count) + foreign_room_);
   for (std::size_t slot = records_.size(); slot-- > before;) {
     free_.push_back(static_cast<std::uint32_t>(slot));
   }
@@ -26,6 +28,10 @@ void NodeTable::add_units(std::uint32_t unit_count) {
 }
 
 NodeRecord* NodeTable::at(UnitIndex unit) {
+  return by_unit_[unit.value] == no_slot ? nullptr : &records_[by_unit_[unit.value]];
+}
+
+const NodeRecord* NodeTable::at(UnitIndex unit) const {
   return by_unit_[unit.value] == no_slot ? nullptr : &records_[by_unit_[unit.value]];
 }
 
@@ -78,6 +84,21 @@ void NodeTable::release(NodeRecord& node) {
   by_serial_.erase(entry);
   vacate(node);
   node = {};
+}
+
+NameIndex NodeTable::name_of(const NodeRecord& node) const {
+  const UnitIndex own = node.unit_index.is_none() ? node.last_unit : node.unit_index;
+  return names_->find(node.serial, node.is_foreign() ? UnitIndex::none() : own);
+}
+
+CalledNode NodeTable::called(const NodeRecord& node) const {
+  return {.serial = node.serial, .name = names_->text(name_of(node))};
+}
+
+CalledNode NodeTable::called(Serial serial) const {
+  const NodeRecord* const node = find(serial);
+  if (node != nullptr) return called(*node);
+  return {.serial = serial, .name = names_->text(names_->find(serial, UnitIndex::none()))};
 }
 
 }  // namespace etcm::firmware

@@ -17,6 +17,8 @@ struct SitePlane {
   std::int64_t origin_y = 0;
   // Null: where on the earth it is, nobody has said.
   std::shared_ptr<const port::Projection> projection{};
+
+  friend bool operator==(const SitePlane&, const SitePlane&) = default;
 };
 
 // The whole number nearest to offset / unit; halves go away from zero. REQUIRES: unit > 0.

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "firmware/status/metric_family.h"
 
 namespace etcm::firmware {
@@ -36,6 +38,13 @@ void write_features(const MetricContext& context, std::uint32_t, TextWriter& pie
         << "\n";
 }
 
+void write_alarms(const MetricContext& context, std::uint32_t, TextWriter& piece) {
+  for (const Severity severity : {Severity::critical, Severity::major, Severity::minor}) {
+    piece << context.name << "{severity=\"" << to_string(severity) << "\"} "
+          << context.sources.alarms.on_count(severity) << "\n";
+  }
+}
+
 // Of those that are wanted.
 void write_disk(const MetricContext& context, std::uint32_t, TextWriter& piece) {
   const auto disk = [&](const char* section, const DiskWriter* writer) {
@@ -45,6 +54,7 @@ void write_disk(const MetricContext& context, std::uint32_t, TextWriter& piece) 
   };
   disk("files", context.sources.gateway.disk_of_files());
   disk("state", context.sources.gateway.disk_of_state());
+  disk("alarms", context.sources.disk_of_alarms);
 }
 
 void write_listening(const MetricContext& context, std::uint32_t, TextWriter& piece) {
@@ -66,6 +76,61 @@ void write_rejected(const MetricContext& context, std::uint32_t, TextWriter& pie
         << context.name << "{server=\"http\"} " << context.sources.readers.rejected << "\n";
 }
 
+void write_refused(const MetricContext& context, std::uint32_t, TextWriter& piece) {
+  const std::string* const refusal = context.sources.refusal;
+  plain(context, refusal != nullptr && !refusal->empty() ? 1 : 0, piece);
+}
+
+// Of a gateway that is in a fleet.
+void write_connected(const MetricContext& context, std::uint32_t, TextWriter& piece) {
+  const FleetReport* const fleet = context.sources.gateway.fleet();
+  if (fleet != nullptr) plain(context, fleet->is_connected ? 1 : 0, piece);
+}
+void write_agreeing(const MetricContext& context, std::uint32_t, TextWriter& piece) {
+  const FleetReport* const fleet = context.sources.gateway.fleet();
+  if (fleet != nullptr) plain(context, fleet->agreeing, piece);
+}
+void write_site_number(const MetricContext& context, std::uint32_t, TextWriter& piece) {
+  const FleetReport* const fleet = context.sources.gateway.fleet();
+  if (fleet != nullptr) plain(context, fleet->site_number, piece);
+}
+void write_site_trouble(const MetricContext& context, std::uint32_t, TextWriter& piece) {
+  const FleetReport* const fleet = context.sources.gateway.fleet();
+  if (fleet != nullptr) plain(context, fleet->site_trouble.empty() ? 0 : 1, piece);
+}
+void write_members(const MetricContext& context, std::uint32_t, TextWriter& piece) {
+  const FleetReport* const fleet = context.sources.gateway.fleet();
+  if (fleet == nullptr) return;
+  for (const MemberState state : {MemberState::here, MemberState::waiting, MemberState::gone,
+                                  MemberState::name_taken, MemberState::rejected}) {
+    const auto count =
+        std::count_if(fleet->members.begin(), fleet->members.end(),
+                      [&](const ReportedMember& member) { return member.state == state; });
+    piece << context.name << "{state=\"" << to_string(state) << "\"} " << count << "\n";
+  }
+}
+
+// Of the broker of such a gateway.
+template <auto counter>
+void write_broker(const MetricContext& context, std::uint32_t, TextWriter& piece) {
+  const FleetReport* const fleet = context.sources.gateway.fleet();
+  if (fleet != nullptr) plain(context, fleet->broker.*counter, piece);
+}
+void write_messages(const MetricContext& context, std::uint32_t, TextWriter& piece) {
+  const FleetReport* const fleet = context.sources.gateway.fleet();
+  if (fleet == nullptr) return;
+  piece << context.name << "{what=\"received\"} " << fleet->broker.received << "\n"
+        << context.name << "{what=\"delivered\"} " << fleet->broker.delivered << "\n"
+        << context.name << "{what=\"refused\"} " << fleet->broker.refused << "\n";
+}
+void write_held_limit(const MetricContext& context, std::uint32_t, TextWriter& piece) {
+  const bool is_in_fleet = context.sources.gateway.fleet() != nullptr;
+  if (is_in_fleet) plain(context, std::uint64_t{port::broker_held_bytes_max}, piece);
+}
+
+void write_heap(const MetricContext& context, std::uint32_t, TextWriter& piece) {
+  if (context.sources.heap_bytes != nullptr) plain(context, context.sources.heap_bytes(), piece);
+}
 void write_memory(const MetricContext& context, std::uint32_t, TextWriter& piece) {
   if (context.sources.resident_bytes != nullptr) {
     plain(context, context.sources.resident_bytes(), piece);
@@ -121,6 +186,12 @@ constexpr MetricFamily gateway_families[] = {
                  [](const MetricContext& context, std::uint32_t, TextWriter& piece) {
                    plain(context, context.snapshot().stale_count, piece);
                  }},
+    MetricFamily{"etcm_alarms", "gauge", "Alarms that are on.", MetricScope::gateway, write_alarms},
+    MetricFamily{"etcm_alarms_unacknowledged", "gauge",
+                 "Of these, those that nobody has acknowledged.", MetricScope::gateway,
+                 [](const MetricContext& context, std::uint32_t, TextWriter& piece) {
+                   plain(context, context.sources.alarms.unacknowledged_count(), piece);
+                 }},
     MetricFamily{"etcm_missing_nodes", "gauge",
                  "Nodes that fell silent, left the mesh for that and have not come back.",
                  MetricScope::gateway,
@@ -162,8 +233,12 @@ constexpr MetricFamily gateway_families[] = {
                  [](const MetricContext& context, std::uint32_t, TextWriter& piece) {
                    plain_seconds(context, context.sources.gateway.mesh_times().longest, piece);
                  }},
-    MetricFamily{"etcm_disk_trouble", "gauge", "1 where files or state cannot be written now.",
-                 MetricScope::gateway, write_disk},
+    MetricFamily{"etcm_disk_trouble", "gauge",
+                 "1 where files, state or alarms cannot be written now.", MetricScope::gateway,
+                 write_disk},
+    MetricFamily{"etcm_configuration_refused", "gauge",
+                 "1 where the configuration was changed to one that is not taken over.",
+                 MetricScope::gateway, write_refused},
     MetricFamily{"etcm_listening", "gauge",
                  "1 where clients can connect, 0 where the port cannot be had.",
                  MetricScope::gateway, write_listening},
@@ -174,6 +249,33 @@ constexpr MetricFamily gateway_families[] = {
     MetricFamily{"etcm_refused_total", "counter",
                  "Requests that were wrong, and clients that were rejected.", MetricScope::gateway,
                  write_rejected},
+    MetricFamily{"etcm_fleet_connected", "gauge", "1 while the broker of the fleet is connected.",
+                 MetricScope::gateway, write_connected},
+    MetricFamily{"etcm_fleet_members", "gauge", "Gateways of the fleet, this one among them.",
+                 MetricScope::gateway, write_members},
+    MetricFamily{"etcm_fleet_agreeing", "gauge", "Those that have the mesh that this one has.",
+                 MetricScope::gateway, write_agreeing},
+    MetricFamily{"etcm_fleet_site_number", "gauge",
+                 "Number of the document of the site that holds; 0 while there is none.",
+                 MetricScope::gateway, write_site_number},
+    MetricFamily{"etcm_fleet_site_trouble", "gauge",
+                 "1 while something is wrong with that document here.", MetricScope::gateway,
+                 write_site_trouble},
+    MetricFamily{"etcm_mqtt_connections_total", "counter", "Sessions with the broker.",
+                 MetricScope::gateway, write_broker<&port::BrokerCounters::connections>},
+    MetricFamily{"etcm_mqtt_failures_total", "counter",
+                 "Attempts to reach the broker in vain, and sessions that were lost.",
+                 MetricScope::gateway, write_broker<&port::BrokerCounters::failures>},
+    MetricFamily{"etcm_mqtt_messages_total", "counter", "Messages from the broker and to it.",
+                 MetricScope::gateway, write_messages},
+    MetricFamily{"etcm_mqtt_held_bytes_most", "gauge",
+                 "Most bytes of messages that were sent and not yet delivered at a time.",
+                 MetricScope::gateway, write_broker<&port::BrokerCounters::held_bytes_most>},
+    MetricFamily{"etcm_mqtt_held_bytes_limit", "gauge", "What these are never more than.",
+                 MetricScope::gateway, write_held_limit},
+    MetricFamily{"etcm_heap_bytes", "gauge",
+                 "Memory that the process has from its heap now, all libraries included.",
+                 MetricScope::gateway, write_heap},
     MetricFamily{"process_resident_memory_bytes", "gauge", "Memory of the process that is in RAM.",
                  MetricScope::gateway, write_memory},
 };

@@ -1,7 +1,9 @@
 #include "firmware/status/health.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "firmware/alarms/alarm_subject.h"
 #include "firmware/nodes/silence_cause.h"
 #include "firmware/status/document.h"
 
@@ -9,34 +11,44 @@ namespace etcm::firmware {
 
 namespace {
 
-// What waits longer than this is stuck.
-constexpr port::Duration patience = std::chrono::seconds(10);
-
 std::int64_t whole_seconds(port::Duration duration) {
   return std::chrono::floor<std::chrono::seconds>(duration).count();
 }
 
+// Reasons, each on a line of its own.
+class Reasons {
+ public:
+  explicit Reasons(TextWriter& text) : text_(text) {}
+  TextWriter& add() { return std::exchange(has_any_, true) ? text_ << "\n" : text_; }
+  bool has_any() const { return has_any_; }
+
+ private:
+  TextWriter& text_;
+  bool has_any_ = false;
+};
+
 // The first of those that are silent is named.
-bool are_buses_heard(const StatusSources& sources, port::Instant now, TextWriter& reason) {
+void look_at_buses(const StatusSources& sources, port::Instant now, Reasons& reasons) {
   const Poller& poller = sources.gateway.poller();
-  const SilenceClock& clock = sources.gateway.presence().clock();
+  const Presence& presence = sources.gateway.presence();
+  const SilenceClock& clock = presence.clock();
   const PollSettings& poll = sources.gateway.settings().poll;
   BusIndex first = BusIndex::none();
   std::uint32_t count = 0;
   for (BusIndex bus{0}; bus.value < poller.bus_count(); ++bus.value) {
-    if (clock.silence_of(bus) <= poll.leave_after) continue;
+    if (!presence.is_silent(bus) && clock.silence_of(bus) <= poll.leave_after) continue;
     if (count++ == 0) first = bus;
   }
-  if (count == 0) return true;
+  if (count == 0) return;
   const port::Duration silence = age_of(std::max(clock.heard_at(first), sources.started_at), now);
+  TextWriter& reason = reasons.add();
   reason << "bus " << bus_label(poller, first) << ": no unit has answered for "
          << whole_seconds(silence) << " s; " << silence_cause(poller, first, now, poll.stale_after);
   if (count > 1) reason << "; and " << count - 1 << " more silent";
-  return false;
 }
 
 // The one that has been missing for longest is named.
-bool is_nobody_missing(const StatusSources& sources, TextWriter& reason) {
+void look_at_missing(const StatusSources& sources, Reasons& reasons) {
   const NodeRecord* first = nullptr;
   std::uint32_t count = 0;
   for (const NodeRecord& node : sources.gateway.nodes().records()) {
@@ -44,32 +56,118 @@ bool is_nobody_missing(const StatusSources& sources, TextWriter& reason) {
     ++count;
     if (first == nullptr || node.heard_at < first->heard_at) first = &node;
   }
-  if (first == nullptr) return true;
+  if (first == nullptr) return;
   const Poller& poller = sources.gateway.poller();
-  reason << count << (count == 1 ? " node is" : " nodes are") << " missing: node "
-         << first->serial.value;
+  TextWriter& reason = reasons.add();
+  reason << count << (count == 1 ? " node is" : " nodes are")
+         << " missing: " << sources.gateway.nodes().called(*first);
   if (!first->last_unit.is_none()) {
     reason << ", unit " << poller.address_of(first->last_unit).value << " of "
            << bus_label(poller, poller.bus_of(first->last_unit));
   }
+  if (first->is_foreign()) {
+    reason << ", last heard by gateway " << gateway_of(sources.gateway, *first);
+  }
   if (count > 1) reason << ", and " << count - 1 << " more";
-  reason << "; look at its power and address, or dismiss it by a reload";
-  return false;
+  if (is_with_its_gateway(sources.gateway, *first)) {
+    reason << "; that gateway is gone: look at its machine, its power and its network";
+  } else {
+    TextLine cure;
+    write_missing_cure(cure, sources.gateway, *first);
+    reason << "; " << cure;
+  }
+}
+
+// Two of one name: what one of them hears is not told. That of this gateway comes first.
+const ReportedMember* taken_name(const FleetReport& fleet) {
+  const ReportedMember* named = nullptr;
+  for (const ReportedMember& member : fleet.members) {
+    if (member.state != MemberState::name_taken) continue;
+    if (named == nullptr || member.name == fleet.name) named = &member;
+  }
+  return named;
+}
+
+// The first of those that have another mesh is named.
+void look_at_meshes(const FleetReport& fleet, Reasons& reasons) {
+  const ReportedMember* first = nullptr;
+  std::uint32_t count = 0;
+  for (const ReportedMember& member : fleet.members) {
+    if (!member.differs || member.why.empty()) continue;
+    ++count;
+    if (first == nullptr) first = &member;
+  }
+  if (first == nullptr) return;
+  TextWriter& reason = reasons.add();
+  reason << "fleet: gateway " << first->name << " has another mesh than this one: " << first->why;
+  if (count > 1) reason << "; and " << count - 1 << (count == 2 ? " more differs" : " more differ");
+}
+
+// A connection that there is by now may end as those before it have.
+void tell_apart(const FleetReport& fleet, port::Instant now, TextWriter& reason) {
+  const std::int64_t apart = whole_seconds(time_apart(fleet, now));
+  if (!fleet.is_connected) {
+    reason << "fleet: no connection to the broker that lasts for " << apart << " s";
+  } else {
+    reason << "fleet: connected to the broker for "
+           << whole_seconds(age_of(fleet.connected_or_not_since, now))
+           << " s, and no connection lasted in the " << apart << " s before; this one counts after "
+           << whole_seconds(fleet.lasting) << " s";
+  }
+  if (fleet.trouble.empty()) return;
+  reason << (fleet.is_connected ? "; what ended the last one: " : "; ") << fleet.trouble;
+}
+
+// A broker that is started again is no trouble.
+void look_at_fleet(const StatusSources& sources, port::Instant now, Reasons& reasons) {
+  const FleetReport* const fleet = sources.gateway.fleet();
+  if (fleet == nullptr) return;
+  if (!fleet->site_trouble.empty()) reasons.add() << "fleet: " << fleet->site_trouble;
+  if (!fleet->refusal.empty()) {
+    reasons.add() << "fleet: " << fleet->refusal;
+  } else if (time_apart(*fleet, now) > sources.gateway.settings().poll.leave_after) {
+    tell_apart(*fleet, now, reasons.add());
+  } else if (taken_name(*fleet) == nullptr) {
+    // Where a name is taken others lack what its second gateway hears: no trouble of its own.
+    look_at_meshes(*fleet, reasons);
+  }
+}
+
+void look_at_names(const StatusSources& sources, Reasons& reasons) {
+  const FleetReport* const fleet = sources.gateway.fleet();
+  if (fleet == nullptr) return;
+  const ReportedMember* const named = taken_name(*fleet);
+  if (named != nullptr) reasons.add() << "fleet: gateway " << named->name << ": " << named->why;
+}
+
+// What a gateway forgets with the next restart is not kept.
+void look_at_disks(const StatusSources& sources, Reasons& reasons) {
+  const auto look_at = [&](const DiskWriter* disk, std::string_view what) {
+    if (disk == nullptr || !disk->is_in_trouble()) return;
+    reasons.add() << what << ": " << disk->trouble();
+  };
+  look_at(sources.gateway.disk_of_state(), "state: it is not saved");
+  look_at(sources.disk_of_alarms, "alarms: they are not saved");
+  look_at(sources.gateway.disk_of_files(), "files: they cannot be written");
 }
 
 }  // namespace
 
-bool is_healthy(const StatusSources& sources, port::Instant now, TextWriter& reason) {
+bool is_healthy(const StatusSources& sources, port::Instant now, TextWriter& written) {
+  Reasons reasons(written);
   if (!sources.masters.is_listening) {
-    reason << "server: nobody can read the mesh; the log says what is wrong with its port";
-    return false;
+    reasons.add() << "server: nobody can read the mesh; the log says what is wrong with its port";
   }
-  if (!are_buses_heard(sources, now, reason) || !is_nobody_missing(sources, reason)) return false;
-  if (sources.gateway.is_late(now, patience)) {
-    reason << "mesh: a change waits to be published; restart the gateway and report it";
-    return false;
+  if (sources.refusal != nullptr && !sources.refusal->empty()) reasons.add() << *sources.refusal;
+  look_at_buses(sources, now, reasons);
+  look_at_names(sources, reasons);
+  look_at_missing(sources, reasons);
+  look_at_fleet(sources, now, reasons);
+  if (sources.gateway.is_late(now, publish_patience)) {
+    reasons.add() << "mesh: a change waits to be published; restart the gateway and report it";
   }
-  return true;
+  look_at_disks(sources, reasons);
+  return !reasons.has_any();
 }
 
 }  // namespace etcm::firmware

@@ -50,6 +50,13 @@ void write_rejection(const Rejection& rejection, TextWriter& piece) {
   piece.json(explain(rejection));
 }
 
+// As the next property of something that has one.
+void write_name(std::string_view name, TextWriter& piece) {
+  if (name.empty()) return;
+  piece << ",\"name\":";
+  piece.json(name);
+}
+
 // The serial of a node, the place of an anchor.
 void write_end(const FeatureEnd& end, TextWriter& piece) {
   if (end.is_anchor) {
@@ -107,8 +114,9 @@ bool MeshDocument::write_next(Cursor& cursor, port::Instant, TextWriter& piece) 
 }
 
 void MeshDocument::write_head(TextWriter& piece) const {
-  piece << "{\"type\":\"FeatureCollection\",\"generation\":" << snapshot_.generation
-        << ",\"instance\":\"";
+  piece << "{\"type\":\"FeatureCollection\"";
+  write_name(snapshot_.names->site(), piece);
+  piece << ",\"generation\":" << snapshot_.generation << ",\"instance\":\"";
   piece.hex(instance_) << "\",\"radio_range\":" << snapshot_.analysis.radio_range
                        << ",\"sensing_range\":" << snapshot_.analysis.sensing_range;
   if (const double metres = metres_per_unit(plane_); metres > 0) {
@@ -168,7 +176,9 @@ void MeshDocument::write_relay(Cursor& cursor, TextWriter& piece) const {
   if (relay.row != no_row && snapshot_.vertices[relay.row].kind == VertexKind::steiner) return;
   piece << ",\n{\"type\":\"Feature\",\"geometry\":";
   write_place(relay.point, piece);
-  piece << "\"kind\":\"relay\",\"feature\":" << relay.feature << "}}";
+  piece << "\"kind\":\"relay\"";
+  write_feature("feature", relay.feature, piece);
+  piece << "}}";
 }
 
 void MeshDocument::write_hole(Cursor& cursor, TextWriter& piece) const {
@@ -284,13 +294,15 @@ void MeshDocument::write_vertex_head(const SnapshotVertex& vertex, std::uint32_t
     piece << "\"kind\":\"anchor\"";
   } else if (vertex.kind == VertexKind::node) {
     piece << "\"kind\":\"node\",\"serial\":" << vertex.serial.value;
-    write_unit(vertex.unit_index, piece);
+    write_name(snapshot_.names->text(vertex.name), piece);
+    write_whereabouts(vertex.unit_index, vertex.owner, piece);
     piece << ",\"in_mesh\":true,\"stale\":";
     piece.yes_or_no(vertex.stale);
     if (vertex.lacks_fix) piece << ",\"no_fix\":true";
     write_rejection(vertex.rejection, piece);
   } else {
-    piece << "\"kind\":\"steiner\",\"feature\":" << vertex.feature;
+    piece << "\"kind\":\"steiner\"";
+    write_feature("feature", vertex.feature, piece);
     write_along(row, piece);
   }
 }
@@ -314,7 +326,8 @@ void MeshDocument::write_unplaced_head(const SnapshotUnplacedNode& node, TextWri
     piece << "null,\"properties\":{";
   }
   piece << "\"kind\":\"node\",\"serial\":" << node.serial.value;
-  write_unit(node.unit_index, piece);
+  write_name(snapshot_.names->text(node.name), piece);
+  write_whereabouts(node.unit_index, node.owner, piece);
   piece << ",\"in_mesh\":false";
   if (node.is_missing) piece << ",\"missing\":true";
   write_rejection(node.rejection, piece);
@@ -343,17 +356,38 @@ void MeshDocument::write_edges(Cursor& cursor, bool constrained, TextWriter& pie
 void MeshDocument::write_missing_feature(Cursor& cursor, TextWriter& piece) const {
   if (cursor.item >= snapshot_.missing_features.size()) return cursor.next_section();
   const SnapshotMissingFeature& feature = snapshot_.missing_features[cursor.item++];
-  piece << ",\n{\"type\":\"Feature\",\"geometry\":null,\"properties\":{\"kind\":\"missing\","
-           "\"feature\":"
-        << feature.number << ",\"from\":";
+  piece << ",\n{\"type\":\"Feature\",\"geometry\":null,\"properties\":{\"kind\":\"missing\"";
+  write_feature("feature", feature.number, piece);
+  piece << ",\"from\":";
   write_end(feature.from, piece);
   piece << ",\"to\":";
   write_end(feature.to, piece);
   write_rejection(feature.rejection, piece);
+  if (feature.blocker) write_blocker(*feature.blocker, piece);
   piece << "}}";
 }
 
-void MeshDocument::write_unit(UnitIndex unit, TextWriter& piece) const {
+void MeshDocument::write_blocker(const Blocker& blocker, TextWriter& piece) const {
+  write_feature("blocker", blocker.number + 1, piece);
+  if (!blocker.near) return;
+  piece << ",\"near\":[" << blocker.near->x << "," << blocker.near->y << "]";
+}
+
+void MeshDocument::write_feature(std::string_view what, std::uint32_t number,
+                                 TextWriter& piece) const {
+  piece << ",\"" << what << "\":" << number;
+  const std::string_view name = snapshot_.names->feature(number);
+  if (name.empty()) return;
+  piece << ",\"" << what << "_name\":";
+  piece.json(name);
+}
+
+void MeshDocument::write_whereabouts(UnitIndex unit, MemberIndex owner, TextWriter& piece) const {
+  if (!owner.is_none()) {
+    piece << ",\"owner\":";
+    piece.json(snapshot_.gateways[owner.value]);
+    return;
+  }
   if (unit.is_none()) return;
   piece << ",\"bus\":";
   piece.json(bus_label(poller_, poller_.bus_of(unit)))

@@ -15,10 +15,12 @@
 //   "relay"            a point: where one more relay than the Steiner vertices would have to stand
 //   "hole"             a point out of the sensing range, and how far the nearest node is
 //   "missing"          a configured feature that is not in the mesh; no geometry
-// A node that is known and not in the mesh has "in_mesh": false and no id; one that is missing also
-// "missing": true, with its last place and unit. One that is stale although it answers has
-// "no_fix": true. What a node measures has a property "reading NAME (UNIT)" each, with the value
-// or, where the device has no valid one, null; when it is stale, "stale reading NAME (UNIT)".
+// What people call the site, a node or a feature is "name", and "feature_name" beside the number of
+// a feature. A node that another gateway of the fleet hears has its name as "owner", and no bus and
+// unit. A node that is known and not in the mesh has "in_mesh": false and no id; one that is
+// missing also "missing": true, with its last place and unit. One that is stale although it answers
+// has "no_fix": true. What a node measures has a property "reading NAME (UNIT)" each, with the
+// value or, where the device has no valid one, null; when it is stale, "stale reading NAME (UNIT)".
 #pragma once
 
 #include <optional>
@@ -91,7 +93,11 @@ class MeshDocument final : public Document {
   void write_reading(const PublishedReading& reading, TextWriter& piece) const;
   void write_edges(Cursor& cursor, bool constrained, TextWriter& piece) const;
   void write_missing_feature(Cursor& cursor, TextWriter& piece) const;
-  void write_unit(UnitIndex unit, TextWriter& piece) const;
+  // Where it answers, or the gateway that hears it.
+  void write_blocker(const Blocker& blocker, TextWriter& piece) const;
+  // Its number, and its name under NAME of "NAME_name".
+  void write_feature(std::string_view what, std::uint32_t number, TextWriter& piece) const;
+  void write_whereabouts(UnitIndex unit, MemberIndex owner, TextWriter& piece) const;
 
   const Snapshot& snapshot_;
   const SnapshotDomain& domain_;

@@ -1,6 +1,7 @@
 #include "firmware/status/metrics_document.h"
 
 #include "firmware/status/metric_family.h"
+#include "firmware/status/shown_unit.h"
 
 namespace etcm::firmware {
 
@@ -23,12 +24,11 @@ std::uint32_t count_of(MetricScope scope, const MetricContext& context) {
   return 0;
 }
 
-// Of the units that are only looked for, those that are not there would be most of the text. A
+// A
 // reading is that of the node that answered at its unit last.
-bool is_shown(MetricScope scope, std::uint32_t index, const MetricContext& context) {
+bool has_sample(MetricScope scope, std::uint32_t index, const MetricContext& context) {
   if (scope == MetricScope::unit) {
-    return context.poller().is_listed(UnitIndex{index}) ||
-           context.poller().counters(UnitIndex{index}).has_answered();
+    return is_shown(context.poller(), UnitIndex{index});
   }
   if (scope == MetricScope::shared_bus) {
     const port::LineClients* const clients = context.clients(BusIndex{index});
@@ -61,7 +61,7 @@ bool MetricsDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWri
           << family.type << "\n";
   }
   const std::uint32_t count = count_of(family.scope, context);
-  while (cursor.item < count && !is_shown(family.scope, cursor.item, context)) ++cursor.item;
+  while (cursor.item < count && !has_sample(family.scope, cursor.item, context)) ++cursor.item;
   if (cursor.item < count) family.write(context, cursor.item++, piece);
   if (cursor.item >= count) cursor.next_section();
   return true;

@@ -31,6 +31,14 @@ void write_node_missing(const MetricContext& context, std::uint32_t index, TextW
   if (node.is_missing) write_node(context, node.serial, node.heard_at, piece);
 }
 
+void write_node_name(const MetricContext& context, std::uint32_t index, TextWriter& piece) {
+  const NodeRecord& node = record(context, index);
+  const std::string_view name = context.sources.gateway.nodes().called(node).name;
+  if (!node.is_known() || name.empty()) return;
+  piece << context.name << "{serial=\"" << node.serial.value << "\",name=";
+  piece.label(name) << "} 1\n";
+}
+
 TextWriter& reading_labels(const MetricContext& context, const ReadingRecord& reading,
                            TextWriter& piece) {
   const Quantity& quantity = context.sources.gateway.readings().quantities[reading.quantity.value];
@@ -83,6 +91,9 @@ constexpr MetricFamily node_families[] = {
     MetricFamily{"etcm_node_missing_seconds", "gauge",
                  "Of a node that is missing, the time since its last sound answer.",
                  MetricScope::node, write_node_missing},
+    MetricFamily{"etcm_node_info", "gauge",
+                 "1 for each node that has a name, to join with the others by the serial.",
+                 MetricScope::node, write_node_name},
     MetricFamily{
         "etcm_reading", "gauge",
         "What a node measures, in the unit of the label; none while it is stale or the device has "

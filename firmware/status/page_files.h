@@ -1,4 +1,6 @@
-// The files of the status page (firmware/page), as the build put them into the program.
+// The files of the status page (firmware/status/page) and the pages of the operating guide, which
+// are
+// "/guide" and below it, as the build put them into the program.
 #pragma once
 
 #include <cstdint>

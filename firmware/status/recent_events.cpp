@@ -32,4 +32,26 @@ RecentEvent RecentEvents::at(std::uint32_t index) const {
           .text = {kept.text.data(), kept.size}};
 }
 
+// `part` is how many had come when the first was taken, `item` how many are taken.
+std::optional<RecentEvent> next_event(const RecentEvents& events, Cursor& cursor) {
+  if (cursor.item == 0) cursor.part = static_cast<std::uint32_t>(events.written());
+  const std::uint64_t number = std::uint64_t{cursor.part} - cursor.item;
+  const std::uint64_t oldest = events.written() - events.count();
+  if (cursor.item >= cursor.part || number <= oldest) return std::nullopt;
+  ++cursor.item;
+  return events.at(static_cast<std::uint32_t>(number - 1 - oldest));
+}
+
+const char* word_of(port::Level level) {
+  switch (level) {
+    case port::Level::error:
+      return "error";
+    case port::Level::warning:
+      return "warning";
+    case port::Level::info:
+      break;
+  }
+  return "info";
+}
+
 }  // namespace etcm::firmware

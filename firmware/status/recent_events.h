@@ -4,11 +4,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "etcm/port/clock.h"
 #include "etcm/port/log.h"
+#include "firmware/status/document.h"
 
 namespace etcm::firmware {
 
@@ -20,6 +22,9 @@ struct RecentEvent {
   port::Level level = port::Level::info;
   std::string_view text;  // its beginning, where it is very long; good until the next is written
 };
+
+// "info", "warning" or "error".
+const char* word_of(port::Level level);
 
 // Hands each line on, and remembers the last recent_events_max. No memory is taken after it is
 // made.
@@ -53,5 +58,9 @@ class RecentEvents final : public port::Log {
   std::vector<Kept> kept_;  // a ring
   std::uint64_t written_ = 0;
 };
+
+// The next one after what the cursor has, the newest first; none: there are no more. New ones may
+// come meanwhile, which are left out, and then the oldest are gone.
+std::optional<RecentEvent> next_event(const RecentEvents& events, Cursor& cursor);
 
 }  // namespace etcm::firmware

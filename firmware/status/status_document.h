@@ -6,7 +6,8 @@
 
 namespace etcm::firmware {
 
-// Counts, state, missing nodes, buses and recent events: small, and never the same twice.
+// Counts, state, the fleet, missing nodes, buses and recent events: small, and never the same
+// twice.
 class StatusDocument final : public Document {
  public:
   StatusDocument(const StatusSources& sources, const BusMeter& meter)
@@ -15,10 +16,19 @@ class StatusDocument final : public Document {
 
  private:
   void write_head(port::Instant asked_at, TextWriter& piece) const;
+  void write_troubles(port::Instant asked_at, TextWriter& piece) const;
+  void write_plan(TextWriter& piece) const;
   void write_counts(TextWriter& piece) const;
   void write_quarantine(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
+  void write_fleet(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
+  void write_fleet_head(const FleetReport& report, port::Instant asked_at, TextWriter& piece) const;
+  void write_member(const ReportedMember& member, port::Instant asked_at,
+                    std::string_view separator, TextWriter& piece) const;
   void write_missing(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
+  // Of a node that has one, here and below.
+  void write_name(Serial serial, TextWriter& piece) const;
   void write_unit(UnitIndex unit, TextWriter& piece) const;
+  void write_unheard(Cursor& cursor, TextWriter& piece) const;
   void write_bus(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
   void write_event(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
 

@@ -1,7 +1,6 @@
 #include "firmware/status/status_page.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "firmware/publish/snapshot_taker.h"
 #include "firmware/status/health.h"
@@ -28,6 +27,14 @@ StatusPage::StatusPage(const StatusSources& sources, std::uint32_t readers_max)
       meter_(sources.gateway.poller()),
       status_(sources_, meter_),
       ages_(sources_),
+      units_(sources_),
+      nodes_csv_(sources_),
+      units_csv_(sources_),
+      events_csv_(sources_),
+      alarms_(sources_.alarms, sources_.wall_clock, AlarmsShown::open, &sources_.gateway),
+      ended_(sources_.alarms, sources_.wall_clock, AlarmsShown::ended_of_late, &sources_.gateway),
+      history_(sources_.alarms, sources_.wall_clock, AlarmsShown::all, &sources_.gateway),
+      alarms_csv_(sources_.alarms, sources_.wall_clock),
       metrics_(sources_, meter_),
       kept_{Kept(sources.gateway.settings().mesh, sources.gateway.poller(), instance_of(sources)),
             Kept(sources.gateway.settings().mesh, sources.gateway.poller(), instance_of(sources))},
@@ -47,16 +54,23 @@ void StatusPage::advance(port::Instant now) {
 
 port::WebAnswer StatusPage::begin(std::size_t number, std::string_view path) {
   Reader& reader = readers_[number];
-  reader.document = nullptr;
-  reader.cursor = {};
-  reader.asked_at = now_;
+  reader.begin(now_);
   reader.kept = no_kept;
   if (path == "/mesh.geojson") return show_geojson(reader);
   if (path == "/mesh.json") return show_mesh(reader);
   if (path == "/readings.json") return show_readings(reader);
   if (path == "/status.json") return show(reader, status_, json_media_type);
   if (path == "/ages.json") return show(reader, ages_, json_media_type);
+  if (path == "/units.json") return show(reader, units_, json_media_type);
+  if (path == "/nodes.csv") return show(reader, nodes_csv_, csv_media_type);
+  if (path == "/units.csv") return show(reader, units_csv_, csv_media_type);
+  if (path == "/events.csv") return show(reader, events_csv_, csv_media_type);
+  if (path == "/alarms.json") return show(reader, alarms_, json_media_type);
+  if (path == "/ended.json") return show(reader, ended_, json_media_type);
+  if (path == "/history.json") return show(reader, history_, json_media_type);
+  if (path == "/alarms.csv") return show(reader, alarms_csv_, csv_media_type);
   if (path == "/metrics") return show(reader, metrics_, metrics_media_type);
+  if (path == "/plan") return show_plan(reader);
   if (path == "/healthz") return show_health(reader);
   const auto files = page_files();
   const auto file = std::find_if(files.begin(), files.end(),
@@ -65,42 +79,24 @@ port::WebAnswer StatusPage::begin(std::size_t number, std::string_view path) {
     return show(reader, "there is no such page; the status page is /\n",
                 port::web_status::not_found);
   }
-  reader.rest = file->content;
+  reader.show(file->content);
   return {.media_type = file->media_type, .version = file->version};
-}
-
-std::size_t StatusPage::read(std::size_t number, std::span<char> out) {
-  Reader& reader = readers_[number];
-  std::size_t size = 0;
-  while (size < out.size()) {
-    if (reader.rest.empty()) {
-      if (reader.document == nullptr) break;
-      TextWriter piece(reader.piece);
-      if (!reader.document->write_next(reader.cursor, reader.asked_at, piece)) break;
-      reader.rest = piece.text();
-    }
-    const std::size_t count = std::min(reader.rest.size(), out.size() - size);
-    std::memcpy(out.data() + size, reader.rest.data(), count);
-    reader.rest.remove_prefix(count);
-    size += count;
-  }
-  return size;
 }
 
 void StatusPage::end(std::size_t number) {
   Reader& reader = readers_[number];
   if (reader.kept != no_kept) --kept_[reader.kept].readers;
   reader.kept = no_kept;
+  reader.plan.reset();
 }
 
 port::WebAnswer StatusPage::show(Reader& reader, std::string_view text, std::uint16_t status) {
-  reader.rest = text;
+  reader.show(text);
   return {.status = status};
 }
 
 port::WebAnswer StatusPage::show(Reader& reader, const Document& document, const char* media_type) {
-  reader.document = &document;
-  reader.rest = {};
+  reader.show(document);
   return {.media_type = media_type};
 }
 
@@ -124,10 +120,21 @@ port::WebAnswer StatusPage::show_readings(Reader& reader) {
 }
 
 port::WebAnswer StatusPage::show_health(Reader& reader) {
-  TextWriter reason(reader.piece);
+  TextWriter reason = reader.writer();
   if (is_healthy(sources_, now_, reason)) return show(reader, "ok\n", port::web_status::ok);
   reason << "\n";
   return show(reader, reason.text(), port::web_status::unavailable);
+}
+
+// A reload may bring another while it is read.
+port::WebAnswer StatusPage::show_plan(Reader& reader) {
+  reader.plan = sources_.gateway.settings().site.plan;
+  if (reader.plan == nullptr) {
+    return show(reader, "the site has no plan; name one by 'plan' in [site]\n",
+                port::web_status::not_found);
+  }
+  reader.show(reader.plan->bytes);
+  return {.media_type = reader.plan->media_type, .version = reader.plan->version};
 }
 
 StatusPage::Kept& StatusPage::keep_newest(Reader& reader) {

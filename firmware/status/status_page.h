@@ -7,16 +7,21 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string_view>
 #include <vector>
 
 #include "etcm/port/web_site.h"
+#include "firmware/status/alarms_document.h"
 #include "firmware/status/bus_meter.h"
+#include "firmware/status/csv_documents.h"
+#include "firmware/status/document_reader.h"
 #include "firmware/status/mesh_document.h"
 #include "firmware/status/metrics_document.h"
 #include "firmware/status/readings_document.h"
 #include "firmware/status/status_document.h"
 #include "firmware/status/status_sources.h"
+#include "firmware/status/units_document.h"
 
 namespace etcm::firmware {
 
@@ -30,24 +35,22 @@ class StatusPage final : public port::WebSite {
   port::Instant next_deadline() const { return meter_.next_deadline(); }
 
   port::WebAnswer begin(std::size_t reader, std::string_view path) override;
-  std::size_t read(std::size_t reader, std::span<char> out) override;
+  std::size_t read(std::size_t reader, std::span<char> out) override {
+    return readers_[reader].read(out);
+  }
   void end(std::size_t reader) override;
 
  private:
-  struct Reader {
-    const Document* document = nullptr;  // null: what is in `rest` is all
-    Cursor cursor;
-    port::Instant asked_at{};
-    std::size_t kept = no_kept;  // the place of the snapshots it reads
-    std::string_view rest;       // to be handed out next
-    std::array<char, piece_bytes_max> piece;
+  struct Reader : DocumentReader {
+    std::size_t kept = no_kept;            // the place of the snapshots it reads
+    std::shared_ptr<const SitePlan> plan;  // that it reads
   };
   struct Kept {
     Kept(const MeshConfig& config, const Poller& poller, std::uint64_t instance)
         : mesh(config),
           in_degrees(mesh, poller, instance, MeshDocument::Frame::degrees),
           in_plane(mesh, poller, instance, MeshDocument::Frame::plane),
-          readings_document(mesh.readings, instance) {}
+          readings_document(mesh.snapshot, mesh.readings, instance) {}
     Kept(const Kept&) = delete;
     Kept& operator=(const Kept&) = delete;
     ShownMesh mesh;
@@ -63,6 +66,7 @@ class StatusPage final : public port::WebSite {
   port::WebAnswer show_mesh(Reader& reader);
   port::WebAnswer show_geojson(Reader& reader);
   port::WebAnswer show_readings(Reader& reader);
+  port::WebAnswer show_plan(Reader& reader);
   port::WebAnswer show_health(Reader& reader);
   Kept& keep_newest(Reader& reader);
   std::size_t newest_place();
@@ -71,6 +75,14 @@ class StatusPage final : public port::WebSite {
   BusMeter meter_;
   StatusDocument status_;
   AgesDocument ages_;
+  UnitsDocument units_;
+  NodesCsv nodes_csv_;
+  UnitsCsv units_csv_;
+  EventsCsv events_csv_;
+  AlarmsDocument alarms_;
+  AlarmsDocument ended_;
+  AlarmsDocument history_;
+  AlarmsCsv alarms_csv_;
   MetricsDocument metrics_;
   std::array<Kept, 2> kept_;
   std::vector<Reader> readers_;

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "etcm/port/service_counters.h"
+#include "etcm/port/wall_clock.h"
+#include "firmware/alarms/alarm_book.h"
 #include "firmware/config/settings.h"
 #include "firmware/gateway/gateway.h"
 #include "firmware/status/bus_meter.h"
@@ -16,11 +19,17 @@ namespace etcm::firmware {
 struct StatusSources {
   const Gateway& gateway;
   const RecentEvents& events;
+  const AlarmBook& alarms;
+  const port::WallClock& wall_clock;
   const port::ServiceCounters& masters;  // that read registers
   const port::ServiceCounters& readers;  // of the page
   std::string_view version;
+  std::string_view config{};  // the path of the settings
   port::Instant started_at{};
+  const std::string* refusal = nullptr;         // what reload() said last; null: there is none
+  const DiskWriter* disk_of_alarms = nullptr;   // null: they are not saved
   std::uint64_t (*resident_bytes)() = nullptr;  // memory of the process; null: not known
+  std::uint64_t (*heap_bytes)() = nullptr;      // of it in use from the heap; the same
 };
 
 // Tells one run of the gateway from another.

@@ -46,13 +46,19 @@ class TextWriter {
   // What is in 10^-9, exactly: 1234000000 is 1.234. REQUIRES: not the least of its type.
   TextWriter& nano(std::int64_t value);
   TextWriter& seconds(port::Duration duration);
+  // "2026-11-23T15:08:24Z" of milliseconds since 1970; nothing for 0, a time that is not known.
+  TextWriter& utc(std::int64_t unix_ms);
   TextWriter& hex(std::uint64_t value) {
     return take(std::to_chars(room_.data() + size_, room_.data() + room_.size(), value, 16));
   }
+  // All 16 digits.
+  TextWriter& hash(std::uint64_t value);
   TextWriter& yes_or_no(bool value) { return *this << (value ? "true" : "false"); }
   // In quotation marks; what is no UTF-8 becomes "?".
   TextWriter& json(std::string_view text);
   TextWriter& label(std::string_view text);  // of a metric
+  // As a field of RFC 4180: in quotation marks, which are doubled within; on one line.
+  TextWriter& csv(std::string_view text);
 
  private:
   // As JSON and labels have it where nothing needs an escape. Returns its bytes in `text`.

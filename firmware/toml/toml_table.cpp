@@ -62,6 +62,14 @@ std::string likeliest(const std::set<std::string>& words, std::string_view typed
 
 }  // namespace
 
+void keep_to_lines(std::vector<std::string>& mistakes, std::size_t from) {
+  for (; from < mistakes.size(); ++from) {
+    for (char& c : mistakes[from]) {
+      if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
+    }
+  }
+}
+
 const toml::node* TomlTable::find(const std::string& key) {
   known_.insert(key);
   return table_.get(key);

@@ -15,6 +15,10 @@
 
 namespace etcm::firmware {
 
+// What was read may stand in a mistake: its control characters become '?', so that each, from this
+// one on, is the one line that it is promised to be.
+void keep_to_lines(std::vector<std::string>& mistakes, std::size_t from = 0);
+
 class TomlTable {
  public:
   // `file` is its path, `name` what a person calls the table ("[poll]"; empty for the whole file).

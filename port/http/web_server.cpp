@@ -1,16 +1,22 @@
 #include "http/web_server.h"
 
 #include <microhttpd.h>
+#include <strings.h>
 #include <sys/socket.h>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstring>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
+
+#include "http/host_check.h"
+#include "posix/address_share.h"
 
 namespace etcm::port {
 
@@ -73,6 +79,11 @@ class WebServer::Callbacks {
     }
     ++server.counters_.requests;
     client->overdue = server.now_ + server.options_.answer_time_max;
+    if (server.names_) {
+      AskedHost asked{.names = *server.names_, .unknown = {}};
+      MHD_get_connection_values(connection, MHD_HEADER_KIND, &look_for_host, &asked);
+      if (asked.unknown) return answer_misdirected(server, *client, connection, *asked.unknown);
+    }
     if (!is_read) {
       ++server.counters_.rejected;
       const Response response = empty_response();
@@ -129,6 +140,36 @@ class WebServer::Callbacks {
     const MHD_ConnectionInfo* const info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
     return info == nullptr ? nullptr : static_cast<Client*>(info->socket_context);
+  }
+
+  struct AskedHost {
+    std::span<const std::string> names;
+    std::optional<RequestedHost> unknown;
+  };
+
+  // A request without one is no browser's.
+  static MHD_Result look_for_host(void* self, MHD_ValueKind, const char* key, const char* value) {
+    if (::strcasecmp(key, MHD_HTTP_HEADER_HOST) != 0) return MHD_YES;
+    auto& asked = *static_cast<AskedHost*>(self);
+    RequestedHost host = check_host(value == nullptr ? "" : value, asked.names);
+    if (!host.is_known) asked.unknown = std::move(host);
+    return MHD_YES;
+  }
+
+  static MHD_Result answer_misdirected(WebServer& server, const Client& client,
+                                       MHD_Connection* connection, const RequestedHost& host) {
+    ++server.counters_.rejected;
+    server.report_misdirected(client.host, host.name);
+    const std::string text = unknown_host_text(host);
+    // Which is copied, so it is not written to.
+    const Response response(MHD_create_response_from_buffer(
+        text.size(), const_cast<char*>(text.data()), MHD_RESPMEM_MUST_COPY));
+    if (!response || !add_common_headers(response.get()) ||
+        MHD_add_response_header(response.get(), MHD_HTTP_HEADER_CONTENT_TYPE,
+                                "text/plain; charset=utf-8") != MHD_YES) {
+      return MHD_NO;
+    }
+    return MHD_queue_response(connection, web_status::misdirected, response.get());
   }
 
   static MHD_Result answer_by_site(WebServer& server, Client& client, MHD_Connection* connection,
@@ -215,8 +256,19 @@ void WebServer::allow(std::vector<Network> networks, Log& log) {
   }
 }
 
+void WebServer::expect_names(std::vector<std::string> names) { names_ = std::move(names); }
+
 void WebServer::accepted(FileDescriptor socket, const SocketAddress& peer) {
-  if (!any_contains(allowed_, peer.host)) return turn_away(peer.host);
+  if (!any_contains(allowed_, peer.host)) {
+    farewell_.say(std::move(socket), not_allowed_response(peer.host, allowed_), now_);
+    return turn_away(
+        peer.host, "its network is not in allow of [http]; add it there if it may see everything");
+  }
+  if (has_its_share(peer.host)) {
+    return turn_away(peer.host, "it has " + std::to_string(places_of_one_address(clients_.size())) +
+                                    " connections, as many as one address may have of "
+                                    "clients_max in [http]; raise that if it is a proxy");
+  }
   const NativeAddress address = to_native(peer);
   // It has the socket from here on, and closes it where it has no room for it.
   MHD_add_connection(daemon_.get(), socket.release(), address.get(), address.size);
@@ -229,11 +281,25 @@ void WebServer::exhausted(const char* why) {
                                 "[server] and [http]");
 }
 
-void WebServer::turn_away(const HostAddress& host) {
+bool WebServer::has_its_share(const HostAddress& host) const {
+  const auto count = std::count_if(clients_.begin(), clients_.end(), [&](const Client& client) {
+    return !client.is_free && client.host == host;
+  });
+  return static_cast<std::size_t>(count) >= places_of_one_address(clients_.size());
+}
+
+void WebServer::turn_away(const HostAddress& host, const std::string& why) {
   ++counters_.rejected;
-  log_->write(Level::warning, "a browser at " + host_text(host) +
-                                  " is rejected: its network is not in allow of [http]; add it "
-                                  "there if it may see everything");
+  if (log_ == nullptr) return;
+  log_->write(Level::warning, "a browser at " + host_text(host) + " is rejected: " + why);
+}
+
+void WebServer::report_misdirected(const HostAddress& host, const std::string& name) {
+  if (log_ == nullptr) return;
+  log_->write(Level::warning, "a browser at " + host_text(host) + " asks for the page by " +
+                                  (name.empty() ? "what is no name" : "the name " + name) +
+                                  " and is told nothing: add it to names of [http] if it is right; "
+                                  "else another site tries to read the page through that browser");
 }
 
 void WebServer::on_ready(bool, bool) { is_ready_ = true; }
@@ -241,6 +307,7 @@ void WebServer::on_ready(bool, bool) { is_ready_ = true; }
 void WebServer::advance(Instant now) {
   now_ = now;
   acceptor_.advance(now);
+  farewell_.advance(now);
   counters_.is_listening = acceptor_.is_listening();
   if (overdue_check_ <= now) {
     close_overdue();
@@ -257,7 +324,8 @@ Instant WebServer::next_deadline() const {
   MHD_UNSIGNED_LONG_LONG timeout_ms = 0;
   const bool is_due = MHD_get_timeout(daemon_.get(), &timeout_ms) == MHD_YES && timeout_ms == 0;
   if (is_ready_ || is_due) return now_;
-  return std::min(acceptor_.next_deadline(), counters_.clients > 0 ? overdue_check_ : never);
+  return std::min({acceptor_.next_deadline(), farewell_.next_deadline(),
+                   counters_.clients > 0 ? overdue_check_ : never});
 }
 
 // Went away before it had said what it wants, of which the daemon may hear nothing.

@@ -4,6 +4,8 @@
 // no client that is slow, silent or malicious holds up anybody. Each has so long for a request and
 // so long to take an answer, whatever it does meanwhile; then its connection is closed.
 //
+// One address may have so many connections as posix/address_share.h says; further ones are closed.
+//
 // Memory: what a connection needs is bounded by connection_memory and given back when it closes;
 // there are at most clients_max. libmicrohttpd allocates it, and a small description of each
 // answer.
@@ -11,11 +13,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "etcm/port/log.h"
 #include "etcm/port/service_counters.h"
 #include "etcm/port/web_site.h"
+#include "http/farewell.h"
 #include "posix/acceptor.h"
 #include "posix/event_loop.h"
 
@@ -45,8 +50,12 @@ class WebServer final : private EventHandler, private AcceptHandler {
   WebServer& operator=(const WebServer&) = delete;
 
   // Who may connect from now on; at first everybody. Hangs up on those who no longer may. Who is
-  // rejected is said in the log, which must outlive this.
+  // rejected is told how to be let in, whatever it asks for, and is said in the log, which must
+  // outlive this.
   void allow(std::vector<Network> networks, Log& log);
+  // By which names it may be asked for from now on, beside its addresses (host_check.h); at first
+  // by any. Who asks by another one has status 421 and is told why.
+  void expect_names(std::vector<std::string> names);
 
   // Does what has become possible: takes requests, sends a part of each answer under way.
   void advance(Instant now);
@@ -75,7 +84,9 @@ class WebServer final : private EventHandler, private AcceptHandler {
   void accepted(FileDescriptor socket, const SocketAddress& peer) override;
   void exhausted(const char* why) override;
   void close_overdue();
-  void turn_away(const HostAddress& host);
+  bool has_its_share(const HostAddress& host) const;
+  void turn_away(const HostAddress& host, const std::string& why);
+  void report_misdirected(const HostAddress& host, const std::string& name);
   void hang_up(Client& client);
   static bool has_gone(const Client& client);
 
@@ -85,9 +96,11 @@ class WebServer final : private EventHandler, private AcceptHandler {
   Log* log_ = nullptr;
   ServiceCounters& counters_;
   std::vector<Network> allowed_{everybody};
+  std::optional<std::vector<std::string>> names_;
   std::vector<Client> clients_;
   std::unique_ptr<MHD_Daemon, StopDaemon> daemon_;
   int descriptor_ = -1;  // ready when the daemon has something to do
+  Farewell farewell_{loop_};
   bool is_ready_ = false;
   Instant now_{};
   Instant overdue_check_{};

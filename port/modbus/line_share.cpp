@@ -1,7 +1,10 @@
 #include "modbus/line_share.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
+
+#include "posix/address_share.h"
 
 namespace etcm::port {
 
@@ -165,12 +168,22 @@ void LineShare::disconnected(std::size_t client) {
   }
 }
 
-void LineShare::rejected(const SocketAddress& peer, bool is_full) {
+void LineShare::rejected(const SocketAddress& peer, NoPlace why) {
+  const auto words = [&]() -> std::string {
+    switch (why) {
+      case NoPlace::all_taken:
+        return "all " + std::to_string(clients_max) + " places are taken";
+      case NoPlace::share_taken:
+        return "it has " + std::to_string(places_of_one_address(clients_max)) + " of " +
+               std::to_string(clients_max) +
+               " places, as many as one address may have; have it close those that it does not use";
+      case NoPlace::not_allowed:
+        break;
+    }
+    return "its network is not in share_allow; add it there if it may use the line";
+  };
   log_.write(Level::warning,
-             "bus " + name_ + ": a client at " + host_text(peer.host) + " is rejected: " +
-                 (is_full ? "all " + std::to_string(clients_max) + " places are taken"
-                          : std::string("its network is not in share_allow; add it there if it "
-                                        "may use the line")));
+             "bus " + name_ + ": a client at " + host_text(peer.host) + " is rejected: " + words());
 }
 
 void LineShare::displaced(const SocketAddress& peer) {

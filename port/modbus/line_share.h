@@ -69,7 +69,7 @@ class LineShare final : public LineClients, private RequestHandler {
 
   void connected(std::size_t client) override;
   void disconnected(std::size_t client) override;
-  void rejected(const SocketAddress& peer, bool is_full) override;
+  void rejected(const SocketAddress& peer, NoPlace why) override;
   void displaced(const SocketAddress& peer) override;
   void exhausted(const char* why) override;
   std::size_t answer(std::size_t client, std::uint8_t address,

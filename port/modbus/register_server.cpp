@@ -3,7 +3,10 @@
 #include <modbus/modbus.h>
 
 #include <algorithm>
+#include <string>
 #include <utility>
+
+#include "posix/address_share.h"
 
 namespace etcm::port {
 
@@ -20,13 +23,22 @@ void RegisterServer::allow(std::vector<Network> networks, Log& log) {
   listener_.allow(std::move(networks));
 }
 
-void RegisterServer::rejected(const SocketAddress& peer, bool is_full) {
+void RegisterServer::rejected(const SocketAddress& peer, NoPlace why) {
   if (log_ == nullptr) return;
-  log_->write(Level::warning,
-              "a client at " + host_text(peer.host) + " is rejected: " +
-                  (is_full ? "all places are taken; raise clients_max in [server]"
-                           : "its network is not in allow of [server]; add it there if it may read "
-                             "the mesh"));
+  const auto words = [&]() -> std::string {
+    switch (why) {
+      case NoPlace::all_taken:
+        return "all places are taken; raise clients_max in [server]";
+      case NoPlace::share_taken:
+        return "it has " + std::to_string(places_of_one_address(pins_.size())) +
+               " connections, as many as one address may have of clients_max in [server]; have it "
+               "close those that it does not use, or raise that";
+      case NoPlace::not_allowed:
+        break;
+    }
+    return "its network is not in allow of [server]; add it there if it may read the mesh";
+  };
+  log_->write(Level::warning, "a client at " + host_text(peer.host) + " is rejected: " + words());
 }
 
 void RegisterServer::displaced(const SocketAddress& peer) {

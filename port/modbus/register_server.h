@@ -44,7 +44,7 @@ class RegisterServer final : public MeshServer, private RequestHandler {
 
   void connected(std::size_t client) override { pins_[client] = {}; }
   void disconnected(std::size_t client) override { pins_[client] = {}; }
-  void rejected(const SocketAddress& peer, bool is_full) override;
+  void rejected(const SocketAddress& peer, NoPlace why) override;
   void displaced(const SocketAddress& peer) override;
   void exhausted(const char* why) override;
   std::size_t answer(std::size_t client, std::uint8_t address,

@@ -48,6 +48,8 @@ class RtuLine {
   // Forgets it, and what stands before it.
   void drop(const RtuAnswer& answer);
   bool has_heard() const { return heard_count_ > 0; }
+  // The bytes of it; until more is heard or some is dropped.
+  std::span<const std::uint8_t> heard() const { return std::span(heard_).first(heard_count_); }
   void forget() { heard_count_ = 0; }
 
  protected:

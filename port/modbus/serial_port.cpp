@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <string_view>
 #include <system_error>
 
 #include "modbus/line_speed.h"
@@ -65,10 +66,14 @@ bool correct(int descriptor) {
   return ::tcsetattr(descriptor, TCSANOW, &settings) == 0;
 }
 
+constexpr const char* where_ports_are = "; ls /dev/serial/by-path lists the ports there are";
+
 bool set_up(const SerialLine& line, std::string& why) {
   const Context context = set(line, line.parity);
   if (context == nullptr) {
-    why = std::string("is no serial port that can be set (") + std::strerror(errno) + ")";
+    why = errno == ENOTTY
+              ? std::string("is a device, and no serial port") + where_ports_are
+              : std::string("is no serial port that can be set (") + std::strerror(errno) + ")";
     return false;
   }
   // Closed as it is set.
@@ -121,16 +126,27 @@ bool lock(int descriptor, std::string& why) {
   return false;
 }
 
+std::string_view what_is_no_port(const std::string& path) {
+  struct stat found {};
+  if (::stat(path.c_str(), &found) != 0 || S_ISCHR(found.st_mode)) return {};
+  if (S_ISDIR(found.st_mode)) return "is a folder, and no serial port";
+  return S_ISREG(found.st_mode) ? "is a file, and no serial port" : "is no serial port";
+}
+
 }  // namespace
 
 FileDescriptor open_serial(const SerialLine& line, std::string& why) {
+  if (const std::string_view what = what_is_no_port(line.path); !what.empty()) {
+    why = std::string(what) + where_ports_are;
+    return {};
+  }
   FileDescriptor port(::open(line.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!port.is_open()) {
     const int error = errno;
     why = std::strerror(error);
     if (error == EACCES) why += "; whoever runs this must be in the group dialout";
     if (error == EPERM) why += "; a service needs DeviceAllow for its driver (systemctl edit)";
-    if (error == ENOENT) why += "; ls /dev/serial/by-path lists the ports there are";
+    if (error == ENOENT) why += where_ports_are;
     return {};
   }
   if (!lock(port.get(), why) || !set_up(line, why)) return {};

@@ -86,6 +86,9 @@ void TcpBus::send(TcpRequest request, std::span<std::uint8_t> frame, std::size_t
   request.transaction = ++last_transaction_;
   request.sent_at = now;
   if (!unheard_since_) unheard_since_ = now;
+  // Units that nobody has ever heard say nothing about the connection, until all had their turn.
+  is_answer_due_ |= heard_[request.address] || asked_in_silence_[request.address];
+  asked_in_silence_.set(request.address);
   slowest_timeout_ = std::max(slowest_timeout_, request.timeout);
   queue_.add(request, now);
   if (connection_.state() != FrameConnection::State::up) {
@@ -104,7 +107,7 @@ void TcpBus::advance(Instant now) {
 
 void TcpBus::give_up_silent(Instant now) {
   const Duration silence_max = std::max(silence_max_, timeouts_of_silence * slowest_timeout_);
-  is_silent_ = unheard_since_ && *unheard_since_ + silence_max <= now;
+  is_silent_ = is_answer_due_ && *unheard_since_ + silence_max <= now;
   while (const auto request = queue_.give_up(now, is_silent_)) {
     complete(*request, BusResult::timeout);
   }
@@ -151,11 +154,18 @@ void TcpBus::note_up() {
 }
 
 void TcpBus::on_frame(const Frame& frame) {
-  unheard_since_.reset();
-  slowest_timeout_ = Duration{};
-  is_silent_ = false;
+  start_listening();
+  heard_.set(frame.address);
   if (std::exchange(silence_max_, tcp_silence_max) != tcp_silence_max) note_up();
   if (const auto request = queue_.answer(frame.transaction)) settle(*request, frame);
+}
+
+void TcpBus::start_listening() {
+  unheard_since_.reset();
+  asked_in_silence_.reset();
+  is_answer_due_ = false;
+  slowest_timeout_ = Duration{};
+  is_silent_ = false;
 }
 
 void TcpBus::settle(const TcpRequest& request, const Frame& frame) {
@@ -246,8 +256,7 @@ void TcpBus::connect(Instant now) {
 
 void TcpBus::on_lost(const char* why) {
   while (const auto request = queue_.abandon()) complete(*request, BusResult::link_lost);
-  unheard_since_.reset();
-  is_silent_ = false;
+  start_listening();
   why_down_ = to_string(options_.end) + ": " + why;
   if (std::exchange(reported_down_, true)) return;
   log_.write(Level::warning, "bus " + options_.name + ": " + why_down_ + "; trying again");

@@ -18,6 +18,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <optional>
 #include <string>
 #include <vector>
@@ -81,6 +82,8 @@ class TcpBus final : public NodeBus, private FrameConnection::Listener {
   void complete(const TcpRequest& request, BusResult result);
   void report_late(const LateTransaction& late, Instant now);
   void give_up_silent(Instant now);
+  // Nothing is waited for any more, or something has come.
+  void start_listening();
   void note_up();
   void connect(Instant now);
 
@@ -92,7 +95,11 @@ class TcpBus final : public NodeBus, private FrameConnection::Listener {
   std::string why_down_;
   Instant next_attempt_{};
 
-  std::optional<Instant> unheard_since_;    // a request was sent, and nothing has come since then
+  std::optional<Instant> unheard_since_;  // a request was sent, and nothing has come since then
+  std::bitset<256> heard_{};              // units that have answered
+  std::bitset<256> asked_in_silence_{};   // since then
+  // One was asked since then that has answered before, or that was asked since then.
+  bool is_answer_due_ = false;
   Duration slowest_timeout_{};              // of the requests since then
   Duration silence_max_ = tcp_silence_max;  // longer where the connection before was as silent
   bool is_silent_ = false;                  // for longer than it may be

@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <utility>
 
+#include "posix/address_share.h"
+
 namespace etcm::port {
 
 class TcpListener::Client final : private EventHandler {
@@ -132,26 +134,46 @@ TcpListener::~TcpListener() {
 }
 
 void TcpListener::accepted(FileDescriptor socket, const SocketAddress& peer) {
-  const bool allowed = is_allowed(peer);
-  if (Client* const place = allowed ? find_place() : nullptr) {
+  NoPlace why = NoPlace::not_allowed;
+  if (Client* const place = is_allowed(peer) ? find_place(peer, why) : nullptr) {
     place->open(std::move(socket), peer);
   } else {
     ++counters_.rejected;
-    handler_.rejected(peer, allowed);
+    handler_.rejected(peer, why);
   }
 }
 
 // A free place, or that of the client that has been idle for too long; null where there is neither.
-TcpListener::Client* TcpListener::find_place() {
-  const auto earlier = [](const auto& a, const auto& b) { return a->asked_at() < b->asked_at(); };
-  const auto free = std::find_if(clients_.begin(), clients_.end(),
-                                 [](const auto& client) { return client->is_free(); });
-  if (free != clients_.end()) return free->get();
-  Client& idlest = **std::min_element(clients_.begin(), clients_.end(), earlier);
-  if (idlest.asked_at() == never || now_ - idlest.asked_at() <= idle_max) return nullptr;
-  handler_.displaced(idlest.peer());
-  idlest.close();
-  return &idlest;
+TcpListener::Client* TcpListener::find_place(const SocketAddress& peer, NoPlace& why) {
+  Client* free = nullptr;
+  Client* idlest = nullptr;
+  Client* own_idlest = nullptr;
+  std::size_t own_count = 0;
+  const auto look_at = [](Client*& longest, Client& client) {
+    if (longest == nullptr || client.asked_at() < longest->asked_at()) longest = &client;
+  };
+  for (const auto& client : clients_) {
+    if (client->is_free()) {
+      free = client.get();
+      continue;
+    }
+    look_at(idlest, *client);
+    if (client->peer().host != peer.host) continue;
+    ++own_count;
+    look_at(own_idlest, *client);
+  }
+  const bool has_its_share = own_count >= places_of_one_address(clients_.size());
+  if (!has_its_share && free != nullptr) return free;
+  // Where one address may have all, it has all.
+  why = has_its_share && free != nullptr ? NoPlace::share_taken : NoPlace::all_taken;
+  Client* const longest = has_its_share ? own_idlest : idlest;
+  if (longest == nullptr || longest->asked_at() == never ||
+      now_ - longest->asked_at() <= idle_max) {
+    return nullptr;
+  }
+  handler_.displaced(longest->peer());
+  longest->close();
+  return longest;
 }
 
 void TcpListener::advance(Instant now) {

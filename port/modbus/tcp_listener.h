@@ -16,15 +16,22 @@
 
 namespace etcm::port {
 
+// Why a client has no place.
+enum class NoPlace : std::uint8_t {
+  not_allowed,  // its network may not connect
+  all_taken,
+  share_taken,  // its address has as many as one may have
+};
+
 class RequestHandler {
  public:
   // A client took place `client`, below clients_max; whoever had it before is gone.
   virtual void connected(std::size_t client) = 0;
   virtual void disconnected(std::size_t client) = 0;
-  // Somebody was rejected: there was no place left, or `peer` may not connect.
-  virtual void rejected(const SocketAddress& peer, bool is_full) {
+  // `peer` was rejected.
+  virtual void rejected(const SocketAddress& peer, NoPlace why) {
     static_cast<void>(peer);
-    static_cast<void>(is_full);
+    static_cast<void>(why);
   }
 
   // `peer` was hung up on: it had been idle longest, and another one wants its place.
@@ -51,7 +58,8 @@ class TcpListener final : private AcceptHandler {
 
   // Listens at once; where it cannot, it tries again (posix/acceptor.h). `loop` and `handler` must
   // outlive this. A client beyond clients_max takes the place of the one that has been idle
-  // longest, if that is over idle_max; else it is rejected.
+  // longest, if that is over idle_max; else it is rejected. So does one beyond the share of its
+  // address (posix/address_share.h), of those of that address.
   TcpListener(EventLoop& loop, RequestHandler& handler, const SocketAddress& address,
               std::size_t clients_max);
   ~TcpListener();
@@ -85,7 +93,7 @@ class TcpListener final : private AcceptHandler {
   void accepted(FileDescriptor socket, const SocketAddress& peer) override;
   void exhausted(const char* why) override { handler_.exhausted(why); }
   bool is_allowed(const SocketAddress& peer) const;
-  Client* find_place();
+  Client* find_place(const SocketAddress& peer, NoPlace& why);
 
   EventLoop& loop_;
   RequestHandler& handler_;

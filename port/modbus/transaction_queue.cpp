@@ -54,6 +54,7 @@ std::optional<TcpRequest> TransactionQueue::answer(std::uint16_t transaction) {
   });
   if (found == entries_.end()) return std::nullopt;
   const bool is_waited_for = found->state == State::waiting;
+  is_heard_ = true;
   found->state = is_waited_for ? State::answered : State::answered_late;
   for (auto behind = found + 1; behind != entries_.end(); ++behind) behind->has_moved_up = true;
   return is_waited_for ? std::optional(found->request) : std::nullopt;
@@ -166,6 +167,7 @@ std::optional<TcpRequest> TransactionQueue::give_up(Instant now, bool is_silent)
   const bool is_held =
       is_queue() && !is_silent && !found->is_overtaken && (is_proven_ || has_others);
   found->state = is_held ? State::held : State::remembered;
+  if (!is_heard_) hold_ = std::min(hold_, hold_unheard);
   found->until = now + hold_;
   start_heads(now);
   return found->request;

@@ -6,9 +6,10 @@
 // - the time of a request runs from when those before it are done with; a request behind a dead
 //   unit has not failed;
 // - a request that was waited for in vain keeps its room, and those behind it their time, until it
-//   is answered after all or for as long as the slowest answer took (at first hold_at_first, half
-//   as long each time nothing comes). Where none is behind it, others may be sent at once until a
-//   late answer has shown that there is a queue;
+//   is answered after all or for as long as the slowest answer took (at first hold_at_first, or
+//   hold_unheard as long as nothing has ever come; half as long each time nothing comes). Where
+//   none is behind it, others may be sent at once until a late answer has shown that there is a
+//   queue;
 // - an answer that comes too late makes the unit waited for longer, by a quarter more than that
 //   took, up to learned_patience_max, and halves the requests under way; one more is allowed after
 //   grows_after answers without such. Where slow_units_of_a_line are slow the line is, and all are
@@ -26,6 +27,7 @@
 namespace etcm::port {
 
 inline constexpr Duration hold_at_first = std::chrono::seconds(4);
+inline constexpr Duration hold_unheard = std::chrono::seconds(1);
 inline constexpr Duration hold_max = std::chrono::seconds(5);
 inline constexpr Duration learned_patience_max = std::chrono::seconds(5);
 inline constexpr std::uint32_t grows_after = 64;
@@ -126,6 +128,7 @@ class TransactionQueue {
   std::uint32_t window_max_;
   std::uint32_t window_;
   std::uint32_t in_time_ = 0;  // answers in a row
+  bool is_heard_ = false;      // something has come
   bool is_proven_ = false;
   Duration hold_ = hold_at_first;
   std::array<Duration, 256> patience_{};  // learned, by unit

@@ -1,6 +1,7 @@
 #include "posix/mesh_folder.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -13,6 +14,7 @@
 #include "etcm/files/mesh_image.h"
 #include "etcm/files/mesh_text.h"
 #include "etcm/files/picture.h"
+#include "posix/file_descriptor.h"
 
 namespace etcm::port {
 
@@ -20,7 +22,9 @@ namespace etcm::port {
 struct MeshFolder::Writing {
   Writing(const std::string& where, const std::string& base, std::string title,
           std::uint32_t vertices_max)
-      : folder(where), words{.title = std::move(title)} {
+      : folder(where),
+        lock_path(std::filesystem::path(where) / ("." + title + ".lock")),
+        words{.title = std::move(title)} {
     room.reserve(vertices_max);
     files.add(base + ".node", [this](files::TextSink& out) { files::write_node(out, *image); });
     files.add(base + ".ele", [this](files::TextSink& out) { files::write_ele(out, *image); });
@@ -56,10 +60,27 @@ struct MeshFolder::Writing {
     }
     const bool can_write = ::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) == 0;
     failure = can_write ? files::FileSet::Failure{} : files::FileSet::Failure{&folder, errno};
+    is_made = lock();
+    if (!is_made) return;
     if (!std::exchange(is_clean, true)) files.remove_leftovers();
   }
 
+  // Anew where the folder was. On a disk that knows no locks all goes on without.
+  bool lock() {
+    locked = FileDescriptor(
+        ::open(lock_path.c_str(), O_RDONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0644));
+    if (!locked.is_open() || ::flock(locked.get(), LOCK_EX | LOCK_NB) == 0 ||
+        errno != EWOULDBLOCK) {
+      return true;
+    }
+    action = "another program writes files of this name there, so cannot lock it";
+    failure = {&lock_path, EWOULDBLOCK};
+    return false;
+  }
+
   const std::string folder;
+  const std::string lock_path;
+  FileDescriptor locked;
   bool is_made = false;   // as far as is known
   bool is_clean = false;  // of what a crash left
   bool has_values = false;

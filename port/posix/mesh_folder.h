@@ -15,8 +15,9 @@ namespace etcm::port {
 class MeshFolder final : public MeshFiles {
  public:
   // Touches nothing yet; takes all the memory now that so many vertices need. Where there is no
-  // folder, it is made when it is needed. What is done first removes the temporary files of an
-  // earlier gateway that was killed while it wrote; so nobody else may write files of this name.
+  // folder, it is made when it is needed. What is done first locks the name (by .NAME.lock, which
+  // stays), so that two programs do not overwrite each other's files, and removes the temporary
+  // files of an earlier gateway that was killed while it wrote.
   MeshFolder(const std::string& folder, const std::string& name, std::uint32_t vertices_max,
              bool has_values = false);
 

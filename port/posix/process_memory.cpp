@@ -1,6 +1,7 @@
 #include "posix/process_memory.h"
 
 #include <fcntl.h>
+#include <malloc.h>
 
 #include <array>
 #include <charconv>
@@ -22,6 +23,11 @@ std::uint64_t resident_bytes() {
   const char* const behind = std::from_chars(text.data(), end, whole).ptr;
   if (behind == end || std::from_chars(behind + 1, end, resident).ec != std::errc{}) return 0;
   return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+std::uint64_t heap_bytes() {
+  const struct mallinfo2 info = ::mallinfo2();
+  return std::uint64_t{info.uordblks} + info.hblkhd;
 }
 
 }  // namespace etcm::port

@@ -9,8 +9,8 @@ namespace etcm::port {
 
 class SystemWallClock final : public WallClock {
  public:
-  std::int64_t seconds() const override {
-    return std::chrono::duration_cast<std::chrono::seconds>(
+  std::int64_t milliseconds() const override {
+    return std::chrono::duration_cast<std::chrono::milliseconds>(
                std::chrono::system_clock::now().time_since_epoch())
         .count();
   }

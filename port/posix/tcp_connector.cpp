@@ -20,7 +20,7 @@ std::string with_cure(int error) {
     case ECONNREFUSED:
       return why +
              "; nothing listens there: check address and port, and that it takes one more "
-             "master";
+             "connection";
     case EHOSTUNREACH:
     case ENETUNREACH:
     case ETIMEDOUT:

@@ -43,7 +43,10 @@ Worker::Worker(const char* name, std::function<void()> job) : shared_(std::make_
 }
 
 Worker::~Worker() {
+  // Goes without the mutex, and now: when the thread itself ends is up to the scheduler.
+  std::function<void()> unused;
   const std::lock_guard lock(shared_->mutex);
+  if (!shared_->is_busy) unused.swap(shared_->job);
   shared_->is_ended = true;
   shared_->changed.notify_all();
 }

@@ -14,7 +14,7 @@ class Worker {
   // `name` shows in ps and top; at most 15 characters. The job must own what it uses: a run that
   // hangs is left behind when the worker goes. It must not throw.
   Worker(const char* name, std::function<void()> job);
-  // Does not wait for a run under way: wait() first.
+  // What the job owns goes with it, but for a run under way, which is not waited for: wait() first.
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;

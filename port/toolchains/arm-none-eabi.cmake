@@ -6,14 +6,15 @@ set(CMAKE_SYSTEM_PROCESSOR arm)
 set(ETCM_CPU cortex-m4 CACHE STRING "The processor, as GCC's -mcpu names it")
 list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES ETCM_CPU)
 
+set(CMAKE_C_COMPILER arm-none-eabi-gcc)
 set(CMAKE_CXX_COMPILER arm-none-eabi-g++)
 # There is no C library to link a whole program against before the board's own files are there.
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
 
-# -Wno-psabi: a note on how GCC 6 passed 64-bit members; all here is built by one compiler.
+string(CONCAT CMAKE_C_FLAGS_INIT "-mcpu=${ETCM_CPU} -mthumb -ffunction-sections -fdata-sections")
 string(CONCAT CMAKE_CXX_FLAGS_INIT
   "-mcpu=${ETCM_CPU} -mthumb -ffunction-sections -fdata-sections "
-  "-fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-use-cxa-atexit -Wno-psabi")
+  "-fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-use-cxa-atexit")
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-Wl,--gc-sections")
 
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)

@@ -37,6 +37,7 @@ std::array<FeatureEnds, features_max> features;
 std::array<VertexId, vertices_max + 1> vertices;
 std::array<Region, 2 * vertices_max> regions;
 std::array<TriangleId, 2 * vertices_max> scratch;
+std::array<std::byte, 6000> saved;
 
 bool is_sound = true;
 
@@ -222,6 +223,21 @@ void rebuild_from_list() {
   demand(mesh.canonicalize() == Status::ok && mesh.hash() == rebuilt, "canonicalize");
 }
 
+// The life goes on with what was saved here, and with bytes that were found again.
+void save_and_load(SplitPolicy policy) {
+  const std::uint64_t hash = mesh.hash();
+  const std::size_t size = mesh.saved_bytes();
+  demand(mesh.save(saved) == Status::ok, "save");
+  for (const std::byte byte : std::span(saved).first(size)) {
+    digest.add(static_cast<std::uint64_t>(byte));
+  }
+  mesh.clear();
+  demand(mesh.load(std::span(saved).first(size)) == Status::ok && mesh.hash() == hash, "load");
+  audit_mesh();
+  seal(mesh);
+  demand(attach(mesh, storage.bytes(), policy) == Status::ok && mesh.hash() == hash, "attach");
+}
+
 void live_a_life(const char* name, SplitPolicy policy) {
   MeshConfig config = storage.config();
   config.policy = policy;
@@ -234,6 +250,7 @@ void live_a_life(const char* name, SplitPolicy policy) {
     if (event % 50 != 0) continue;
     audit_mesh();
     look();
+    save_and_load(policy);
     put_line("a stretch of life:");
   }
   rebuild_from_list();

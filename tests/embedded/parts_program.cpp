@@ -1,6 +1,7 @@
 // Calls a part of the library, so that the linker shows what that part takes. Never run.
 // ETCM_PARTS: 0 build() and its mesh, 1 changes, 2 canonicalize(), 3 optimise() and the bound,
-// 4 what is asked of a place or a node, 5 the analysis, 6 proof and texts.
+// 4 dry runs and handles, 5 what is asked of a place or a node, 6 the analysis, 7 proof and texts,
+// 8 bytes.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -9,6 +10,8 @@
 #include "etcm/audit.h"
 #include "etcm/bound.h"
 #include "etcm/domain.h"
+#include "etcm/dry_run.h"
+#include "etcm/handles.h"
 #include "etcm/incidence.h"
 #include "etcm/locate.h"
 #include "etcm/mesh.h"
@@ -58,6 +61,25 @@ int main() {
   keep(least_steiner(mesh, {v, joined}));
 #endif
 #if ETCM_PARTS >= 4
+  keep(DryRun(mesh).join(nodes[2]).status);
+  keep(DryRun(mesh).leave(joined).status);
+  keep(DryRun(mesh).move(joined, nodes[3]).status);
+  keep(DryRun(mesh).add_feature({v, joined}).status);
+  keep(DryRun(mesh).remove_feature(added).status);
+  static std::array<std::uint32_t, Handles::words(storage.config())> numbers;
+  static Handles handles;
+  NodeHandle node;
+  FeatureHandle feature;
+  keep(handles.open(mesh, numbers));
+  keep(handles.join(nodes[4], node));
+  keep(handles.handle_of(v, node));
+  keep(handles.handle_of(added, feature));
+  keep(handles.move(node, nodes[5]));
+  keep(handles.add_feature(node, node, feature));
+  keep(handles.remove_feature(feature));
+  keep(handles.leave(node));
+#endif
+#if ETCM_PARTS >= 5
   const Point place = mesh.point(v);
   keep(locate(mesh, place).vertex.value);
   keep(nearest_node(mesh, place).value);
@@ -68,7 +90,7 @@ int main() {
   static std::array<TriangleId, 1800> scratch;
   keep(label_domain(mesh, Exterior::automatic, {}, regions, scratch));
 #endif
-#if ETCM_PARTS >= 5
+#if ETCM_PARTS >= 6
   Connectivity network;
   keep(links(mesh, 9, {}));
   keep(links_at(mesh, v, {}));
@@ -77,12 +99,19 @@ int main() {
   keep(barrier_gaps(mesh, mesh, 9, {}));
   keep(coverage_holes(mesh, {}, 9, {}));
 #endif
-#if ETCM_PARTS >= 6
+#if ETCM_PARTS >= 7
   const Audit result = audit(mesh);
   keep(static_cast<std::uint64_t>(to_string(result.broken)[0]));
   const Status status = mesh.rebuild();
   keep(static_cast<std::uint64_t>(to_string(status)[0]));
   keep(static_cast<std::uint64_t>(explain(status)[0]));
   keep(mesh.restore(nodes, features, {}));
+#endif
+#if ETCM_PARTS >= 8
+  static std::array<std::byte, 10000> saved;
+  seal(mesh);
+  keep(attach(mesh, storage.bytes()));
+  keep(mesh.save(saved));
+  keep(mesh.load(saved));
 #endif
 }

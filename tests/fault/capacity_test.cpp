@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "inputs/random_graph.h"
+#include "support/emulated.h"
+#include "support/mesh_block.h"
 #include "support/meshes.h"
 #include "support/oracle.h"
 
@@ -141,6 +143,44 @@ TEST(Capacity, OfWorkMayBeAnything) {
     EXPECT_TRUE(answer == Status::work_limit || answer == Status::ok) << to_string(answer);
     refused = answer != Status::ok;
   }
+}
+
+// Makes each call with each limit below what it needs, and then with that. Returns how many were
+// too little. A refusal may leave walks another place to begin at, so the bytes are put back.
+std::uint64_t refuse_each_limit(std::uint64_t step) {
+  const MeshConfig config{.vertices_max = 400, .features_max = 40};
+  MeshBlock block(config);
+  EXPECT_EQ(block->open(block.bytes(), config), Status::ok);
+  Run run{*block};
+  std::uint64_t refusals = 0;
+  for (const auto& change : script()) {
+    const std::vector<std::byte> bytes(block.bytes().begin(), block.bytes().end());
+    const Picture before = picture_of(*block);
+    const auto change_within = [&](Work limit) {
+      std::copy(bytes.begin(), bytes.end(), block.bytes().begin());
+      Run attempt = run;
+      attempt.limit = limit;
+      return change(attempt);
+    };
+    Run unlimited = run;
+    EXPECT_EQ(change(unlimited), Status::ok);
+    const Work needed = block->work_needed();
+    for (std::uint64_t units = 0; units < needed.units; units += step) {
+      EXPECT_EQ(change_within(Work{units}), Status::work_limit) << units;
+      EXPECT_TRUE(picture_of(*block) == before) << units;
+      ++refusals;
+    }
+    EXPECT_TRUE(is_sound(*block));
+    EXPECT_EQ(change_within(needed), Status::ok);
+    run.nodes = unlimited.nodes;
+    run.features = unlimited.features;
+  }
+  return refusals;
+}
+
+TEST(Capacity, OfWorkIsCheckedToTheUnit) {
+  constexpr std::uint64_t step = is_emulated ? 37 : 1;
+  EXPECT_GT(refuse_each_limit(step), 5000 / step);
 }
 
 // build() is the one call that may leave a partly conforming mesh, and it says so.

@@ -66,7 +66,7 @@ TEST_F(Json, HostileFilesCostLittle) {
   const std::string deep(100'000, '[');
   EXPECT_NE(error_of(deep).find("nested more than 64 deep"), std::string::npos);
   std::string many = "[0";
-  for (std::size_t i = 0; i < json_values_max; ++i) many += ",0";
+  for (std::size_t i = 0; i < JsonBounds{}.values; ++i) many += ",0";
   EXPECT_NE(error_of(many + "]").find("more than 1000000 values"), std::string::npos);
   std::string keys = "{";
   for (int i = 0; i <= 1000; ++i) keys += "\"" + std::to_string(i) + "\":0,";

@@ -69,6 +69,7 @@ TEST(MeshImage, SurvivesTheFiles) {
   add_mesh_files(image, folder.path("out"), files);
   files.commit();
   const MeshImage back = read_mesh(folder.path("out"));
+  EXPECT_EQ(back.feature_count, image.feature_count);
   EXPECT_EQ(back.vertices, image.vertices);
   EXPECT_EQ(back.node_count, image.node_count);
   EXPECT_EQ(back.triangles, image.triangles);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <string>
+#include <utility>
 
 namespace etcm::files {
 namespace {
@@ -34,6 +35,23 @@ TEST(Picture, HasARoundScale) {
   EXPECT_THAT(svg_text(square(1000), {"", "m"}), HasSubstr(">200 m<"));
   EXPECT_THAT(svg_text(square(1), {"", "m"}), HasSubstr(">0.2 m<"));
   EXPECT_THAT(svg_text(square(position_max), {"", "m"}), HasSubstr("000 m<"));
+}
+
+TEST(Picture, CountsInMetresWhereThatIsKnown) {
+  MeshImage image = square(1000);
+  for (const auto& [metres, text] :
+       {std::pair{0.01, ">2 m<"}, {10.0, ">2 km<"}, {0.0001, ">0.02 m<"}}) {
+    image.metres_per_unit = metres;
+    EXPECT_THAT(svg_text(image, {"", "units"}), HasSubstr(text));
+    EXPECT_THAT(svg_text(image, {"", "units"}), Not(HasSubstr("units<")));
+  }
+}
+
+TEST(Picture, HasTheNameOfTheMesh) {
+  MeshImage image = square(10);
+  image.name = "Tør & <west>";
+  EXPECT_THAT(svg_text(image, {"mesh"}), HasSubstr("<title>Tør &amp; &lt;west&gt;</title>"));
+  EXPECT_THAT(svg_text(image, {"mesh"}), Not(HasSubstr(">mesh<")));
 }
 
 TEST(Picture, EscapesWhatTheUserWrote) {

@@ -131,6 +131,23 @@ TEST_F(NodesBySerial, TwoNodesAtOneUnitAreAnAlarmNotAFlipFlop) {
   EXPECT_EQ(quarantine()[0].conflict, IdentityConflict::same_unit);
 }
 
+// Such as a device that was given the serial of another by mistake.
+TEST_F(NodesBySerial, WhoGetsItsSerialBackIsNoSecondNode) {
+  seat_seven();
+  put(1, 9, {50, 0});
+  rig_.run(1s);
+  EXPECT_EQ(rig_.log.count("node 9 is there now, node 7 is not"), 1u) << logged();
+  put(1, 7, {0, 0});
+  rig_.run(4s);
+  EXPECT_EQ(rig_.log.count("node 7 is there now, node 9 is not"), 1u) << logged();
+  EXPECT_EQ(rig_.log.count("two nodes answer"), 0u) << logged();
+  EXPECT_TRUE(quarantine().empty());
+  // Once is a mistake that was mended; again is two nodes.
+  put(1, 9, {50, 0});
+  rig_.run(1s);
+  EXPECT_EQ(rig_.log.count("two nodes answer as unit 1 of yard"), 1u) << logged();
+}
+
 TEST_F(NodesBySerial, ASwappedSerialIsNotBelievedAndSaidOnce) {
   seat_seven();
   put(1, swap_words(Serial{7}).value, {50, 0});

@@ -108,6 +108,29 @@ TEST(Converter, ALineThatWasOutIsBackWithinTwoPolls) {
 }
 
 // Nobody answers, and nobody says so: each is asked in its time.
+// They are no reason to mistrust the connection, nor to let the one that is there wait.
+TEST(UnitsBesideEachOther, AreHeardSoonAfterAStartWithManyThatAreNotThere) {
+  for (std::uint8_t alive = 1; alive <= 12; ++alive) {
+    Behind behind{.units = 12, .exchange = 30ms, .hold = 1s, .exception = 0, .is_one_line = false};
+    for (std::uint8_t unit = 1; unit <= 12; ++unit) {
+      if (unit != alive) behind.dead.push_back(unit);
+    }
+    ConverterSite site(behind);
+    site.run_for(3s);
+    EXPECT_GE(site.readings[alive], 1u) << int{alive};
+    site.run_for(57s);
+    EXPECT_GE(site.readings[alive], 57u) << int{alive};
+    EXPECT_EQ(site.logged().find("nothing answers"), std::string::npos) << site.logged();
+  }
+}
+
+TEST(UnitsBesideEachOther, ThatAreAllNotThereAreSaidToBe) {
+  ConverterSite site(
+      {.units = 3, .dead = {1, 2, 3}, .hold = 1s, .exception = 0, .is_one_line = false});
+  site.run_for(20s);
+  EXPECT_NE(site.logged().find("nothing answers"), std::string::npos) << site.logged();
+}
+
 TEST(UnitsBesideEachOther, AreFoundAmongManyThatAreNotThere) {
   ConverterSite site({.units = 0, .hold = 1h, .exception = 0, .is_one_line = false}, {{1, 247}});
   site.run_for(25s);

@@ -138,6 +138,10 @@ INSTANTIATE_TEST_SUITE_P(
             bus("127.0.0.1:502", "units = \"1-6\"\n") +
                 bus("127.0.0.1:503", "units = \"1-3\"\nassign = \"10-11\"\n"),
             3, "the buses have 11 units", "set it to twice as many"},
+        Row{"listens_for_others_and_lets_in_none",
+            bus("127.0.0.1:502") + "[http]\nlisten = \"0.0.0.0:8080\"\n", 8,
+            "'listen' of [http] is for other machines, but 'allow' lets in this one alone",
+            "add your network there"},
         Row{"a_speed_that_is_hardly_meant", serial("baud = 19600\n"), 7,
             "baud = 19600 is no usual speed, and 19200 is near", "correct it"},
         Row{"a_line_too_slow_for_its_units",
@@ -154,7 +158,9 @@ TEST_F(CrossChecks, WhatIsSoundIsNotWarnedOf) {
   const Settings settings =
       read("[poll]\ninterval = \"5s\"\n[gpio]\nstatus_led = \"A\"\nwatchdog = \"B\"\n" +
            serial("rs485_line = \"DE\"\n") + bus("127.0.0.1:1503") +
-           bus("127.0.0.1:1502", "units = \"2-8\"\n") + "[server]\nlisten = \"10.0.0.1:1502\"\n");
+           bus("127.0.0.1:1502", "units = \"2-8\"\n") +
+           "[server]\nlisten = \"10.0.0.1:1502\"\n"
+           "allow = [\"10.0.0.0/8\"]\n");
   EXPECT_TRUE(mistakes_.empty()) << testing::PrintToString(mistakes_);
   EXPECT_TRUE(settings.warnings.empty()) << testing::PrintToString(settings.warnings);
 }
@@ -167,7 +173,8 @@ TEST_F(CrossChecks, AUnitThatIsLookedForNeedsNoVertex) {
 }
 
 TEST_F(CrossChecks, TwoNamesOfOneSerialPortAreAMistake) {
-  const std::string port = folder_.write("ttyUSB0", "");
+  const std::string port = folder_.path("ttyUSB0");
+  std::filesystem::create_symlink("/dev/null", port);
   const std::string link = folder_.path("by-id");
   const std::string second_link = folder_.path("by-path");
   std::filesystem::create_symlink("ttyUSB0", link);
@@ -193,6 +200,28 @@ TEST_F(CrossChecks, TwoNamesOfOneSerialPortAreAMistake) {
   std::filesystem::remove(port);
   read(two(link, second_link));
   EXPECT_TRUE(mistakes_.empty()) << testing::PrintToString(mistakes_);
+}
+
+TEST_F(CrossChecks, NobodyIsAskedWithoutABus) {
+  const Settings settings = read("");
+  EXPECT_TRUE(mistakes_.empty()) << testing::PrintToString(mistakes_);
+  expect_only(settings.warnings, {.name = "",
+                                  .text = "",
+                                  .line = 1,
+                                  .what = "there is no [[bus]], so nobody is asked",
+                                  .cure = "add one with tcp or rtu, and units"});
+}
+
+TEST_F(CrossChecks, AFileIsNoSerialPort) {
+  const std::string path = folder_.write("ttyUSB0", "");
+  read("[[bus]]\nrtu = \"" + path + "\"\nunits = \"1\"\n");
+  expect_only(mistakes_, {.name = "",
+                          .text = "",
+                          .line = 5,
+                          .what = "is a file, and no serial port",
+                          .cure = "give the path of one (ls /dev/serial/by-path lists them)"});
+  read("[[bus]]\nrtu = \"/dev\"\nunits = \"1\"\n");
+  EXPECT_NE(mistakes_.back().find("/dev is a folder, and no serial port"), std::string::npos);
 }
 
 // A [[node]] in the plane stands at a whole unit, and where that is not what it says, it is said.

@@ -10,6 +10,7 @@
 #include "fakes.h"
 #include "firmware/config/configuration.h"
 #include "firmware/config/reload.h"
+#include "firmware/mesh/length_text.h"
 #include "firmware/publish/snapshot_image.h"
 #include "page_reader.h"
 #include "proj/proj_source.h"
@@ -312,6 +313,18 @@ TEST_F(DegreesOnThePage, AreThereBesideTheUnits) {
       << plane;
 }
 
+TEST(LengthText, HasThreeDigitsAndAUnitThatAPersonReads) {
+  const std::pair<double, const char*> texts[] = {
+      {0, "0 mm"},       {0.003, "3 mm"},   {0.0256, "25.6 mm"}, {0.5, "500 mm"},
+      {1, "1 m"},        {1.5, "1.5 m"},    {12.34, "12.3 m"},   {100.4, "100 m"},
+      {999.6, "1000 m"}, {1113, "1.11 km"}, {20000, "20 km"},    {40000000, "40000 km"}};
+  for (const auto& [metres, wanted] : texts) {
+    TextLine text;
+    write_metres(text, metres);
+    EXPECT_EQ(text.view(), wanted);
+  }
+}
+
 TEST_F(DegreesOnThePage, AreInTheLog) {
   std::string why;
   rig_.settings.site.projection = port::ProjSource().about(
@@ -322,7 +335,8 @@ TEST_F(DegreesOnThePage, AreInTheLog) {
       << testing::PrintToString(rig_.log.lines);
   rig_.put(1, 1113, 0);
   rig_.run(1s);
-  EXPECT_EQ(rig_.log.count("node 1001 moved from (0, 0) to (1113, 0), 59.999998° S, 9.985054° W: "),
+  EXPECT_EQ(rig_.log.count("node 1001 moved 1.11 km from (0, 0) to (1113, 0), 59.999998° S, "
+                           "9.985054° W: "),
             1u)
       << testing::PrintToString(rig_.log.lines);
   rig_.put(5, 0, 100);
@@ -449,7 +463,8 @@ TEST_F(Degrees, AReloadMovesWhatWasSurveyed) {
   ASSERT_EQ(settings.nodes[0].position, (Position{0, 0}));
   folder_.write("site.toml", "[site]\norigin = [\"10.001\", \"60\"]\n" + std::string(rest) + node);
   RecordingLog log;
-  const auto next = reload(config_, settings, projections_, log);
+  std::string refusal;
+  const auto next = reload(config_, settings, projections_, log, refusal);
   ASSERT_NE(next, nullptr);
   EXPECT_NEAR(next->nodes[0].position->x, -0.001 * parallel_degree(60), 1);
 }

@@ -181,13 +181,17 @@ void Rig::start_with(const std::vector<port::NodeBus*>& buses) {
                                                    .store = store,
                                                    .clock = clock,
                                                    .wall_clock = wall_clock,
-                                                   .log = log});
+                                                   .log = log,
+                                                   .broker = broker,
+                                                   .run = run_number,
+                                                   .version = version});
 }
 
 void Rig::run(port::Duration duration) {
   if (!gateway) start();
   for (port::Duration passed{}; passed < duration; passed += 10ms) {
     // The answers of reads that a step starts arrive before the next one.
+    if (broker != nullptr) broker->step(clock.now());
     gateway->step(clock.now());
     clock.pass(10ms);
   }

@@ -10,6 +10,7 @@
 
 #include "etcm/files/mesh_image.h"
 #include "etcm/mesh.h"
+#include "etcm/port/wall_clock.h"
 #include "firmware/config/settings.h"
 #include "firmware/gateway/gateway.h"
 #include "firmware/protocol/node_registers.h"
@@ -24,6 +25,21 @@ class SimulatedClock final : public port::Clock {
  private:
   // Past every pause that runs from the origin, as a real monotonic clock is.
   port::Instant now_{std::chrono::hours(1)};
+};
+
+inline constexpr std::int64_t wall_start_ms = 1'800'000'000'000;
+
+// A second is a second of the rig.
+class FollowingWallClock final : public port::WallClock {
+ public:
+  explicit FollowingWallClock(const port::Clock& clock) : clock_(clock), start_(clock.now()) {}
+  std::int64_t milliseconds() const override {
+    return wall_start_ms + (clock_.now() - start_) / std::chrono::milliseconds(1);
+  }
+
+ private:
+  const port::Clock& clock_;
+  const port::Instant start_;
 };
 
 class RecordingLog final : public port::Log {
@@ -176,6 +192,9 @@ struct Rig {
   RecordingFiles files;
   port::Store* store = nullptr;
   const port::WallClock* wall_clock = nullptr;
+  port::MessageBroker* broker = nullptr;
+  std::uint64_t run_number = 1;
+  std::string version;
   std::vector<std::byte> memory;
   Mesh mesh;
   std::vector<PolledBus> polled;

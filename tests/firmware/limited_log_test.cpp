@@ -70,6 +70,18 @@ TEST_F(LimitedLogTest, DetailsMakeNoNewKind) {
   EXPECT_EQ(written_.lines.size(), LimitedLog::lines_free);
 }
 
+// Ten thousand nodes that all move are one pattern, whatever they are called.
+TEST_F(LimitedLogTest, NamesMakeNoNewPattern) {
+  for (int node = 1000; node < 5000; ++node) {
+    log_.write(Level::info, "node " + std::to_string(node) + " '" +
+                                std::string(1, static_cast<char>('a' + node % 26)) + "'s well " +
+                                std::to_string(node) + "' left (silent): generation 7");
+  }
+  EXPECT_LE(written_.lines.size(), LimitedLog::pattern_lines_free);
+  log_.write(Level::info, "node 7 'well' has a fix");
+  EXPECT_EQ(written_.count("has a fix"), 1u) << "another pattern";
+}
+
 TEST_F(LimitedLogTest, ANightOfFlappingTakesFewLines) {
   // Every 20 s for eight hours.
   for (int i = 0; i < 1440; ++i) {

@@ -21,10 +21,14 @@ TEST(PageMemory, ReadersOfEverythingTakeNone) {
                                          .timeout = 50ms}};
   rig.start();
   RecentEvents events(rig.clock, rig.log);
+  const AlarmBook alarms;
+  const FollowingWallClock wall_clock(rig.clock);
   port::ServiceCounters masters;
   port::ServiceCounters readers;
   const StatusSources sources{.gateway = *rig.gateway,
                               .events = events,
+                              .alarms = alarms,
+                              .wall_clock = wall_clock,
                               .masters = masters,
                               .readers = readers,
                               .version = "1.2.3",
@@ -38,8 +42,10 @@ TEST(PageMemory, ReadersOfEverythingTakeNone) {
     page.advance(rig.clock.now());
     // A slow reader meanwhile has a generation of its own.
     if (unit == 10) page.begin(3, "/mesh.geojson");
-    for (const char* path : {"/", "/map.js", "/mesh.geojson", "/readings.json", "/status.json",
-                             "/ages.json", "/metrics", "/healthz", "/nothing"}) {
+    for (const char* path :
+         {"/", "/map.js", "/mesh.geojson", "/readings.json", "/status.json", "/ages.json",
+          "/units.json", "/alarms.json", "/ended.json", "/history.json", "/alarms.csv",
+          "/nodes.csv", "/units.csv", "/events.csv", "/metrics", "/healthz", "/nothing"}) {
       page.begin(0, path);
       while (page.read(0, out) > 0) continue;
       page.end(0);

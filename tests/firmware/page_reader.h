@@ -17,12 +17,15 @@ namespace etcm::firmware {
 class PageReader {
  protected:
   // `rig` must outlive it. Its log is heard from here on.
-  explicit PageReader(Rig& rig) : rig_of_page_(rig), events_(rig.clock, rig.log) {}
+  explicit PageReader(Rig& rig)
+      : rig_of_page_(rig), events_(rig.clock, rig.log), wall_clock_(rig.clock) {}
 
   // The gateway must have been started.
   void make_page() {
     sources_.emplace(StatusSources{.gateway = *rig_of_page_.gateway,
                                    .events = events_,
+                                   .alarms = alarms_,
+                                   .wall_clock = wall_clock_,
                                    .masters = masters_,
                                    .readers = readers_,
                                    .version = "1.2.3",
@@ -44,6 +47,8 @@ class PageReader {
 
   Rig& rig_of_page_;
   RecentEvents events_;
+  AlarmBook alarms_;
+  FollowingWallClock wall_clock_;
   port::ServiceCounters masters_;
   port::ServiceCounters readers_;
   std::optional<StatusSources> sources_;

@@ -42,7 +42,7 @@ TEST_F(ShownReadings, AreAListOfTheirOwn) {
   EXPECT_TRUE(has(readings(),
                   "\"quantities\":[{\"name\":\"level\",\"unit\":\"m\"},"
                   "{\"name\":\"temperature\",\"unit\":\"°C\"},"
-                  "{\"name\":\"level\",\"unit\":\"cm\"}],\n\"readings\":[]}\n"))
+                  "{\"name\":\"level\",\"unit\":\"cm\"}],\n\"names\":[],\n\"readings\":[]}\n"))
       << readings();
   put_tank(2, -1);
   put_tank(3, 32767);

@@ -118,7 +118,7 @@ TEST_F(Measuring, WhoFallsSilentIsStaleAndMissingAndNeverFresh) {
   EXPECT_TRUE(is_stale(1002));
   EXPECT_EQ(reading(1002, "level")->row, no_row);
   // Dismissed, it is not known any more.
-  rig_.update_settings();
+  EXPECT_TRUE(rig_.gateway->dismiss(Serial{1002}));
   rig_.run(500ms);
   EXPECT_EQ(reading(1002, "level"), nullptr);
   put_tank(2, 7);

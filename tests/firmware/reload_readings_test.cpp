@@ -43,7 +43,8 @@ class AddedReadings : public Measuring {
     folder_.write("site.toml", text);
     rig_.log.lines.clear();
     const auto files = std::exchange(rig_.settings.files, std::nullopt);  // not of the file
-    const auto next = reload(folder_.path("site.toml"), rig_.settings, nullptr, rig_.log);
+    std::string refusal;
+    const auto next = reload(folder_.path("site.toml"), rig_.settings, nullptr, rig_.log, refusal);
     rig_.settings.files = files;
     if (next == nullptr) return false;
     rig_.settings = *next;

@@ -29,7 +29,7 @@ class Reload : public testing::Test {
   bool reload_with(std::string text) {
     folder_.write("site.toml", text);
     log_.lines.clear();
-    const auto next = reload(path_, settings_, nullptr, log_);
+    const auto next = reload(path_, settings_, nullptr, log_, refusal_);
     if (next == nullptr) return false;
     settings_ = *next;
     return true;
@@ -43,6 +43,7 @@ class Reload : public testing::Test {
   std::string path_;
   Settings settings_;
   RecordingLog log_;
+  std::string refusal_;
 };
 
 TEST_F(Reload, ABusIsSharedAnotherWayOrNoMore) {
@@ -127,8 +128,24 @@ TEST_F(Reload, AWrongOneChangesNothingAndIsNamed) {
     EXPECT_EQ(log_.count("is not taken over, the old one stays"), 1u);
   }
   std::filesystem::remove(path_);
-  EXPECT_EQ(reload(path_, settings_, nullptr, log_), nullptr);
+  EXPECT_EQ(reload(path_, settings_, nullptr, log_, refusal_), nullptr);
   EXPECT_EQ(settings_.features.size(), 1u);
+}
+
+TEST_F(Reload, WhatIsRefusedIsSaidInOneSentenceUntilItIsMended) {
+  EXPECT_FALSE(reload_with(with("interval = \"100ms\"", "interval = 100")));
+  EXPECT_EQ(refusal_.find("the configuration was changed and is refused: " + path_ + ":5: "), 0u)
+      << refusal_;
+  EXPECT_TRUE(refusal_.ends_with("; the old one holds until that is corrected and reloaded"));
+  EXPECT_TRUE(reload_with(good));
+  EXPECT_EQ(refusal_, "");
+  std::string many = good;
+  for (int i = 0; i < 33; ++i) many += "[[feature]]\nfrom = 1\nto = 1\n";
+  EXPECT_FALSE(reload_with(many));
+  EXPECT_NE(refusal_.find(" (and 32 more); "), std::string::npos) << refusal_;
+  std::filesystem::remove(path_);
+  EXPECT_EQ(reload(path_, settings_, nullptr, log_, refusal_), nullptr);
+  EXPECT_NE(refusal_.find("No such file"), std::string::npos) << refusal_;
 }
 
 TEST_F(Reload, OfManyMistakesItTellsTheFirstAndHowManyMore) {

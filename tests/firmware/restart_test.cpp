@@ -64,6 +64,96 @@ TEST_F(Restart, ServesTheLastMeshAtOnceAllStale) {
             1u);
 }
 
+// The state on the disk, with other bytes.
+template <class Change>
+std::vector<std::byte> changed_state(std::span<const std::byte> bytes, Change change) {
+  SavedState state;
+  EXPECT_EQ(decode_state(bytes, state), "");
+  change(state);
+  StateWriter writer(bytes.size() + 1000);
+  writer.begin(state.generation, state.next_generation, state.mesh_hash, state.saved_at_s);
+  if (state.is_canonical) writer.set_canonical();
+  for (const std::string& bus : state.buses) writer.add_bus(bus);
+  for (const SavedNode& node : state.nodes) writer.add(node);
+  for (const Position anchor : state.anchors) writer.add(anchor);
+  for (const SavedFeature& feature : state.features) writer.add(feature);
+  for (const SteinerPlace& place : state.steiner) writer.add(place);
+  const auto written = writer.finish();
+  return {written.begin(), written.end()};
+}
+
+TEST_F(Restart, SavesNoSteinerVerticesThatBuildMakesAgain) {
+  const auto before = rig_of(fence_);
+  populate(*before);
+  ASSERT_GT(before->mesh.steiner_count(), 0u);
+  SavedState state;
+  ASSERT_EQ(decode_state(store_.last, state), "");
+  EXPECT_TRUE(state.is_canonical);
+  EXPECT_TRUE(state.steiner.empty());
+  EXPECT_EQ(state.mesh_hash, before->mesh.hash());
+}
+
+// As it is when there is no room to make it the one of build().
+TEST_F(Restart, KeepsTheSteinerVerticesOfAMeshWithAHistory) {
+  const auto before = rig_of(fence_);
+  populate(*before);
+  Mesh grown;
+  std::vector<std::byte> memory(storage_bytes(before->mesh.config()));
+  ASSERT_EQ(grown.open(memory, before->mesh.config()), Status::ok);
+  store_.last = changed_state(store_.last, [&](SavedState& state) {
+    // Nodes one after the other, so that the mesh is not the one of build().
+    std::vector<VertexId> ids(state.nodes.size());
+    FeatureId fence;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      ASSERT_EQ(grown.join(state.nodes[i].position, ids[i]), Status::ok);
+      if (i == 1) {
+        ASSERT_EQ(grown.add_feature({ids[0], ids[1]}, fence), Status::ok);
+      }
+    }
+    state.is_canonical = false;
+    state.mesh_hash = grown.hash();
+    for (std::uint32_t value = 1; value < grown.vertex_id_end(); ++value) {
+      const VertexId id{static_cast<IdValue>(value)};
+      if (grown.kind(id) == VertexKind::steiner) state.steiner.push_back({0, grown.point(id)});
+    }
+  });
+  ASSERT_NE(grown.hash(), before->mesh.hash());
+  const auto after = rig_of(fence_);
+  after->start();
+  after->gateway->restore(after->clock.now());
+  EXPECT_EQ(after->log.count("restored the mesh of generation"), 1u);
+  EXPECT_EQ(hash_of(*after), hash_of(*before)) << "published without its history";
+}
+
+TEST_F(Restart, AMeshThatBuildMakesOtherwiseTodayIsThatOne) {
+  const auto before = rig_of(fence_);
+  populate(*before);
+  store_.last = changed_state(store_.last, [](SavedState& state) { ++state.mesh_hash; });
+  const auto after = rig_of(fence_);
+  after->start();
+  after->gateway->restore(after->clock.now());
+  EXPECT_EQ(after->log.count("restored the nodes, not their mesh, of generation"), 1u);
+  EXPECT_EQ(after->log.count("joined"), 0u);
+  EXPECT_EQ(hash_of(*after), hash_of(*before));
+  EXPECT_EQ(after->server.header("node_count"), 12u);
+  EXPECT_EQ(after->server.header("features_active"), 1u);
+}
+
+TEST_F(Restart, NodesThatCannotBeTogetherAreNotInTheMesh) {
+  const auto before = rig_of(fence_);
+  populate(*before);
+  store_.last = changed_state(
+      store_.last, [](SavedState& state) { state.nodes[3].position = state.nodes[4].position; });
+  const auto after = rig_of(fence_);
+  after->start();
+  after->gateway->restore(after->clock.now());
+  EXPECT_EQ(after->log.count("restored the nodes, not their mesh, of generation"), 1u);
+  EXPECT_EQ(after->server.header("node_count"), 11u);
+  EXPECT_EQ(after->server.header("quarantined_count"), 1u);
+  EXPECT_EQ(after->server.header("features_active"), 1u);
+  EXPECT_TRUE(audit(after->mesh));
+}
+
 TEST_F(Restart, BeforeTheFirstMeshSaysNothingOfOne) {
   const auto before = rig_of(fence_);
   before->run(2s);
@@ -167,6 +257,22 @@ TEST_F(Restart, CatchesUpAsNodesAnswerAndLetsTheOthersLeaveInTheirTime) {
   EXPECT_EQ(after->mesh.node_count(), 11u);
   EXPECT_EQ(after->log.count("node 1012 left (silent)"), 1u);
   EXPECT_EQ(after->server.header("state"), snapshot_state::missing);
+}
+
+TEST_F(Restart, ANodeOfABusThatIsDownIsNotSaidToAnswerWithoutAFix) {
+  const auto before = rig_of({});
+  before->put_square();
+  before->run(2s);
+  before->bus.link_up = false;
+  before->run(4s);
+  before->gateway->finish(before->clock.now());
+  const auto after = rig_of({});
+  after->bus.link_up = false;
+  after->start();
+  after->gateway->restore(after->clock.now());
+  after->run(5s);
+  EXPECT_EQ(after->log.count("has no fix"), 0u) << testing::PrintToString(after->log.lines);
+  EXPECT_EQ(after->server.header("stale_count"), 4u);
 }
 
 TEST_F(Restart, FollowsANodeThatMovedMeanwhile) {

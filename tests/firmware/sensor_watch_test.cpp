@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 
 class SetWallClock final : public port::WallClock {
  public:
-  std::int64_t seconds() const override { return seconds_; }
+  std::int64_t milliseconds() const override { return 1000 * seconds_; }
   void set(std::int64_t seconds) { seconds_ = seconds; }
   void pass(port::Duration time) { seconds_ += time / 1s; }
 

@@ -40,7 +40,7 @@ class ServiceWatchTest : public testing::Test {
     manager_ = std::make_unique<RecordingManager>(timeout);
     rig_.start();
     watch_ = std::make_unique<ServiceWatch>(*manager_, *rig_.gateway,
-                                            WatchedServers{masters_, readers_}, rig_.log);
+                                            WatchedServers{masters_, readers_}, refusal_, rig_.log);
     watch_->ready(rig_.clock.now());
   }
   // Returns how often the watchdog was fed. The gateway may stand still meanwhile.
@@ -56,6 +56,7 @@ class ServiceWatchTest : public testing::Test {
   Rig rig_;
   port::ServiceCounters masters_;
   port::ServiceCounters readers_;
+  std::string refusal_;
   std::unique_ptr<RecordingManager> manager_;
   std::unique_ptr<ServiceWatch> watch_;
 };
@@ -142,6 +143,19 @@ TEST_F(ServiceWatchTest, TellsHowThingsAreAndNotTooOften) {
   const std::size_t quiet = manager_->statuses.size();
   run(20s);
   EXPECT_LE(manager_->statuses.size(), quiet + 1) << "no news";
+}
+
+TEST_F(ServiceWatchTest, TellsThatTheChangedConfigurationIsRefused) {
+  start();
+  run(5s);
+  refusal_ = "the configuration was changed and is refused";
+  run(5s);
+  EXPECT_TRUE(
+      manager_->statuses.back().ends_with("; the changed configuration is refused: see the log"))
+      << manager_->statuses.back();
+  refusal_.clear();
+  run(5s);
+  EXPECT_TRUE(manager_->statuses.back().ends_with("Steiner vertices"));
 }
 
 TEST_F(ServiceWatchTest, TellsWhatIsNotServed) {

@@ -86,7 +86,7 @@ TEST(SiteKeeping, ANodeStepsOffAnAnchorAndOntoAnother) {
   EXPECT_EQ(rig.mesh.hash(), beside);
 }
 
-TEST(SiteKeeping, OfTwoNodesOnAnAnchorTheSecondWaits) {
+TEST(SiteKeeping, OfTwoNodesOnAnAnchorTheOneWithTheGreaterSerialWaits) {
   Rig rig;
   draw_wall(rig);
   rig.put(1, 100, 0);
@@ -101,29 +101,66 @@ TEST(SiteKeeping, OfTwoNodesOnAnAnchorTheSecondWaits) {
   EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
   EXPECT_EQ(rig.server.header("node_count"), 3u);
   EXPECT_EQ(rig.server.header("anchor_count"), 2u);
-  // And back: its own place is taken now.
+  // And back, where the other one is now.
   rig.put(1, 100, 0);
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
-  EXPECT_EQ(rig.log.count("node 1001 cannot move at (100, 0)"), 1u);
+  EXPECT_EQ(rig.log.count("node 1003 left (node 1001, with a smaller serial, stands there too)"),
+            1u);
+  EXPECT_EQ(rig.log.count("node 1003 cannot join at (100, 0)"), 2u);
+  EXPECT_EQ(rig.server.header("features_active"), 3u);
   EXPECT_TRUE(audit(rig.mesh));
 }
 
-TEST(SiteKeeping, ANodeThatCannotStepOffAnAnchorStaysOnIt) {
+TEST(SiteKeeping, ANodeThatStepsOffAnAnchorOntoAnotherNodeIsOut) {
   Rig rig;
   draw_wall(rig);
-  rig.put(1, 100, 0);
+  rig.put(3, 100, 0);
   rig.run(500ms);
   const std::uint64_t before = rig.mesh.hash();
-  rig.put(1, 10, 60);  // where node 2 is
+  EXPECT_EQ(rig.server.header("node_count"), 2u);
+  rig.put(3, 10, 60);  // where node 2 is
   rig.run(500ms);
+  EXPECT_EQ(rig.log.count("node 1003 cannot move at (10, 60)"), 1u);
+  EXPECT_EQ(rig.log.count("node 1003 left (it is elsewhere)"), 1u);
   EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
-  EXPECT_EQ(rig.mesh.hash(), before);
-  EXPECT_EQ(rig.server.header("features_active"), 3u);
-  rig.put(1, 100, 0);
+  EXPECT_EQ(rig.server.header("node_count"), 1u);
+  EXPECT_EQ(rig.server.header("anchor_count"), 3u);
+  EXPECT_EQ(rig.mesh.hash(), before) << "the anchor is there again";
+  rig.put(3, 100, 0);
   rig.run(500ms);
   EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
   EXPECT_EQ(rig.mesh.hash(), before);
+}
+
+// Of nodes that are not at an anchor.
+TEST(SiteKeeping, TheSmallestSerialOfAPlaceIsInTheMesh) {
+  Rig rig({feature(1001, 1004), feature(1002, 1004), feature(1003, 1004)});
+  rig.put(4, 100, 0);
+  rig.put(3, 0, 0);
+  rig.run(500ms);
+  rig.put(2, 0, 0);
+  rig.run(500ms);
+  EXPECT_EQ(rig.log.count("node 1003 left (node 1002, with a smaller serial, stands there too)"),
+            1u);
+  EXPECT_EQ(rig.log.count("node 1003 cannot join at (0, 0)"), 1u);
+  EXPECT_EQ(rig.log.count("[node 1002]"), 1u);
+  EXPECT_EQ(rig.server.header("node_count"), 2u);
+  EXPECT_EQ(rig.server.header("features_active"), 1u);
+  rig.put(1, 50, 50);
+  rig.run(500ms);
+  rig.put(1, 0, 0);
+  rig.run(500ms);
+  EXPECT_EQ(rig.log.count("node 1002 left (node 1001, with a smaller serial, stands there too)"),
+            1u);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 2u);
+  // When it is gone the next one is there, not the last one.
+  rig.put(1, 50, 50);
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
+  EXPECT_EQ(rig.gateway->quarantine()[0].serial, Serial{1003});
+  EXPECT_EQ(rig.server.header("features_active"), 2u);
+  EXPECT_TRUE(audit(rig.mesh));
 }
 
 TEST(SiteKeeping, ANodeKeepsItsPlaceWhenTheAnchorIsTakenOffTheDrawing) {
@@ -191,12 +228,13 @@ TEST(SiteKeeping, ANodeOutsideTheDomainIsNotInTheMesh) {
   EXPECT_EQ(rig.server.header("node_count"), 1u);
   EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
   EXPECT_EQ(rig.log.count("node 1002 cannot join at (101, 100): It stands outside the domain"), 1u);
-  // One that goes astray stays where it was last good.
+  // One that goes astray is no longer where it was.
   rig.put(1, -1, 50);
   rig.run(500ms);
-  EXPECT_EQ(rig.server.header("node_count"), 1u);
+  EXPECT_EQ(rig.server.header("node_count"), 0u);
   EXPECT_EQ(rig.server.header("quarantined_count"), 2u);
   EXPECT_EQ(rig.log.count("node 1001 cannot move at (-1, 50)"), 1u);
+  EXPECT_EQ(rig.log.count("node 1001 left (it is elsewhere)"), 1u);
   rig.put(1, 5, 50);
   rig.put(2, 6, 60);
   rig.run(500ms);
@@ -300,7 +338,7 @@ TEST(SiteKeeping, AnAnchorThatComesWhereANodeStandsSharesItsPlace) {
   EXPECT_EQ(rig.mesh.node_count(), 3u);
 }
 
-TEST(SiteKeeping, AnAnchorTheMeshCannotSpareGoesWhenItCan) {
+TEST(SiteKeeping, WithoutTheAnchorWhereTheyCrossTheLaterFeatureGivesWay) {
   Rig rig;
   // The two lines between nodes cross at the anchor, and only there may they.
   rig.settings.anchors = {{.position = {50, 50}, .source = "site.geojson:1"}};
@@ -311,42 +349,87 @@ TEST(SiteKeeping, AnAnchorTheMeshCannotSpareGoesWhenItCan) {
   rig.settings.anchors.clear();
   rig.update_settings();
   rig.run(500ms);
-  EXPECT_EQ(rig.log.count("is no longer wanted, but the mesh needs it"), 1u);
-  EXPECT_EQ(rig.mesh.node_count(), 5u);
-  rig.bus.silence(1);
-  rig.run(5s);
-  EXPECT_EQ(rig.mesh.node_count(), 3u);
-  EXPECT_EQ(rig.server.header("node_count"), 3u);
+  EXPECT_EQ(rig.mesh.node_count(), 4u);
+  EXPECT_EQ(rig.log.count("feature 2 (1002-1004, site.geojson:1) refused"), 1u);
+  EXPECT_EQ(rig.log.count("[with feature 1 (1001-1003, site.geojson:1), near (50, 50)]"), 1u);
+  rig.put(5, 50, 50);
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("features_active"), 2u) << "a node does as well";
   EXPECT_TRUE(audit(rig.mesh));
 }
 
-// Nodes 1 to 4 are the corners of a square, whose diagonals are features; they may cross only while
-// node 5 is in its middle. A cable leads from node 5 to node 6. `first`: of the units 1 to 6.
-void put_crossing(Rig& rig, std::uint8_t first, std::int32_t x) {
-  const Position places[] = {{0, 0}, {100, 0}, {100, 100}, {0, 100}, {50, 50}, {50, 10}};
+TEST(SiteKeeping, AnEarlierFeatureThatComesLaterPutsTheLaterOneOut) {
+  Rig rig({feature(1001, 1003), feature(1002, 1004)});
+  rig.put(2, 100, 0);
+  rig.put(3, 100, 100);
+  rig.put(4, 0, 100);
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("features_active"), 1u);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
+  rig.put(1, 0, 0);
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("features_active"), 1u);
+  EXPECT_EQ(rig.log.count("feature 2 (1002-1004, site.toml:1) refused"), 1u);
+  EXPECT_EQ(rig.log.count("[with feature 1 (1001-1003, site.toml:1), near (50, 50)]"), 1u);
+  // As soon as that one goes.
+  rig.bus.silence(3);
+  rig.run(4s);
+  EXPECT_EQ(rig.server.header("features_active"), 1u);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
+  EXPECT_TRUE(audit(rig.mesh));
+}
+
+TEST(SiteKeeping, ANodeMovesAcrossAFeatureAndTheLaterOneWaits) {
+  Rig rig({feature(1001, 1002), feature(1003, 1004)});
+  rig.put(1, 0, 0);
+  rig.put(2, 100, 0);
+  rig.put(3, 50, 50);
+  rig.put(4, 80, 90);
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("features_active"), 2u);
+  rig.put(4, 50, -50);
+  rig.run(500ms);
+  EXPECT_EQ(rig.log.count("node 1004 moved from (80, 90) to (50, -50)"), 1u);
+  EXPECT_EQ(rig.log.count("feature 2 (1003-1004, site.toml:1) refused"), 1u);
+  EXPECT_EQ(rig.server.header("features_active"), 1u);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
+  rig.put(4, 80, 90);
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("features_active"), 2u);
+  // It is the later one of the two, whoever moves.
+  rig.put(2, 100, 106);
+  rig.run(500ms);
+  EXPECT_EQ(rig.log.count("node 1002 moved"), 1u);
+  EXPECT_EQ(rig.log.count("feature 2 (1003-1004, site.toml:1) refused"), 2u);
+  EXPECT_TRUE(audit(rig.mesh));
+}
+
+// A fence from node `first` to the one after it, and in its middle a node, with a post on either
+// side: without that node the fence would need a Steiner vertex. A cable leads from it to a post.
+void put_fence(Rig& rig, std::uint8_t first, std::int32_t x) {
+  const Position places[] = {{0, 0}, {100, 0}, {50, 10}, {50, -10}, {50, 0}};
   for (const Position& place : places) {
     rig.put(static_cast<std::uint8_t>(first + (&place - places)), x + place.x, place.y);
   }
   const std::uint32_t serial = 1000u + first;
-  for (const auto& [from, to] : {std::pair{0u, 2u}, {1u, 3u}, {4u, 5u}}) {
-    rig.settings.features.push_back(feature(serial + from, serial + to));
-  }
+  rig.settings.features.push_back(feature(serial, serial + 1));
+  rig.settings.features.push_back(feature(serial + 4, serial + 2));
 }
 
 TEST(SiteKeeping, ANodeThatCouldNotLeaveHasItsFeaturesBack) {
   for (const std::int32_t moves : {0, 5}) {
-    Rig rig;
-    put_crossing(rig, 1, 0);
+    Rig rig({}, 5);
+    put_fence(rig, 1, 0);
     rig.run(500ms);
-    ASSERT_EQ(rig.server.header("features_active"), 3u);
+    ASSERT_EQ(rig.server.header("features_active"), 2u);
     rig.bus.silence(5);
     rig.run(4s);
     ASSERT_EQ(rig.log.count("node 1005 cannot leave"), 1u);
-    ASSERT_EQ(rig.server.header("features_active"), 2u);
+    ASSERT_EQ(rig.server.header("features_active"), 1u);
     ASSERT_EQ(rig.server.header("quarantined_count"), 1u);
-    rig.put(5, 50, 50);
+    rig.put(5, 50, 0);
     rig.run(1s);
-    EXPECT_EQ(rig.server.header("features_active"), 3u);
+    EXPECT_EQ(rig.server.header("features_active"), 2u);
     EXPECT_EQ(rig.server.header("quarantined_count"), 0u);
     EXPECT_EQ(rig.server.header("state"), 0u);
     EXPECT_TRUE(audit(rig.mesh));
@@ -354,21 +437,41 @@ TEST(SiteKeeping, ANodeThatCouldNotLeaveHasItsFeaturesBack) {
     rig.bus.silence(5);
     rig.run(4s);
     EXPECT_EQ(rig.log.count("node 1005 cannot leave"), 2u);
-    EXPECT_EQ(rig.server.header("features_active"), 2u);
+    EXPECT_EQ(rig.server.header("features_active"), 1u);
     // Without a fix it is there too; and where it is somewhere else, that is rejected for itself.
-    rig.put(5, 50, 50 + moves, moves == 0 ? std::uint16_t{0} : node_status::fix_valid);
+    rig.put(5, 50, moves, moves == 0 ? std::uint16_t{0} : node_status::fix_valid);
     rig.run(1s);
-    EXPECT_EQ(rig.server.header("features_active"), 3u) << moves;
+    EXPECT_EQ(rig.server.header("features_active"), 2u) << moves;
     EXPECT_EQ(rig.log.count("node 1005 cannot move"), moves == 0 ? 0u : 1u);
   }
 }
 
-TEST(SiteKeeping, NodesThatCannotLeaveMakeNoGenerations) {
-  Rig rig;
-  put_crossing(rig, 1, 0);
-  put_crossing(rig, 11, 1000);
+// All or nothing: it stays where it was, with its features, rather than nowhere.
+TEST(SiteKeeping, ANodeThatStraysAndCannotLeaveStaysWithItsFeatures) {
+  Rig rig({}, 5);
+  put_fence(rig, 1, 0);
   rig.run(500ms);
-  ASSERT_EQ(rig.server.header("features_active"), 6u);
+  const std::uint64_t before = rig.mesh.hash();
+  rig.put(5, 0, 0);  // where node 1 is
+  rig.run(1s);
+  EXPECT_EQ(rig.log.count("node 1005 cannot move at (0, 0)"), 1u);
+  EXPECT_EQ(rig.mesh.hash(), before);
+  EXPECT_EQ(rig.server.header("features_active"), 2u);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
+  rig.bus.silence(3);
+  rig.run(5s);
+  EXPECT_EQ(rig.log.count("node 1005 left"), 1u) << "there is room now";
+  EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
+  EXPECT_EQ(rig.server.header("node_count"), 3u);
+  EXPECT_TRUE(audit(rig.mesh));
+}
+
+TEST(SiteKeeping, NodesThatCannotLeaveMakeNoGenerations) {
+  Rig rig({}, 10);
+  put_fence(rig, 1, 0);
+  put_fence(rig, 11, 1000);
+  rig.run(500ms);
+  ASSERT_EQ(rig.server.header("features_active"), 4u);
   rig.bus.silence(5);
   rig.bus.silence(15);
   rig.run(4s);
@@ -378,11 +481,10 @@ TEST(SiteKeeping, NodesThatCannotLeaveMakeNoGenerations) {
   rig.run(10s);
   EXPECT_EQ(rig.gateway->generation(), generation);
   EXPECT_EQ(rig.gateway->mesh_times().changes, changes) << "nothing to try again for";
-  // What was in the way goes.
-  rig.bus.silence(1);
+  // Room for one of them, whose place then is room for the other.
+  rig.bus.silence(3);
   rig.run(4s);
-  EXPECT_EQ(rig.log.count("node 1005 left"), 1u);
-  EXPECT_EQ(rig.log.count("node 1015 left"), 0u);
+  EXPECT_EQ(rig.log.count("node 1005 left") + rig.log.count("node 1015 left"), 2u);
   EXPECT_TRUE(audit(rig.mesh));
 }
 
@@ -396,12 +498,12 @@ class BusyClock final : public port::Clock {
   mutable port::Instant now_{std::chrono::hours(1)};
 };
 
-// Many features that cannot be, and a node that moves all the time.
-TEST(SiteKeeping, RefusedFeaturesAreNotTriedAtEachMove) {
+// Many features that there is no room for, and a node that moves all the time.
+TEST(SiteKeeping, FeaturesThatWaitForRoomAreNotTriedAtEachMove) {
   constexpr std::uint32_t rejected_count = 10;
   Settings settings;
-  settings.mesh = {.vertices_max = 100, .features_max = 20};
-  settings.features = {feature(1, 2)};  // across all others
+  settings.mesh = {.vertices_max = 100, .features_max = 2};
+  settings.features = {feature(1, 2), feature(2, 3)};
   for (std::uint32_t i = 0; i < rejected_count; ++i) {
     settings.features.push_back(feature(100 + i, 200 + i));
   }
@@ -420,14 +522,15 @@ TEST(SiteKeeping, RefusedFeaturesAreNotTriedAtEachMove) {
     placement.join(*node, 1);
     return node;
   };
-  NodeRecord* const barrier = join(1, 0, 0);
-  join(2, 1000, 0);
+  join(1, 0, -300);
+  NodeRecord* const hub = join(2, 1000, -300);
+  join(3, 2000, -300);
   for (std::uint32_t i = 0; i < rejected_count; ++i) {
     join(100 + i, 50 + 70 * static_cast<std::int32_t>(i), 90);
     join(200 + i, 50 + 70 * static_cast<std::int32_t>(i), -90);
   }
-  NodeRecord* const rover = join(3, 0, 500);
-  const FeatureRecord& rejected = kept.features().records()[1];
+  NodeRecord* const rover = join(4, 0, 500);
+  const FeatureRecord& rejected = kept.features().records()[2];
   ASSERT_EQ(kept.features().rejected_count(), rejected_count);
 
   const port::Instant begin = clock.now();
@@ -436,6 +539,8 @@ TEST(SiteKeeping, RefusedFeaturesAreNotTriedAtEachMove) {
     rover->position = {move, 500};
     placement.move(*rover, 1);
     const std::uint32_t before = rejected.rejected_epoch;
+    placement.settle(1);
+    EXPECT_EQ(rejected.rejected_epoch, before) << "that is not for want of room";
     placement.retry_rejected(1);
     tries += rejected.rejected_epoch != before;
     clock.pass(5ms);
@@ -445,13 +550,34 @@ TEST(SiteKeeping, RefusedFeaturesAreNotTriedAtEachMove) {
   EXPECT_LE(tries, tries_max);
   EXPECT_GE(tries * 2, tries_max);
 
-  // What stood in their way goes.
-  placement.leave(*barrier, "silent", 1);
+  // Two of them have room then.
+  placement.leave(*hub, "silent", 1);
   ASSERT_LE(placement.next_deadline(), clock.now() + 1s);
   clock.pass(placement.next_deadline() - clock.now());
   placement.retry_rejected(1);
-  EXPECT_EQ(kept.features().active_count(), rejected_count);
+  EXPECT_EQ(kept.features().active_count(), 2u);
   EXPECT_EQ(placement.next_deadline(), port::never);
+}
+
+// Refused features are looked at where something has come or gone that matters to them.
+TEST(SiteKeeping, RefusedFeaturesAreLeftAloneWhereNothingOfTheirsHasChanged) {
+  Rig rig({feature(1001, 1003), feature(1002, 1004)});
+  rig.put_square();
+  rig.put(9, 300, 300);
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
+  rig.put(9, 300, 400);
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
+  EXPECT_EQ(rig.log.count("refused"), 1u);
+  rig.put(9, 50, 50);
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 0u) << "they may cross in a node";
+  rig.put(9, 50, 51);
+  rig.run(500ms);
+  EXPECT_EQ(rig.server.header("quarantined_count"), 1u);
+  EXPECT_EQ(rig.log.count("refused"), 2u);
+  EXPECT_TRUE(audit(rig.mesh));
 }
 
 }  // namespace

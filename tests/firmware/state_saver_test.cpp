@@ -129,13 +129,47 @@ TEST(SavedStateForm, SaysAgainWhatWasWritten) {
   EXPECT_EQ(state.sensors, std::vector{learned_sensor()});
 }
 
-// What a gateway that learned nothing of sensors has left on the disk.
-std::vector<std::byte> form_2() {
+// What a gateway has left on the disk that always saved the Steiner vertices.
+std::vector<std::byte> form_3() {
   auto bytes = example();
+  bytes[0] = std::byte{3};
+  bytes.erase(bytes.begin() + 60, bytes.begin() + 64);  // the flags
+  return bytes;
+}
+
+// One that learned nothing of sensors.
+std::vector<std::byte> form_2() {
+  auto bytes = form_3();
   bytes[0] = std::byte{2};
   bytes.erase(bytes.begin() + 44, bytes.begin() + 60);  // two counts and the time
   bytes.resize(bytes.size() - quantities_size - sensor_size_saved);
   return bytes;
+}
+
+TEST(SavedStateForm, TellsAMeshThatBuildMakesFromAnother) {
+  StateWriter writer(1000);
+  SavedState state;
+  writer.begin(7, 8, 0);
+  writer.set_canonical();
+  ASSERT_EQ(decode_state(writer.finish(), state), "");
+  EXPECT_TRUE(state.is_canonical);
+  writer.begin(7, 8, 0);
+  ASSERT_EQ(decode_state(writer.finish(), state), "");
+  EXPECT_FALSE(state.is_canonical);
+}
+
+TEST(SavedStateForm, ReadsForm3) {
+  const auto bytes = form_3();
+  SavedState state;
+  ASSERT_EQ(decode_state(bytes, state), "");
+  EXPECT_FALSE(state.is_canonical);
+  EXPECT_EQ(state.buses, (std::vector<std::string>{"yard", "gate"}));
+  EXPECT_EQ(state.steiner.size(), 1u);
+  EXPECT_EQ(state.sensors, std::vector{learned_sensor()});
+  EXPECT_EQ(state.saved_at_s, saved_at_s);
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_EQ(decode_state(std::span(bytes).first(size), state), "it is cut off") << size;
+  }
 }
 
 TEST(SavedStateForm, ReadsForm2) {
@@ -175,9 +209,9 @@ TEST(SavedStateForm, ReadsForm1) {
 TEST(SavedStateForm, IsTheOneItsHeaderDescribes) {
   const auto bytes = example();
   EXPECT_EQ(bytes.size(),
-            60u + 5 + 5 + 3 * 20 + 8 + 8 + 20 + 2 * 24 + quantities_size + sensor_size_saved);
+            64u + 5 + 5 + 3 * 20 + 8 + 8 + 20 + 2 * 24 + quantities_size + sensor_size_saved);
   const auto at = [&](std::size_t i) { return std::to_integer<unsigned>(bytes[i]); };
-  EXPECT_EQ(at(0), 3u);
+  EXPECT_EQ(at(0), 4u);
   EXPECT_EQ(at(4), 41u);
   EXPECT_EQ(at(8), 99u);
   EXPECT_EQ(at(12), 0xefu);
@@ -185,9 +219,10 @@ TEST(SavedStateForm, IsTheOneItsHeaderDescribes) {
   EXPECT_EQ((std::vector{at(20), at(24), at(28), at(32), at(36), at(40), at(44), at(48)}),
             (std::vector{2u, 3u, 1u, 1u, 1u, 2u, 2u, 1u}));
   EXPECT_EQ(at(52), saved_at_s & 0xff);
-  EXPECT_EQ(at(60), 4u);
-  EXPECT_EQ(at(61), unsigned{'y'});
-  EXPECT_EQ(at(70), 1001u & 0xff);
+  EXPECT_EQ(at(60), 0u);
+  EXPECT_EQ(at(64), 4u);
+  EXPECT_EQ(at(65), unsigned{'y'});
+  EXPECT_EQ(at(74), 1001u & 0xff);
   const std::size_t sensor = bytes.size() - sensor_size_saved;
   EXPECT_EQ(at(sensor), 1001u & 0xff);
   EXPECT_EQ(at(sensor + 4), 1u);
@@ -215,10 +250,10 @@ TEST(SavedStateForm, RefusesWhatIsCutOffOrTooLong) {
 TEST(SavedStateForm, RefusesOtherVersions) {
   auto bytes = example();
   SavedState state;
-  bytes[0] = std::byte{4};
-  EXPECT_EQ(decode_state(bytes, state), "it is from a newer gateway (form 4, this one knows 3)");
+  bytes[0] = std::byte{5};
+  EXPECT_EQ(decode_state(bytes, state), "it is from a newer gateway (form 5, this one knows 4)");
   bytes[0] = std::byte{0};
-  EXPECT_EQ(decode_state(bytes, state), "it is from an older gateway (form 0, this one knows 3)");
+  EXPECT_EQ(decode_state(bytes, state), "it is from an older gateway (form 0, this one knows 4)");
 }
 
 TEST(SavedStateForm, TakesNoMemoryForCountsThatCannotBe) {
@@ -274,6 +309,13 @@ TEST(SavedStateForm, RefusesWhatContradictsItself) {
   writer.begin(7, 8, 0);
   writer.add(SavedFeature{.from = 0, .to = 0});
   EXPECT_EQ(decode_state(writer.finish(), state), "a feature ends at no node");
+  writer.begin(7, 8, 0);
+  writer.set_canonical();
+  writer.add(SteinerPlace{});
+  EXPECT_EQ(decode_state(writer.finish(), state), "its mesh contradicts itself");
+  writer.begin(7, 8, 0);
+  writer.add(SteinerPlace{.feature = 0, .point = {}});
+  EXPECT_EQ(decode_state(writer.finish(), state), "a Steiner vertex is on no feature");
   writer.begin(7, 8, 0);
   writer.add(Quantity{"level", "m"});
   writer.add(learned_sensor());
@@ -497,7 +539,7 @@ TEST_F(StateSaverTest, LoadsTheLastElseThePrevious) {
   EXPECT_EQ(log_.lines,
             (std::vector<std::string>{
                 "state: the last copy is not used, it is from a newer gateway (form 9, this one "
-                "knows 3); it is kept as /state/aside-1",
+                "knows 4); it is kept as /state/aside-1",
                 "state: takes the copy before the last"}));
   EXPECT_EQ(store_.aside.size(), 1u);
 }

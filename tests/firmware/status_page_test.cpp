@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <regex>
 #include <set>
 
 #include "fakes.h"
+#include "firmware/alarms/alarm_subject.h"
 #include "firmware/status/page_files.h"
 #include "page_reader.h"
 #include "support/utf8_check.h"
@@ -256,7 +258,8 @@ TEST_F(StatusPageTest, WhoIsMissingIsSaidEverywhere) {
       status,
       std::regex(R"re("missing":\[\{"serial":1005,"since_ms":99\d\d,"bus":"yard","unit":5\}\])re")))
       << status;
-  EXPECT_EQ(count(status, "\"trouble\":\"1 node is missing: node 1005, unit 5 of yard; look"), 1u);
+  EXPECT_EQ(count(status, "\"troubles\":[\"1 node is missing: node 1005, unit 5 of yard; look"),
+            1u);
   const std::string mesh = get("/mesh.geojson");
   EXPECT_TRUE(is_sound_json(mesh)) << mesh;
   EXPECT_EQ(count(mesh,
@@ -268,10 +271,9 @@ TEST_F(StatusPageTest, WhoIsMissingIsSaidEverywhere) {
   EXPECT_EQ(count(metrics, "\netcm_missing_nodes 1\n"), 1u);
   EXPECT_EQ(count(metrics, "\netcm_node_missing_seconds{serial=\"1005\"} 9.9"), 1u);
   EXPECT_EQ(count(metrics, "\netcm_state{flag=\"missing\"} 1\n"), 1u);
-  EXPECT_EQ(
-      get("/healthz"),
-      "1 node is missing: node 1005, unit 5 of yard; look at its power and address, or dismiss "
-      "it by a reload\n");
+  EXPECT_EQ(get("/healthz"),
+            "1 node is missing: node 1005, unit 5 of yard; look at its supply, its cable and its "
+            "address; if it is gone for good: sudo etcm-gateway ctl dismiss 1005\n");
   EXPECT_EQ(answer_.status, port::web_status::unavailable);
   rig_.bus.silence(4);
   run(9900ms);
@@ -289,11 +291,13 @@ TEST_F(StatusPageTest, ABusThatIsSilentIsSaidSinceWhen) {
   run(1s);
   EXPECT_EQ(count(get("/status.json"), "silent_ms"), 0u);
   rig_.bus.link_up = false;
-  run(1900ms);
+  run(100ms);
   EXPECT_EQ(get("/healthz"), "ok\n") << "it may come back at once";
+  run(1800ms);
   const std::string status = get("/status.json");
   EXPECT_TRUE(is_sound_json(status)) << status;
-  EXPECT_TRUE(std::regex_search(status, std::regex(R"("silent_ms":19\d\d\})"))) << status;
+  EXPECT_TRUE(std::regex_search(status, std::regex(R"("silent_ms":19\d\d,"no_link":"")")))
+      << status;
   EXPECT_EQ(count(status, "\"bus_silent\":true"), 1u);
   const std::string metrics = get("/metrics");
   EXPECT_EQ(count(metrics, "\netcm_bus_silent{bus=\"yard\"} 1\n"), 1u);
@@ -381,6 +385,279 @@ TEST_F(StatusPageTest, MetricsLeaveOutUnitsThatAreOnlyLookedFor) {
   EXPECT_EQ(count(get("/metrics"), "\netcm_unit_requests_total{"), 7u);
 }
 
+TEST_F(StatusPageTest, UnitsAreShownWithWhatTheySaidLast) {
+  rig_.settings.buses[0].units = {{1, 5}};
+  rig_.settings.buses[0].scan = {{6, 20}};
+  open_page();
+  put_square();
+  rig_.put(2, 100, 0, node_status::fix_valid | node_status::moving | node_status::low_battery);
+  rig_.put(9, 70, 30, 0);
+  rig_.bus.silence(5);
+  run(10s);
+  const std::string units = get("/units.json");
+  EXPECT_STREQ(answer_.media_type, "application/json");
+  EXPECT_TRUE(is_sound_json(units)) << units;
+  EXPECT_EQ(count(units, "{\"bus\":"), 6u) << units;
+  EXPECT_EQ(count(units, "\"unit\":1,\"state\":\"answering\",\"since_ms\":99"), 1u) << units;
+  EXPECT_EQ(count(units, "\"serial\":1002,\"said_ms\":90,\"moving\":true,\"low_battery\":true}"),
+            1u)
+      << units;
+  EXPECT_EQ(count(units, "\"serial\":1009,\"said_ms\":90,\"no_fix\":true}"), 1u) << units;
+  EXPECT_EQ(count(units, "\"answer_ms\":10,\"answer_mean_ms\":10,\"answer_longest_ms\":10"), 5u);
+  EXPECT_TRUE(std::regex_search(
+      units, std::regex(R"re("unit":5,"state":"silent","requests":\d+,"recent":\d+,)re"
+                        R"re("recent_errors":\d+,"last_error":"timeout")re")))
+      << units;
+  for (const std::size_t piece : {1u, 100u, 4096u}) EXPECT_EQ(get("/units.json", piece), units);
+}
+
+TEST_F(StatusPageTest, APlanIsServedToTheEndThoughAReloadTakesItAway) {
+  auto plan = std::make_shared<SitePlan>();
+  plan->media_type = "image/png";
+  plan->bytes = "what a file has";
+  plan->version = 77;
+  plan->width = 20;
+  plan->height = 10;
+  plan->world = {5, 0, 0, -5, 2.5, 47.5};
+  rig_.settings.site.plan = plan;
+  open_page();
+  EXPECT_EQ(get("/plan", 5), plan->bytes);
+  EXPECT_STREQ(answer_.media_type, "image/png");
+  EXPECT_EQ(answer_.version, 77u);
+  const std::string status = get("/status.json");
+  EXPECT_TRUE(is_sound_json(status)) << status;
+  EXPECT_EQ(count(status,
+                  "\"plan\":{\"version\":\"000000000000004d\",\"width\":20,\"height\":10,"
+                  "\"corners\":[[0,50],[100,50],[0,0]]}"),
+            1u)
+      << status;
+  page_->begin(1, "/plan");
+  rig_.settings.site.plan = nullptr;
+  rig_.update_settings();
+  EXPECT_EQ(rest(1), plan->bytes);
+  get("/plan");
+  EXPECT_EQ(answer_.status, port::web_status::not_found);
+  EXPECT_EQ(count(get("/status.json"), "\"plan\""), 0u);
+}
+
+// By RFC 4180: lines end with CR LF, all have as many fields, and texts are in quotation marks.
+std::vector<std::vector<std::string>> read_csv(const std::string& text) {
+  std::vector<std::vector<std::string>> rows(1, {""});
+  bool is_quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    std::string& field = rows.back().back();
+    if (text[i] == '"') {
+      if (is_quoted && text.compare(i, 2, "\"\"") == 0) {
+        field += text[i++];
+      } else {
+        is_quoted = !is_quoted;
+      }
+    } else if (!is_quoted && text[i] == ',') {
+      rows.back().emplace_back();
+    } else if (!is_quoted && text.compare(i, 2, "\r\n") == 0) {
+      rows.push_back({""});
+      ++i;
+    } else {
+      field += text[i];
+    }
+  }
+  EXPECT_FALSE(is_quoted);
+  EXPECT_EQ(rows.back(), std::vector<std::string>{""}) << "the last line ends too";
+  rows.pop_back();
+  for (const auto& row : rows) EXPECT_EQ(row.size(), rows.front().size()) << row.front();
+  return rows;
+}
+
+class FixedWallClock final : public port::WallClock {
+ public:
+  std::int64_t milliseconds() const override { return 1'790'000'000'999; }
+};
+
+TEST_F(StatusPageTest, TablesForSpreadsheetsHaveALineForEach) {
+  rig_.settings.buses[0].name = "the \"old\" yard, east";
+  rig_.settings.buses[0].units = {{1, 6}};
+  open_page();
+  put_square();
+  run(1s);
+  rig_.put(6, 50, 40, node_status::fix_valid | node_status::low_battery);
+  run(2s);
+  rig_.bus.silence(2);
+  run(1s);
+  auto rows = read_csv(get("/nodes.csv"));
+  EXPECT_STREQ(answer_.media_type, csv_media_type);
+  ASSERT_EQ(rows.size(), 7u);
+  EXPECT_EQ(rows[1], (std::vector<std::string>{"1001", "", "fresh", "0", "0", "", "", rows[1][7],
+                                               "the \"old\" yard, east", "1", "", "no", "no", ""}));
+  EXPECT_EQ(rows[6][2], "quarantined");
+  EXPECT_EQ(rows[6][12], "yes");
+  EXPECT_EQ(rows[6][13].find("Another node stands exactly there"), 0u);
+  rows = read_csv(get("/units.csv", 1));
+  ASSERT_EQ(rows.size(), 7u);
+  EXPECT_EQ(rows[1][2], "answering");
+  EXPECT_EQ(rows[2][2], "silent");
+  EXPECT_EQ(rows[2][10], "timeout");
+}
+
+TEST_F(StatusPageTest, TheTableOfEventsHasTheirTimes) {
+  rig_.start();
+  const FixedWallClock wall_clock;
+  const StatusSources sources{.gateway = *rig_.gateway,
+                              .events = events_,
+                              .alarms = alarms_,
+                              .wall_clock = wall_clock,
+                              .masters = masters_,
+                              .readers = readers_,
+                              .version = "1.2.3",
+                              .started_at = rig_.clock.now()};
+  page_.emplace(sources, 4);
+  events_.write(port::Level::warning, "he said \"no\",\r\nand went");
+  rig_.clock.pass(60s);
+  page_->advance(rig_.clock.now());
+  const auto rows = read_csv(get("/events.csv", 3));
+  ASSERT_EQ(rows.size(), 1 + events_.count());
+  EXPECT_EQ(rows[1],
+            (std::vector<std::string>{std::to_string(events_.written()), "2026-09-21T14:12:20Z",
+                                      "60", "warning", "he said \"no\",  and went"}));
+}
+
+TEST_F(StatusPageTest, AnAlarmSaysWhatItIsAbout) {
+  rig_.settings.buses[0].name = "the yard";
+  open_page();
+  put_square();
+  run(1s);
+  const FeatureSettings& fence = rig_.gateway->features()[0].settings;
+  const std::pair<AlarmKey, const char*> known[] = {
+      {{AlarmKind::missing_node, 7}, "{\"node\":7}"},
+      {{AlarmKind::identity_conflict, std::uint64_t{8} << 32 | 3}, "{\"node\":8}"},
+      {{AlarmKind::refused_feature, subject_of(fence)}, "{\"feature\":1,\"node\":1001}"},
+      {{AlarmKind::silent_bus, subject_of("the yard")}, "{\"bus\":\"the yard\"}"},
+      {{AlarmKind::never_answered, subject_of("the yard", 2)}, "{\"bus\":\"the yard\",\"unit\":2}"},
+  };
+  const AlarmKey unknown[] = {{AlarmKind::refused_feature, 1},    {AlarmKind::silent_bus, 1},
+                              {AlarmKind::never_answered, 1},     {AlarmKind::gone_gateway, 1},
+                              {AlarmKind::disagreeing_sensor, 1}, {AlarmKind::no_broker, 0}};
+  alarms_.begin_look(rig_.clock.now());
+  for (const auto& [key, about] : known) alarms_.hold(key, {}, "it is wrong", "");
+  for (const AlarmKey& key : unknown) alarms_.hold(key, {}, "it is wrong", "");
+  alarms_.end_look([](const Alarm&) { return true; });
+  const std::string shown = get("/alarms.json");
+  for (const auto& [key, about] : known) {
+    EXPECT_EQ(count(shown, "\"about\":" + std::string(about) + "}"), 1u) << about << shown;
+  }
+  EXPECT_EQ(count(shown, "\"about\""), std::size(known));
+}
+
+TEST_F(StatusPageTest, TheNewestOfTheAlarmsThatHaveEndedAreShownAlone) {
+  open_page();
+  const auto look = [&](std::uint32_t first, std::uint32_t last) {
+    alarms_.begin_look(rig_.clock.now());
+    for (std::uint32_t node = first; node <= last; ++node) {
+      alarms_.hold({AlarmKind::missing_node, node}, {}, "node " + std::to_string(node) + ".", "");
+    }
+    alarms_.end_look([](const Alarm&) { return true; },
+                     [](const Alarm&) { return AlarmEnd::by_itself; });
+    rig_.clock.pass(1s);
+  };
+  for (std::uint32_t node = 1; node <= ended_of_late_max + 5; ++node) look(node, node);
+  look(1, 0);
+  rig_.clock.pass(recurrence_pause);
+  look(1001, 1003);
+  look(1002, 1003);
+  page_->advance(rig_.clock.now());
+  const std::string shown = get("/ended.json");
+  EXPECT_EQ(count(shown, "\"text\""), 1 + ended_of_late_max);
+  EXPECT_LT(shown.find("node 1001."), shown.find("node 105."));
+  EXPECT_LT(shown.find("node 105."), shown.find("node 6."));
+  EXPECT_EQ(count(shown, "node 5."), 0u);
+  EXPECT_EQ(count(shown, "node 1002."), 0u) << "it is on";
+  EXPECT_EQ(count(shown, "}\n,") + count(shown, "},"), ended_of_late_max - 1) << shown;
+  EXPECT_EQ(count(get("/status.json"), "\"ended\":106,"), 1u);
+  EXPECT_EQ(count(get("/history.json"), "\"text\""), 3 + ended_of_late_max + 5);
+  EXPECT_EQ(count(get("/alarms.json"), "\"text\""), 3u);
+}
+
+TEST_F(StatusPageTest, AUnitThatAnswersInVainIsNotSilent) {
+  open_page();
+  put_square();
+  run(1s);
+  rig_.bus.set_result(3, port::BusResult::exception, 4);
+  run(1s);
+  const std::string units = get("/units.json");
+  EXPECT_TRUE(std::regex_search(
+      units, std::regex(R"re("unit":3,"state":"faulty","since_ms":1\d\d\d,.*"last_error":)re"
+                        R"re("exception","exception":4,)re")))
+      << units;
+  EXPECT_EQ(count(get("/status.json"), "\"answering\":4,"), 1u);
+}
+
+TEST_F(StatusPageTest, NoUnitOfASilentBusAnswers) {
+  rig_.settings.buses[0].units = {{1, 5}};
+  rig_.settings.poll.timeout = 2s;
+  open_page();
+  put_square();
+  run(1s);
+  for (std::uint8_t unit = 1; unit <= 5; ++unit) rig_.bus.silence(unit);
+  while (!rig_.gateway->presence().is_silent(BusIndex{0})) run(100ms);
+  EXPECT_EQ(count(get("/status.json"), "\"answering\":0,"), 1u);
+  EXPECT_EQ(count(get("/units.json"), "\"state\":\"silent\""), 5u);
+}
+
+TEST_F(StatusPageTest, AUnitIsStillThatOfTheNodeThatIsMissing) {
+  open_page();
+  put_square();
+  run(1s);
+  rig_.bus.silence(5);
+  run(9900ms);
+  const std::string units = get("/units.json");
+  EXPECT_TRUE(
+      std::regex_search(units, std::regex(R"re("unit":5,"state":"silent".*"serial":1005)re")))
+      << units;
+}
+
+TEST_F(StatusPageTest, NoUnitOfABusWithoutALinkAnswers) {
+  rig_.settings.buses[0].units = {{1, 5}};
+  open_page();
+  put_square();
+  run(1s);
+  EXPECT_EQ(count(get("/status.json"), "\"units\":5,\"answering\":5,"), 1u);
+  rig_.bus.link_up = false;
+  rig_.bus.why_no_link = "/dev/ttyUSB0 is gone; plug it in";
+  run(100ms);
+  const std::string status = get("/status.json");
+  EXPECT_TRUE(is_sound_json(status)) << status;
+  EXPECT_EQ(count(status, "\"units\":5,\"answering\":0,"), 1u) << status;
+  EXPECT_EQ(count(status, "\"no_link\":\"/dev/ttyUSB0 is gone; plug it in\""), 1u) << status;
+  EXPECT_EQ(count(get("/units.json"), "\"state\":\"silent\",\"since_ms\":1"), 5u);
+  rig_.bus.link_up = true;
+  rig_.run(10ms);
+  EXPECT_EQ(count(get("/status.json"), "\"answering\":0,"), 1u) << "none has answered yet";
+  run(200ms);
+  EXPECT_EQ(count(get("/status.json"), "\"answering\":5,"), 1u);
+}
+
+// A converter with a buffer, and a pty, are faster than their speed says.
+TEST_F(StatusPageTest, EfficiencyIsNeverAboveOne) {
+  BusSettings& bus = rig_.settings.buses.front();
+  bus.units = {{1, 5}};
+  bus.outstanding_max = 1;
+  bus.link = port::SerialLine{.path = "line", .baud = 1200};
+  open_page();
+  put_square();
+  run(25s);
+  EXPECT_EQ(count(get("/status.json"), "\"efficiency\":1"), 1u) << get("/status.json");
+  EXPECT_EQ(count(get("/metrics"), "\netcm_bus_efficiency_ratio{bus=\"yard\"} 1\n"), 1u);
+}
+
+// With scan = "1-247", units that are not there would be most of what is counted.
+TEST_F(StatusPageTest, UnitsThatAreOnlyLookedForAreNotCounted) {
+  rig_.settings.buses[0].units = {{1, 5}};
+  rig_.settings.buses[0].scan = {{6, 247}};
+  open_page();
+  put_square();
+  run(2s);
+  EXPECT_EQ(count(get("/status.json"), "\"units\":5,\"answering\":5,"), 1u);
+}
+
 TEST_F(StatusPageTest, HealthNamesTheBusThatIsSilent) {
   open_page();
   put_square();
@@ -396,6 +673,106 @@ TEST_F(StatusPageTest, HealthNamesTheBusThatIsSilent) {
   EXPECT_EQ(answer_.status, port::web_status::ok);
 }
 
+class NeverHeard : public RigTest, private PageReader {
+ protected:
+  NeverHeard() : RigTest({feature(1001, 1003), feature(1002, 9004)}), PageReader(rig_) {
+    rig_.put_square();
+  }
+  // The part of the status that tells of them.
+  std::string unheard() {
+    if (!page_) make_page();
+    const std::string status = get("/status.json");
+    const std::size_t from = status.find("\"unheard\":");
+    return status.substr(from, status.find("\n", from) - from);
+  }
+};
+
+TEST_F(NeverHeard, IsSaidOfAMistypedSerialOnceAllUnitsWereAsked) {
+  rig_.run(2s);
+  EXPECT_EQ(unheard(), "\"unheard\":[],");
+  rig_.run(3s);
+  const std::string why =
+      "node 9004 has not been heard since the start, and feature 2 (site.toml:1) waits for it; "
+      "correct the "
+      "serial there, or look for the node";
+  EXPECT_EQ(unheard(), "\"unheard\":[{\"serial\":9004,\"why\":\"" + why + "\"}],");
+  EXPECT_EQ(rig_.log.count(why), 1u);
+  rig_.settings.features[1] = feature(1002, 1004);
+  rig_.update_settings();
+  rig_.run(5s);
+  EXPECT_EQ(unheard(), "\"unheard\":[],");
+  EXPECT_EQ(rig_.log.count("has not been heard since the start"), 1u);
+}
+
+TEST_F(NeverHeard, IsSaidInOtherWordsOfWhoFellSilentAndWasDismissed) {
+  rig_.run(5s);
+  rig_.bus.silence(3);
+  rig_.run(5s);
+  EXPECT_TRUE(rig_.gateway->dismiss(Serial{1003}));
+  EXPECT_EQ(rig_.log.count("node 1003 is no longer missed"), 1u);
+  rig_.run(5s);
+  const std::string list = unheard();
+  EXPECT_NE(list.find("node 1003 has left or was dismissed, and feature 1 "), std::string::npos)
+      << list;
+  EXPECT_EQ(list.find("node 1003 has not been heard"), std::string::npos) << list;
+}
+
+TEST_F(NeverHeard, IsNotSaidBeforeEachUnitWasAsked) {
+  rig_.settings.buses[0].scan = {{.first = 30, .last = 200}};
+  rig_.run(5s);
+  EXPECT_EQ(unheard(), "\"unheard\":[],");
+  rig_.run(60s);
+  EXPECT_NE(unheard(), "\"unheard\":[],");
+}
+
+TEST_F(StatusPageTest, HealthTellsAllThatIsWrong) {
+  open_page();
+  std::string refusal = "the configuration is refused";
+  sources_->refusal = &refusal;
+  page_.emplace(*sources_, 4);
+  put_square();
+  run(1s);
+  masters_.is_listening = false;
+  rig_.bus.silence(5);
+  run(15s);
+  const std::string health = get("/healthz");
+  EXPECT_EQ(count(health, "\n"), 3u) << health;
+  EXPECT_EQ(health.find("server: nobody can read the mesh"), 0u) << health;
+  EXPECT_EQ(count(health, "\nthe configuration is refused\n1 node is missing: "), 1u) << health;
+  const std::string status = get("/status.json");
+  EXPECT_TRUE(is_sound_json(status)) << status;
+  EXPECT_EQ(count(status, "\",\"the configuration is refused\",\"1 node is missing: "), 1u)
+      << status;
+}
+
+// Else an alarm would be critical beside a health of "ok".
+TEST_F(StatusPageTest, HealthAndAlarmsMeanTheSameBySilent) {
+  open_page();
+  put_square();
+  run(5s);
+  rig_.bus.link_up = false;
+  while (!rig_.gateway->presence().is_silent(BusIndex{0})) run(10ms);
+  EXPECT_EQ(get("/healthz").find("bus yard: no unit has answered for "), 0u);
+}
+
+TEST_F(StatusPageTest, AConfigurationThatIsRefusedIsToldUntilItIsMended) {
+  open_page();
+  std::string refusal;
+  sources_->refusal = &refusal;
+  page_.emplace(*sources_, 4);
+  put_square();
+  run(1s);
+  EXPECT_EQ(get("/healthz"), "ok\n");
+  refusal = "the configuration was changed and is refused: site.toml:5: what; the old one holds";
+  EXPECT_EQ(get("/healthz"), refusal + "\n");
+  EXPECT_EQ(answer_.status, port::web_status::unavailable);
+  EXPECT_NE(get("/status.json").find("\"troubles\":[\"" + refusal), std::string::npos);
+  EXPECT_NE(get("/metrics").find("\netcm_configuration_refused 1\n"), std::string::npos);
+  refusal.clear();
+  EXPECT_EQ(get("/healthz"), "ok\n");
+  EXPECT_NE(get("/metrics").find("\netcm_configuration_refused 0\n"), std::string::npos);
+}
+
 TEST_F(StatusPageTest, AServerWithoutItsPortIsNotHealthy) {
   open_page();
   put_square();
@@ -406,7 +783,7 @@ TEST_F(StatusPageTest, AServerWithoutItsPortIsNotHealthy) {
             "server: nobody can read the mesh; the log says what is wrong with its port\n");
   EXPECT_EQ(answer_.status, port::web_status::unavailable);
   EXPECT_NE(get("/metrics").find("\netcm_listening{server=\"modbus\"} 0\n"), std::string::npos);
-  EXPECT_NE(get("/status.json").find("\"trouble\":\"server: nobody"), std::string::npos);
+  EXPECT_NE(get("/status.json").find("\"troubles\":[\"server: nobody"), std::string::npos);
 }
 
 TEST_F(StatusPageTest, FilesAreThereAndNothingElse) {
@@ -415,8 +792,11 @@ TEST_F(StatusPageTest, FilesAreThereAndNothingElse) {
     EXPECT_EQ(get(std::string(file.path)), file.content);
     EXPECT_EQ(answer_.status, port::web_status::ok);
     EXPECT_NE(answer_.version, 0u);
-    // Nothing comes from elsewhere: it works without a network.
-    EXPECT_EQ(count(std::string(file.content), "https://"), 0u) << file.path;
+    // Nothing comes from elsewhere: it works without a network. The guide names other places.
+    const bool is_of_guide = file.path.starts_with("/guide");
+    EXPECT_EQ(count(std::string(file.content), is_of_guide ? "src=\"http" : "https://"), 0u)
+        << file.path;
+    if (is_of_guide) continue;
     EXPECT_EQ(count(std::string(file.content), "\"//"), 0u) << file.path;
   }
   EXPECT_EQ(get("/").find("<!doctype html>"), 0u);
@@ -428,6 +808,34 @@ TEST_F(StatusPageTest, FilesAreThereAndNothingElse) {
 }
 
 // Names are cut for each document, and may be longer than any of them has room for.
+// Built without cmark-gfm there is none, and nothing leads there.
+TEST_F(StatusPageTest, TheGuideLeadsOnlyToWhatIsThere) {
+  open_page();
+  std::map<std::string, std::string> pages;
+  for (const PageFile& file : page_files()) pages.emplace(file.path, file.content);
+  EXPECT_EQ(count(pages.at("/"), "href=\"guide\""), pages.contains("/guide") ? 1u : 0u);
+  if (!pages.contains("/guide")) return;
+  EXPECT_TRUE(pages.contains("/guide/settings.html"));
+  ASSERT_TRUE(pages.contains("/guide/")) << "with a slash at its end";
+  std::size_t links = 0;
+  const std::regex link("(href|src)=\"([^\"#:]*)(#?)([^\":]*)\"");
+  for (const auto& [path, text] : pages) {
+    if (!path.starts_with("/guide") || text.find("<!doctype html>") != 0) continue;
+    for (std::sregex_iterator at(text.begin(), text.end(), link), end; at != end; ++at, ++links) {
+      const std::string where = (*at)[2];
+      if (where == "./" || where == "../") continue;
+      std::string to = where.empty() ? path : path.substr(0, path.rfind('/') + 1) + where;
+      if (where.starts_with("../")) to = "/" + where.substr(3);
+      ASSERT_TRUE(pages.contains(to)) << path << ": " << at->str();
+      if ((*at)[3] == "") continue;
+      EXPECT_EQ(count(pages.at(to), " id=\"" + (*at)[4].str() + "\""), 1u)
+          << path << ": " << at->str();
+    }
+  }
+  EXPECT_GT(links, 200u);
+  EXPECT_EQ(count(pages.at("/guide/nodes.html"), "id=\"names\""), 1u);
+}
+
 TEST_F(StatusPageTest, EveryDocumentIsUtf8WhateverTheNameOfABus) {
   for (const std::string name : {"\u00e4", "\u20ac", "\U0001f600", "\xff", "\xe2\x82"}) {
     for (std::size_t before = 190; before < 204; ++before) {
@@ -440,6 +848,8 @@ TEST_F(StatusPageTest, EveryDocumentIsUtf8WhateverTheNameOfABus) {
       events.write(port::Level::warning, "bus " + rig.settings.buses[0].name + ": is silent");
       const StatusSources sources{.gateway = *rig.gateway,
                                   .events = events,
+                                  .alarms = alarms_,
+                                  .wall_clock = wall_clock_,
                                   .masters = masters_,
                                   .readers = readers_,
                                   .version = "1.2.3",

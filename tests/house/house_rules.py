@@ -18,16 +18,18 @@ SKIPPED = 77
 LIBRARY_HEADERS = {
     "algorithm", "array", "bit", "cfloat", "climits", "cmath", "compare", "concepts", "cstddef",
     "cstdint", "cstring", "limits", "new", "span", "type_traits", "utility",
+    # The headers for C.
+    "stdbool.h", "stddef.h", "stdint.h",
 }
 
 # Folder, and what files in it must not include (a pattern on the included path).
 FORBIDDEN_ARROWS = [
     ("lib", r"^(etcm/port|port|firmware|tools|tests|modbus|posix|files|inputs)/"),
-    ("port/include", r"(modbus|gpiod|microhttpd|systemd)"),
+    ("port/include", r"(modbus|gpiod|microhttpd|mosquitto|openssl|systemd)"),
     ("port", r"^(firmware|tools|tests)/"),
-    ("port/posix", r"^(modbus|gpiod|microhttpd)"),
-    ("firmware", r"^(tools|tests|modbus/modbus\.h|gpiod|microhttpd)"),
-    ("tools", r"^(firmware/(?!protocol/|profile/)|tests)/"),
+    ("port/posix", r"^(modbus|gpiod|microhttpd|mosquitto|openssl)"),
+    ("firmware", r"^(tools|tests|modbus/modbus\.h|gpiod|microhttpd|mosquitto|openssl)"),
+    ("tools", r"^(firmware/(?!protocol/|profile/|fleet/)|tests)/"),
 ]
 
 # Rooms: each may include those it names, and itself. A header is named with its room, so that the
@@ -56,24 +58,44 @@ FIRMWARE_ROOMS = {
     "toml": (),
     "profile": ("toml",),
     "site": ("protocol",),
-    "config": ("logging", "protocol", "toml", "profile", "site"),
-    "polling": ("logging", "protocol", "toml", "profile", "site", "config"),
-    "records": ("logging", "protocol", "toml", "profile", "site", "config", "polling"),
-    "mesh": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records"),
-    "nodes": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
+    "fleet": ("protocol", "site"),
+    "config": ("logging", "protocol", "toml", "profile", "site", "fleet"),
+    "polling": ("logging", "protocol", "toml", "profile", "site", "fleet", "config"),
+    "records": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling"),
+    "mesh": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
+                "records"),
+    "nodes": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
+                "records",
                 "mesh"),
-    "publish": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
+    "publish": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
+                "records",
                 "mesh", "nodes"),
-    "readings": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
+    "readings": ("logging", "protocol", "toml", "profile", "site", "fleet", "config",
+                "polling", "records",
                 "mesh", "nodes", "publish"),
-    "persist": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
+    "persist": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
+                "records",
                 "mesh", "nodes", "publish"),
-    "gateway": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
+    "gateway": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
+                "records",
                 "mesh", "nodes", "publish", "readings", "persist"),
-    "status": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
+    "alarms": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
+                "records",
                 "mesh", "nodes", "publish", "readings", "persist", "gateway"),
-    "app": ("logging", "protocol", "toml", "profile", "site", "config", "polling", "records",
-                "mesh", "nodes", "publish", "readings", "persist", "gateway", "status"),
+    "status": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
+                "records",
+                "mesh", "nodes", "publish", "readings", "persist", "gateway", "alarms"),
+    "control": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
+                "records",
+                "mesh", "nodes", "publish", "readings", "persist", "gateway", "alarms", "status"),
+    "sparkplug": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
+                  "records", "mesh", "nodes", "publish"),
+    "home_assistant": ("logging", "protocol", "toml", "profile", "site", "fleet", "config",
+                       "polling", "records", "mesh", "nodes", "publish"),
+    "app": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
+                "records",
+                "mesh", "nodes", "publish", "readings", "persist", "gateway",
+                "alarms", "status", "control", "sparkplug", "home_assistant"),
 }
 # Folder, what an include of a room begins with there, and the rooms.
 HOUSES = [
@@ -90,19 +112,23 @@ FOLDERS = {
     "port/gpio": ("port/include", "port/posix"),
     "port/http": ("port/include", "port/posix"),
     "port/modbus": ("port/include", "port/posix"),
+    "port/mqtt": ("port/include", "port/posix"),
     "port/proj": ("port/include",),
+    "tools/command_line": (),
     "tools/inputs": ("lib/include",),
-    "tools/etcm": ("lib/include", "port/files", "tools/inputs"),
-    "tools/nodes": ("lib/include", "port/include", "port/posix", "port/modbus",
+    "tools/etcm": ("tools/command_line", "lib/include", "port/files", "tools/inputs"),
+    "tools/nodes": ("tools/command_line", "lib/include", "port/include", "port/posix", "port/modbus",
                     "firmware/protocol"),
-    "tools/bus": ("port/include", "port/posix", "port/modbus", "firmware/protocol",
+    "tools/bus": ("tools/command_line", "port/include", "port/posix", "port/modbus", "firmware/protocol",
                   "firmware/profile"),
-    "tools/bench": ("lib/include", "port/files", "tools/inputs"),
+    "tools/bench": ("tools/command_line", "lib/include", "port/files", "tools/inputs"),
+    "tools/bench/fleet": ("tools/command_line", "lib/include", "port/include", "port/posix", "port/mqtt",
+                          "firmware/protocol", "firmware/fleet"),
     "tools/compare/systems": ("lib", "port/files", "tools/inputs"),
     # Of what uses it, a report knows what was found.
     "tools/compare/report": ("port/files", "tools/inputs", "tools/compare/systems",
                              "tools/compare/results"),
-    "tools/compare": ("lib/include", "port/files", "tools/inputs", "tools/bench",
+    "tools/compare": ("tools/command_line", "lib/include", "port/files", "tools/inputs", "tools/bench",
                       "tools/compare/systems", "tools/compare/report"),
 }
 # Where an included path begins, beside the folder of its file.
@@ -169,7 +195,7 @@ def pragma_once():
 
 def library_includes():
     """The library includes itself and what needs neither heap nor operating system."""
-    for path in files(".h", ".cpp", under=("lib",)):
+    for path in files(".h", ".cpp", under=("lib/include", "lib/src")):
         for number, is_system, header in includes(path):
             if is_system and header not in LIBRARY_HEADERS:
                 yield f"{name(path)}:{number}: <{header}> is not for the library"
@@ -229,8 +255,9 @@ def installed_headers():
     """Every public header is among those that are installed."""
     listed = (ROOT / "lib/CMakeLists.txt").read_text()
     for path in files(".h", under=("lib/include",)):
-        if f"\n  include/etcm/{path.name}\n" not in listed:
-            yield f"{name(path)}: is in no FILE_SET of lib/CMakeLists.txt, so it is not installed"
+        header = path.relative_to(ROOT / "lib").as_posix()
+        if f"\n  {header}\n" not in listed:
+            yield f"{name(path)}: is in no list of lib/CMakeLists.txt, so it is not installed"
 
 
 def arrows():
@@ -387,6 +414,16 @@ def crowded_folders():
                 yield f"{name(folder)}: {len(stems)} sources; find the rooms in it"
 
 
+def version():
+    """Header and build tell one version."""
+    build = re.search(r"VERSION (\d+)\.(\d+)\.(\d+)", (ROOT / "CMakeLists.txt").read_text().split("project(", 1)[1])
+    header = (ROOT / "lib/include/etcm/version.h").read_text()
+    told = re.findall(r"#define ETCM_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", header)
+    text = re.search(r'#define ETCM_VERSION_STRING "(.*)"', header).group(1)
+    if list(build.groups()) != told or text != ".".join(told):
+        yield f"lib/include/etcm/version.h: tells {told} and '{text}', CMakeLists.txt {build.groups()}"
+
+
 def readme_example():
     """The example in README.md is the one that is compiled and run."""
     example = (ROOT / "tests/install/outside/example.cpp").read_text()
@@ -424,7 +461,7 @@ def format():
     if "version 14." not in version:
         print("clang-format 14 is not installed; skipped")
         sys.exit(SKIPPED)
-    paths = list(files(".h", ".cpp"))
+    paths = list(files(".h", ".cpp", ".c"))
     result = subprocess.run([tool, "--dry-run", "-Werror", *map(str, paths)], capture_output=True,
                             text=True)
     complaints = [line for line in result.stderr.splitlines() if "error:" in line]
@@ -437,7 +474,7 @@ def format():
 
 RULES = [file_length, no_leftovers, readmes, pragma_once, library_includes, nodiscard,
          nodiscard_is_watched, width_in_names, installed_headers, arrows, rooms, folders,
-         rooms_are_watched, library_arrows, library_arrows_are_watched, room_signs, crowded_folders, readme_example, links, format]
+         rooms_are_watched, library_arrows, library_arrows_are_watched, room_signs, crowded_folders, version, readme_example, links, format]
 
 
 def main():

@@ -96,9 +96,12 @@ class OnAMachine(ProgramCase):
         self.assertEqual(self.property_of_service("ActiveState"), "active")
         self.assertEqual(self.property_of_service("Type"), "notify")
         self.wait_for_entry(INFORMATION, r"^serves the mesh on 127.0.0.1:1502")
-        self.wait_for_entry(WARNING, r"^bus example: 127.0.0.1:1500: Connection refused")
+        # As it is installed it asks nobody, and the only thing to be told is that.
+        self.wait_for_entry(WARNING, r"there is no \[\[bus\]\], so nobody is asked")
 
         self.start_nodes("--listen", "127.0.0.1:1500")
+        self.write(SETTINGS, self.run_there("cat", SETTINGS) + TCP)
+        self.run_there("systemctl", "restart", SERVICE)
         self.wait_for_mesh(nodes=3, state=0)
         wait_for("3 nodes in what systemd shows", lambda: re.search(
             "3 nodes, 0 stale, 0 missing, 0 refused", self.property_of_service("StatusText")))
@@ -185,7 +188,7 @@ class OnAMachine(ProgramCase):
                    "[Service]\nDeviceAllow=char-misc rw\n")
         self.run_there("systemctl", "daemon-reload")
         self.run_there("systemctl", "restart", SERVICE)
-        self.wait_for_entry(WARNING, r"^bus odd: /dev/ttyXR0: is no serial port")
+        self.wait_for_entry(WARNING, r"^bus odd: /dev/ttyXR0: is a device, and no serial port")
 
     def test_upgraded_removed_and_purged(self):
         before = self.run_there("sh", "-c", "cat /etc/passwd; systemctl list-unit-files; "

@@ -65,6 +65,7 @@ class Content(ProgramCase):
                      "usr/lib/systemd/system/etcm-gateway.service",
                      "usr/share/doc/etcm-gateway/copyright",
                      "usr/share/doc/etcm-gateway/changelog.gz", "usr/share/man/man1/etcm.1.gz",
+                     "usr/share/bash-completion/completions/etcm-bus",
                      "usr/share/man/man1/etcm-bus.1.gz", "usr/share/man/man1/etcm-nodes.1.gz",
                      "usr/share/man/man8/etcm-gateway.8.gz",
                      "usr/share/man/man5/gateway.toml.5.gz",
@@ -77,6 +78,10 @@ class Content(ProgramCase):
         self.assertEqual([path for path in found if path.endswith((".h", ".a", ".cmake"))], [])
         development = files_under(self.unpacked(DEVELOPMENT))
         self.assertIn("usr/include/etcm/mesh.h", development)
+        for document in ("docs/cost.md", "examples/cluster_head.c", "CHANGELOG.md"):
+            self.assertIn(f"usr/share/doc/libetcm-dev/{document}", development)
+        if shutil.which("doxygen"):
+            self.assertIn("usr/share/doc/libetcm-dev/html/index.html", development)
         self.assertEqual([path for path in development if "/bin/" in path or path[:4] == "etc/"], [])
 
     def test_it_depends_on_what_its_programs_link(self):
@@ -84,7 +89,7 @@ class Content(ProgramCase):
         names = re.findall(r"([a-z0-9.+-]+)(?: \([^)]*\))?(?:, |$)", depends.strip())
         for name in names:
             self.assertIn("install ok", run("dpkg-query", "-W", "-f", "${Status}", name))
-        for library in ("libc6", "libmodbus5", "libstdc++6"):
+        for library in ("libc6", "libmodbus5", "libmosquitto1", "libssl3", "libstdc++6"):
             self.assertIn(library, names)
         called = run("nm", "--dynamic", "--undefined-only",
                      self.unpacked(GATEWAY) / "usr/bin/etcm-gateway")

@@ -75,8 +75,13 @@ class MeshFolderTest : public testing::Test {
 
   std::string read(const std::string& extension) { return scratch_.read("f/mesh" + extension); }
 
+  // Without the lock.
   std::size_t file_count() {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
+    std::size_t count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(path_)) {
+      count += entry.path().filename().string().front() == '.' ? 0 : 1;
+    }
+    return count;
   }
 
   const ScratchFolder scratch_;
@@ -126,6 +131,35 @@ TEST_F(MeshFolderTest, HoldsValuesOnceThereAreAny) {
   EXPECT_EQ(read(".geojson"), files::text_of(files::write_geojson, *image()));
   EXPECT_TRUE(write().ok);
   EXPECT_EQ(file_count(), 4u);
+}
+
+TEST_F(MeshFolderTest, TwoOfOneNameDoNotOverwriteEachOther) {
+  EXPECT_TRUE(write().ok);
+  MeshFolder second(path_, "mesh", vertices_max);
+  std::filesystem::remove(path_ + "/mesh.node");
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    second.start_write(image());
+    ASSERT_TRUE(second.wait(patience));
+    DiskResult refused;
+    ASSERT_TRUE(second.take_result(refused));
+    EXPECT_FALSE(refused.ok);
+    EXPECT_NE(refused.why.find("/.mesh.lock: another program writes files of this name there"),
+              std::string::npos)
+        << refused.why;
+    EXPECT_NE(refused.why.find("a folder of its own"), std::string::npos) << refused.why;
+    EXPECT_FALSE(std::filesystem::exists(path_ + "/mesh.node"));
+  }
+  MeshFolder other(path_, "other", vertices_max);
+  other.start_write(image());
+  ASSERT_TRUE(other.wait(patience));
+  DiskResult written;
+  ASSERT_TRUE(other.take_result(written));
+  EXPECT_TRUE(written.ok) << written.why;
+  opened_.reset();
+  second.start_write(image());
+  ASSERT_TRUE(second.wait(patience));
+  ASSERT_TRUE(second.take_result(written));
+  EXPECT_TRUE(written.ok) << written.why;
 }
 
 TEST_F(MeshFolderTest, WhatACrashLeftIsRemoved) {

@@ -46,6 +46,16 @@ inline void send_bytes(int descriptor, const Bytes& bytes) {
             static_cast<ssize_t>(bytes.size()));
 }
 
+// A client that connects from another address of this machine, 127.0.0.`host`. Blocking.
+inline FileDescriptor connect_from(std::uint8_t host, const SocketAddress& server) {
+  FileDescriptor socket(::socket(AF_INET, SOCK_STREAM, 0));
+  const NativeAddress own = to_native({.host = 0x7f000000u + host, .port = 0});
+  const NativeAddress there = to_native(server);
+  EXPECT_EQ(::bind(socket.get(), own.get(), own.size), 0);
+  EXPECT_EQ(::connect(socket.get(), there.get(), there.size), 0);
+  return socket;
+}
+
 // What has arrived by now; never waits.
 inline void receive_available(int descriptor, Bytes& bytes) {
   std::uint8_t chunk[4096];

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 #include <modbus/modbus.h>
-#include <netinet/in.h>
 
 #include <atomic>
 #include <memory>
@@ -298,15 +297,56 @@ TEST_F(Server, AStrangerTakesNobodysPlace) {
   const FileDescriptor c = connect();
   server_.allow({{.host = 0x7f000001, .prefix = 32}}, log);
   server_.advance(start + 1h);
-  const FileDescriptor stranger(::socket(AF_INET, SOCK_STREAM, 0));
-  sockaddr_in place{.sin_family = AF_INET, .sin_port = 0, .sin_addr = {}, .sin_zero = {}};
-  place.sin_addr.s_addr = htonl(0x7f000002);
-  ASSERT_EQ(::bind(stranger.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place), 0);
-  place.sin_addr.s_addr = htonl(0x7f000001);
-  place.sin_port = htons(server_.address().port);
-  ASSERT_EQ(::connect(stranger.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place), 0);
+  const FileDescriptor stranger = connect_from(2, server_.address());
   EXPECT_TRUE(turn_until(loop_, [&] { return is_closed(stranger.get()); }));
   EXPECT_EQ(ask(a, 1, 0), 1);
+}
+
+// Of eight places.
+class RoomyServer : public Server {
+ protected:
+  RegisterServer roomy_{
+      loop_, {.host = 0x7f000001, .port = 0}, 8, {{"Maker", "mesh server", "1.2"}}, image_of(1)};
+  KeptLog log_;
+};
+
+TEST_F(RoomyServer, OneAddressDoesNotKeepAllOthersOut) {
+  roomy_.allow({everybody}, log_);
+  roomy_.advance(start);
+  std::vector<FileDescriptor> many;
+  for (int i = 0; i < 50; ++i) many.push_back(connect_from(1, roomy_.address()));
+  EXPECT_TRUE(turn_until(loop_, [&] { return is_closed(many.back().get()); }));
+  EXPECT_EQ(roomy_.counters().clients, 6u);
+  EXPECT_EQ(roomy_.counters().rejected, 44u);
+  ASSERT_EQ(log_.lines.size(), 44u);
+  EXPECT_EQ(log_.lines[0],
+            "a client at 127.0.0.1 is rejected: it has 6 connections, as many as one address may "
+            "have of clients_max in [server]; have it close those that it does not use, or raise "
+            "that");
+  for (const std::uint8_t host : {std::uint8_t{2}, std::uint8_t{3}}) {
+    const FileDescriptor visitor = connect_from(host, roomy_.address());
+    EXPECT_EQ(ask(visitor, 1, 0), 1) << "at once";
+  }
+}
+
+TEST_F(RoomyServer, OneAddressMakesRoomAmongItsOwn) {
+  roomy_.allow({everybody}, log_);
+  roomy_.advance(start);
+  const FileDescriptor visitor = connect_from(2, roomy_.address());
+  EXPECT_EQ(ask(visitor, 1, 0), 1);
+  std::vector<FileDescriptor> many;
+  for (int i = 0; i < 6; ++i) {
+    roomy_.advance(start + i * 1s);
+    many.push_back(connect_from(1, roomy_.address()));
+    EXPECT_EQ(ask(many.back(), 1, 0), 1);
+  }
+  // All have been idle for long, the visitor for longest, and there is a free place.
+  roomy_.advance(start + 10s);
+  roomy_.advance(start + 2 * TcpListener::idle_max);
+  const FileDescriptor another = connect_from(1, roomy_.address());
+  EXPECT_EQ(ask(another, 1, 0), 1);
+  EXPECT_TRUE(turn_until(loop_, [&] { return is_closed(many.front().get()); }));
+  EXPECT_EQ(ask(visitor, 1, 0), 1);
 }
 
 TEST_F(Server, WithoutDescriptorsItNeitherSpinsNorStays) {

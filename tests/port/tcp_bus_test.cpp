@@ -282,8 +282,26 @@ TEST_F(Bus, APeerThatFallsSilentIsConnectedAnew) {
   EXPECT_EQ(log_.lines.size(), 3u) << "connected";
 }
 
+TEST_F(Bus, UnitsThatNobodyHasHeardMakeNoSilentPeerBeforeTheyAreAskedAgain) {
+  connect();
+  for (std::uint8_t unit = 1; unit <= 8; ++unit) {
+    request(unit);
+    now_ += 1s;
+    bus_->advance(now_);
+    EXPECT_EQ(answer().result, BusResult::timeout);
+    ASSERT_TRUE(bus_->ready()) << int{unit};
+  }
+  request(1);
+  now_ += 50ms;
+  bus_->advance(now_);
+  EXPECT_EQ(answer().result, BusResult::timeout);
+  EXPECT_FALSE(bus_->ready()) << "all had their turn";
+}
+
 TEST_F(Bus, WhatIsUnderWayHasItsTimeWhenThePeerIsSilent) {
   connect();
+  reply(request(7), 7, 1);
+  EXPECT_EQ(answer().result, BusResult::ok);
   const Instant asked_first = now_;
   request(7);
   now_ += 50ms;

@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <filesystem>
+#include <iterator>
 #include <map>
 
+#include "http/host_check.h"
 #include "no_descriptors.h"
 #include "peer.h"
 
@@ -129,7 +132,10 @@ TEST_F(WebServerTest, WhoIsNotAllowedIsTurnedAway) {
   server_.allow({{.host = 0x0a000000, .prefix = 8}}, log);
   EXPECT_TRUE(turn_until([&] { return is_gone(before.get()) && counters_.clients == 0; }));
   const FileDescriptor after = client("GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
-  EXPECT_TRUE(turn_until([&] { return is_gone(after.get()); }));
+  const std::string answer = receive(after.get());
+  EXPECT_TRUE(answer.starts_with("HTTP/1.1 403 Forbidden\r\n")) << answer;
+  EXPECT_NE(answer.find("allow = [\"10.0.0.0/8\", \"127.0.0.1\"]"), std::string::npos) << answer;
+  EXPECT_EQ(answer.find("xxx"), std::string::npos);
   EXPECT_EQ(site_.begun, 1u);
   EXPECT_EQ(counters_.rejected, 2u);
   ASSERT_EQ(log.lines.size(), 1u);
@@ -138,6 +144,105 @@ TEST_F(WebServerTest, WhoIsNotAllowedIsTurnedAway) {
             "there if it may see everything");
   server_.allow({this_machine}, log);
   EXPECT_TRUE(get("/10").starts_with("HTTP/1.1 200 OK\r\n"));
+}
+
+// A browser opens connections in advance. An answer that lies there would be taken for that to the
+// next question, when its address is let in by then.
+TEST_F(WebServerTest, WhoIsNotAllowedAndHasNotAskedIsToldNothing) {
+  KeptLog log;
+  server_.allow({{.host = 0x0a000000, .prefix = 8}}, log);
+  const FileDescriptor early = client("");
+  EXPECT_TRUE(turn_until([&] { return counters_.rejected == 1; }));
+  const FileDescriptor gone = client("");
+  EXPECT_TRUE(turn_until([&] { return counters_.rejected == 2; }));
+  char byte;
+  EXPECT_LT(::recv(early.get(), &byte, 1, MSG_DONTWAIT), 0);
+  EXPECT_EQ(errno, EAGAIN);
+  send(early.get(), "GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
+  EXPECT_TRUE(receive(early.get()).starts_with("HTTP/1.1 403 Forbidden\r\n"));
+  now_ += Farewell::time;
+  server_.advance(now_);
+  EXPECT_TRUE(turn_until([&] { return is_gone(gone.get()); }));
+}
+
+// Who keeps its end open, or asks again and again, holds a few descriptors for two seconds.
+TEST_F(WebServerTest, WhoIsNotAllowedHoldsNothingForLong) {
+  KeptLog log;
+  server_.allow({{.host = 0x0a000000, .prefix = 8}}, log);
+  const auto open_files = [] {
+    return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
+  };
+  const auto before = open_files();
+  std::vector<FileDescriptor> stubborn;
+  for (int i = 0; i < 12; ++i) stubborn.push_back(client("GET /10 HTTP/1.1\r\nHost: a\r\n\r\n"));
+  EXPECT_TRUE(turn_until([&] { return counters_.rejected == 12; }));
+  const auto kept = static_cast<std::ptrdiff_t>(stubborn.size() + Farewell::places);
+  EXPECT_LE(open_files(), before + kept);
+  EXPECT_LE(server_.next_deadline(), now_ + Farewell::time);
+  now_ += Farewell::time;
+  server_.advance(now_);
+  EXPECT_EQ(open_files(), before + 12);
+  EXPECT_EQ(counters_.clients, 0u);
+}
+
+TEST(HostCheck, KnowsAddressesAndItsOwnNames) {
+  const std::vector<std::string> names{"etcm.example", "north"};
+  for (const char* const known :
+       {"127.0.0.1", "127.0.0.1:8080", "192.0.2.7", "[::1]", "[2001:db8::1]:8080",
+        "[fe80::1%25eth0]:80", "localhost", "LocalHost:80", "etcm.example", "ETCM.Example:8080",
+        "etcm.example.", "north:1"}) {
+    EXPECT_TRUE(check_host(known, names).is_known) << known;
+  }
+  for (const char* const unknown :
+       {"", "evil.example", "etcm.example.evil.example", "xetcm.example", "localhost.evil.example",
+        "127.0.0.1.evil.example", "127.1", "0x7f.1", "2130706433", "127.0.0.1:", "[::1", "a b",
+        "north:99999", "<script>", "127.0.0.1, evil.example"}) {
+    EXPECT_FALSE(check_host(unknown, names).is_known) << unknown;
+  }
+  EXPECT_EQ(check_host("Evil.Example.:8080", names).name, "evil.example");
+  EXPECT_EQ(check_host("<script>", names).name, "");
+  EXPECT_FALSE(check_host("etcm.example", {}).is_known);
+}
+
+// A page of another site whose name leads here by now: the browser says whose page asks.
+TEST_F(WebServerTest, WhoAsksByANameOfAnotherSiteIsToldNothingButWhy) {
+  KeptLog log;
+  server_.allow({everybody}, log);
+  server_.expect_names({"gateway"});
+  EXPECT_TRUE(get("/10").starts_with("HTTP/1.1 200 OK\r\n"));
+  const auto ask = [&](const std::string& headers, const std::string& method = "GET") {
+    const FileDescriptor socket = client(method + " /10 HTTP/1.1\r\n" + headers + "\r\n");
+    return receive(socket.get(), "nothing.\n");
+  };
+  const std::string answer = ask("Host: Evil.example:8080\r\n");
+  EXPECT_TRUE(answer.starts_with("HTTP/1.1 421 ")) << answer;
+  EXPECT_NE(answer.find("was asked for, evil.example.\n"), std::string::npos) << answer;
+  EXPECT_NE(answer.find("names = [\"evil.example\"]"), std::string::npos) << answer;
+  EXPECT_NE(answer.find("\r\nX-Content-Type-Options: nosniff\r\n"), std::string::npos);
+  EXPECT_NE(answer.find("\r\nContent-Type: text/plain"), std::string::npos);
+  EXPECT_EQ(answer.find("xxxxxxxxxx"), std::string::npos);
+  ASSERT_EQ(log.lines.size(), 1u);
+  EXPECT_EQ(log.lines[0],
+            "a browser at 127.0.0.1 asks for the page by the name evil.example and is told "
+            "nothing: add it to names of [http] if it is right; else another site tries to read "
+            "the page through that browser");
+  // Whatever stands beside it, and whatever it asks.
+  EXPECT_TRUE(ask("Host: gateway\r\nHost: evil.example\r\n").starts_with("HTTP/1.1 4"));
+  EXPECT_TRUE(ask("Host: evil.example\r\nHost: gateway\r\n").starts_with("HTTP/1.1 4"));
+  EXPECT_TRUE(ask("hOsT: evil.example\r\n", "POST").starts_with("HTTP/1.1 421 "));
+  const std::string odd = ask("Host: <script>\r\n");
+  EXPECT_TRUE(odd.starts_with("HTTP/1.1 421 ")) << odd;
+  EXPECT_EQ(odd.find("script"), std::string::npos) << odd;
+  EXPECT_EQ(site_.begun, 1u);
+  EXPECT_GE(counters_.rejected, 3u);
+  server_.expect_names({"evil.example"});
+  EXPECT_TRUE(ask("Host: gateway\r\n").starts_with("HTTP/1.1 421 ")) << "the names are others";
+}
+
+TEST_F(WebServerTest, AClientOfOldWithoutAHostIsServed) {
+  server_.expect_names({});
+  const FileDescriptor socket = client("GET /10 HTTP/1.0\r\n\r\n");
+  EXPECT_NE(receive(socket.get(), "xxxxxxxxxx").find("200 OK"), std::string::npos);
 }
 
 TEST_F(WebServerTest, ABrowserOfIpv6IsServedAsItIsAllowed) {
@@ -152,8 +257,7 @@ TEST_F(WebServerTest, ABrowserOfIpv6IsServedAsItIsAllowed) {
     });
   };
   const FileDescriptor stranger = connect_tcp(both.address());
-  EXPECT_TRUE(turn_both_until([&] { return is_gone(stranger.get()); }));
-  ASSERT_EQ(log.lines.size(), 1u);
+  ASSERT_TRUE(turn_both_until([&] { return log.lines.size() == 1; }));
   EXPECT_TRUE(log.lines[0].starts_with("a browser at ::1 is rejected")) << log.lines[0];
   both.allow({{.host = loopback_ipv6, .prefix = 128}}, log);
   const FileDescriptor browser = connect_tcp(both.address());
@@ -272,7 +376,10 @@ TEST_F(WebServerTest, AnIdleConnectionIsClosed) {
 
 TEST_F(WebServerTest, MoreClientsThanThereIsRoomForComeLater) {
   std::vector<FileDescriptor> idle;
-  for (int i = 0; i < 200; ++i) idle.push_back(client(""));
+  for (std::uint8_t host = 1; host <= 100; ++host) {
+    idle.push_back(connect_from(host, server_.address()));
+    idle.push_back(connect_from(host, server_.address()));
+  }
   for (int i = 0; i < 20; ++i) turn();
   EXPECT_EQ(counters_.clients, 8u);
   // They have nothing to say, so their time ends, again and again.
@@ -284,6 +391,32 @@ TEST_F(WebServerTest, MoreClientsThanThereIsRoomForComeLater) {
     return bytes.size() > 10;
   }));
   EXPECT_LE(counters_.clients, 8u);
+}
+
+// Clients that say nothing for as long as they may, each followed by another one.
+TEST_F(WebServerTest, OneAddressDoesNotKeepAllOthersOut) {
+  KeptLog log;
+  server_.allow({everybody}, log);
+  std::vector<FileDescriptor> slow;
+  for (int i = 0; i < 200; ++i) slow.push_back(connect_from(2, server_.address()));
+  const FileDescriptor visitor = client("GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
+  EXPECT_NE(receive(visitor.get()).find("xxxxxxxxxx"), std::string::npos) << "at once";
+  EXPECT_EQ(counters_.clients, 7u);
+  EXPECT_EQ(counters_.rejected, 194u);
+  EXPECT_TRUE(is_gone(slow.back().get()));
+  ASSERT_EQ(log.lines.size(), 194u);
+  EXPECT_EQ(log.lines[0],
+            "a browser at 127.0.0.2 is rejected: it has 6 connections, as many as one address may "
+            "have of clients_max in [http]; raise that if it is a proxy");
+  // Whose connections end may have others.
+  slow.clear();
+  EXPECT_TRUE(turn_until([&] {
+    now_ += 1s;
+    return counters_.clients <= 1;
+  }));
+  const FileDescriptor again = connect_from(2, server_.address());
+  send(again.get(), "GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
+  EXPECT_NE(receive(again.get()).find("xxxxxxxxxx"), std::string::npos);
 }
 
 TEST_F(WebServerTest, WithoutDescriptorsItNeitherSpinsNorStays) {

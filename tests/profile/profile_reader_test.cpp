@@ -13,6 +13,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::SizeIs;
 
 std::vector<std::string> mistakes(const std::string& toml) {
@@ -250,6 +251,11 @@ TEST(ProfileMistakes, OfHostileFiles) {
   }
   EXPECT_THAT(mistakes("x = " + std::string(100'000, '[')), SizeIs(1));
   EXPECT_THAT(mistakes(std::string(2'000'000, '#')), SizeIs(1));
+}
+
+TEST(ProfileMistakes, EachIsOneLine) {
+  EXPECT_THAT(mistakes("x = t\n]"), ElementsAre(Not(HasSubstr("\n"))));
+  EXPECT_THAT(mistakes_in("\"a\\nb\" = 1"), testing::Each(Not(HasSubstr("\n"))));
 }
 
 TEST(ProfileFiles, AreSound) {

@@ -57,7 +57,13 @@ void* operator new(std::size_t size, std::align_val_t alignment) {
   if (void* memory = __real_aligned_alloc(step, (size + step - 1) / step * step)) return memory;
   throw std::bad_alloc();
 }
+// As std::stable_sort asks.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  count();
+  return __real_malloc(size == 0 ? 1 : size);
+}
 void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "etcm/audit.h"
+#include "etcm/dry_run.h"
 #include "support/families.h"
 
 namespace etcm::test {
@@ -67,10 +68,31 @@ Position CanonicalLife::near_something() {
   }
 }
 
+// Of what may be refused or not: no trace of it is left, or the mesh would not be that of build().
+void CanonicalLife::rehearse() {
+  Mesh& mesh = **mesh_;
+  DryRun dry(mesh);
+  const VertexId v = random_node();
+  const std::uint64_t choice = random_.below(5);
+  if (v.is_none() || choice == 0) {
+    static_cast<void>(dry.join(near_something()));
+  } else if (choice == 1) {
+    static_cast<void>(dry.leave(v));
+  } else if (choice == 2) {
+    static_cast<void>(dry.move(v, near_something()));
+  } else if (choice == 3) {
+    static_cast<void>(dry.add_feature({v, random_node()}));
+  } else if (mesh.feature_id_end() != 0) {
+    static_cast<void>(
+        dry.remove_feature(FeatureId{static_cast<IdValue>(random_.index(mesh.feature_id_end()))}));
+  }
+}
+
 void CanonicalLife::change() {
   Mesh& mesh = **mesh_;
   VertexId v;
   FeatureId f;
+  if (random_.below(4) == 0) rehearse();
   const std::uint64_t choice = random_.below(100);
   if (choice < 25) {
     static_cast<void>(mesh.join(near_something(), v));

@@ -26,6 +26,7 @@ class CanonicalLife {
 
  private:
   void change();
+  void rehearse();
   testing::AssertionResult compare();
   Position near_something();
   VertexId random_node();

@@ -101,16 +101,21 @@ History::Change History::make_anew() {
 AssertionResult History::step() {
   const Picture before = picture_of(mesh_);
   const bool was_whole = mesh_.unresolved() == 0;
+  foretold_.reset();
   Change change = next_change();
+  if (const AssertionResult told = was_foretold(change.answer); !told) {
+    return AssertionFailure() << change.name << ": " << told.message();
+  }
   if (!was_whole && !change.is_new) {
     change.expected = {Status::mesh_unresolved};
     change.may_lack_room = false;
   }
   const bool for_room = is_for_want_of_room(change.answer);
   if (for_room) ++refused_for_room_;
-  if (mesh_.work_done() > limit_) {
+  if (mesh_.work_needed() > limit_) {
     return AssertionFailure() << change.name << " answered " << to_string(change.answer)
-                              << " and took " << mesh_.work_done().units << " of " << limit_.units;
+                              << " and took " << mesh_.work_needed().units << " of "
+                              << limit_.units;
   }
   if (!change.expected.contains(change.answer) && !(for_room && change.may_lack_room)) {
     return AssertionFailure() << change.name << " answered " << to_string(change.answer) << ", not "
@@ -126,6 +131,20 @@ AssertionResult History::step() {
                               << ", and left a mesh with broken " << to_string(sound.broken);
   }
   return AssertionSuccess();
+}
+
+AssertionResult History::was_foretold(Status answer) const {
+  if (left_a_trace_) return AssertionFailure() << "a dry run left a trace";
+  if (!foretold_) return AssertionSuccess();
+  const Outcome& foretold = *foretold_;
+  // How far it is to the place of a change depends on where the last walk has ended.
+  const bool is_limited = foretold.status == Status::work_limit || answer == Status::work_limit;
+  if (work_bits_ != 0 && is_limited) return AssertionSuccess();
+  const std::int64_t came = std::int64_t{mesh_.steiner_count()} - steiner_before_;
+  if (foretold.status == answer && foretold.steiner == came) return AssertionSuccess();
+  return AssertionFailure() << "a dry run foretold " << to_string(foretold.status) << " and "
+                            << foretold.steiner << " more Steiner vertices, not "
+                            << to_string(answer) << " and " << came;
 }
 
 AssertionResult History::agrees() const {
@@ -156,7 +175,8 @@ AssertionResult History::agrees() const {
 History::Change History::join() {
   const Position position = random_position();
   VertexId id;
-  const Status answer = mesh_.join(position, id, next_limit());
+  const Work limit = limit_after([&](DryRun& dry, Work most) { return dry.join(position, most); });
+  const Status answer = mesh_.join(position, id, limit);
   if (is_taken(position, VertexId::none()))
     return {"join", answer, {Status::duplicate_vertex}, true};
   if (answer == Status::ok) standing_.nodes[id] = position;
@@ -172,7 +192,8 @@ History::Change History::leave() {
                   [node](const auto& f) { return f.second.from == node || f.second.to == node; });
   const std::set<Status> expected =
       is_endpoint ? std::set{Status::endpoint_in_use} : faults_of(after);
-  const Status answer = mesh_.leave(node, next_limit());
+  const Work limit = limit_after([&](DryRun& dry, Work most) { return dry.leave(node, most); });
+  const Status answer = mesh_.leave(node, limit);
   if (answer == Status::ok) standing_ = std::move(after);
   return {"leave", answer, expected, !is_endpoint};
 }
@@ -187,7 +208,9 @@ History::Change History::move() {
           // Without the node, features that met there may cross: then either word is right.
           ? std::set{Status::duplicate_vertex, Status::crossing_features}
           : faults_of(after);
-  const Status answer = mesh_.move(node, position, next_limit());
+  const Work limit =
+      limit_after([&](DryRun& dry, Work most) { return dry.move(node, position, most); });
+  const Status answer = mesh_.move(node, position, limit);
   if (answer == Status::ok) standing_ = std::move(after);
   return {"move", answer, expected, true};
 }
@@ -195,7 +218,9 @@ History::Change History::move() {
 History::Change History::add_feature() {
   const FeatureEnds ends{random_node(), random_node()};
   FeatureId id;
-  const Status answer = mesh_.add_feature(ends, id, next_limit());
+  const Work limit =
+      limit_after([&](DryRun& dry, Work most) { return dry.add_feature(ends, most); });
+  const Status answer = mesh_.add_feature(ends, id, limit);
   if (ends.from == ends.to) return {"add_feature", answer, {Status::zero_length_feature}};
   Standing after = standing_;
   after.features[FeatureId::none()] = ends;
@@ -213,7 +238,9 @@ History::Change History::remove_feature() {
   const auto chosen =
       std::next(standing_.features.begin(),
                 static_cast<std::ptrdiff_t>(random_.below(standing_.features.size())));
-  const Status answer = mesh_.remove_feature(chosen->first, next_limit());
+  const Work limit =
+      limit_after([&](DryRun& dry, Work most) { return dry.remove_feature(chosen->first, most); });
+  const Status answer = mesh_.remove_feature(chosen->first, limit);
   if (answer == Status::ok) standing_.features.erase(chosen);
   return {"remove_feature", answer, {Status::ok}, work_bits_ != 0};
 }
@@ -289,6 +316,23 @@ History::Change History::clear_and_restore() {
 
 History::Change History::rebuild() {
   return {"rebuild", mesh_.rebuild(next_limit()), {Status::ok}, true};
+}
+
+template <class Ask>
+Work History::limit_after(Ask ask) {
+  const Work limit = next_limit();
+  steiner_before_ = mesh_.steiner_count();
+  if (++changes_ % 2 == 0) return limit;
+  const Picture before = picture_of(mesh_);
+  const std::uint32_t vertex_end = mesh_.vertex_id_end(), feature_end = mesh_.feature_id_end();
+  const Work work = mesh_.work_needed();
+  const bool was_canonical = mesh_.is_canonical();
+  DryRun dry(mesh_);
+  foretold_ = ask(dry, limit);
+  left_a_trace_ = picture_of(mesh_) != before || mesh_.vertex_id_end() != vertex_end ||
+                  mesh_.feature_id_end() != feature_end || mesh_.work_needed() != work ||
+                  mesh_.is_canonical() != was_canonical || foretold_->work > limit;
+  return limit;
 }
 
 Work History::next_limit() {

@@ -1,5 +1,6 @@
 // A mesh that lives: random joins, leaves, moves and features, each judged against a plain list of
-// what stands, by brute force.
+// what stands, by brute force; some of them after a dry run, which must answer the same and leave
+// no trace.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -7,8 +8,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 
+#include "etcm/dry_run.h"
 #include "etcm/mesh.h"
 #include "inputs/random.h"
 
@@ -70,6 +73,10 @@ class History {
   Change ebb();
   void turn_the_tide();
 
+  // The limit of the change that comes next, of which ask() may make a dry run first.
+  template <class Ask>
+  Work limit_after(Ask ask);
+  testing::AssertionResult was_foretold(Status answer) const;
   Work next_limit();
   Position random_position();
   VertexId random_node();
@@ -89,6 +96,10 @@ class History {
   Standing standing_;
   unsigned work_bits_ = 0;  // 0: no limit
   Work limit_ = Work::unlimited();
+  std::uint64_t changes_ = 0;
+  std::optional<Outcome> foretold_;  // by the dry run of the change
+  std::int64_t steiner_before_ = 0;
+  bool left_a_trace_ = false;
   std::size_t refused_for_room_ = 0;
   std::size_t times_empty_ = 0;
   std::size_t times_incomplete_ = 0;

@@ -16,13 +16,13 @@ from gateway_test import GatewayCase, wait_for
 from programs import free_port
 
 
-def open_browser():
+def open_browser(*more):
     options = webdriver.ChromeOptions()
     options.binary_location = "/usr/bin/chromium"
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     for argument in ["--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run",
                      "--disable-background-networking", "--disable-component-update",
-                     "--disable-sync", "--disable-dev-shm-usage"]:
+                     "--disable-sync", "--disable-dev-shm-usage", *more]:
         options.add_argument(argument)
     return webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
 
@@ -36,10 +36,11 @@ class PageCase(GatewayCase):
         self.url = match.group(1)
         return gateway
 
-    def start_page_with_room(self, rows, more=""):
+    def start_page_with_room(self, rows, more="", **times):
         """Has a second bus, on which nodes come when the test wants them: they join at once."""
         self.second = f"127.0.0.1:{free_port()}"
-        return self.start_page(rows, f'[[bus]]\ntcp = "{self.second}"\nunits = "1"\n' + more)
+        return self.start_page(rows, f'[[bus]]\ntcp = "{self.second}"\nunits = "1"\n' + more,
+                               **times)
 
     def join_on_second_bus(self, serial, x, y):
         self.start_nodes([f"0,{serial},join,{x},{y}"], self.second, "second")
@@ -69,6 +70,22 @@ class BrowserCase(PageCase):
             "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500})
         self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {
             "features": [{"name": "prefers-color-scheme", "value": colours}]})
+
+    def forget_what_was_asked(self):
+        """From now on asked() counts; a browser remembers only so many."""
+        self.browser.execute_script(
+            "performance.clearResourceTimings(); performance.setResourceTimingBufferSize(100000)")
+
+    def asked(self, path):
+        """How often the page has asked for that."""
+        return self.browser.execute_script(
+            "return performance.getEntriesByType('resource')"
+            ".filter((entry) => entry.name.endsWith(arguments[0])).length", path)
+
+    def wait_for_turns(self, count=2):
+        """The page asks every second how things stand, and then for what it shows."""
+        before = self.asked("/status.json")
+        wait_for("other turns of the page", lambda: self.asked("/status.json") >= before + count)
 
     def find(self, selector):
         return self.browser.find_element(By.CSS_SELECTOR, selector)

@@ -1,4 +1,4 @@
-"""tools/demo --live as a newcomer runs it, in the build of the preset release."""
+"""tools/demo as a newcomer runs it, in the build of the preset release."""
 import json
 import os
 import pathlib
@@ -48,6 +48,11 @@ class Live(ProgramCase):
         if folder:
             self.take_picture(url, pathlib.Path(folder))
         self.assertEqual(demo.stop(signal.SIGINT), 0, demo.log())
+
+    def test_a_fleet_has_one_mesh_after_a_gateway_and_the_broker_were_killed(self):
+        demo = self.start("demo", [DEMO, "--fleet"])
+        demo.wait_for_line(r"(?m)^4 of 4 agree: mesh_hash [0-9a-f]{16}, audited$")
+        self.assertEqual(demo.process.wait(PATIENCE_S), 0)
 
     def nodes_with_levels(self, url, count):
         answer = urllib.request.urlopen(f"{url}/mesh.geojson", timeout=PATIENCE_S).read()

@@ -58,6 +58,8 @@ listen = "{listen}"
 [files]
 folder = "out"
 interval = "100ms"
+[control]
+socket = "control"
 """
         for address, units in buses:
             link = "rtu" if address.startswith("/") else "tcp"
@@ -69,6 +71,10 @@ interval = "100ms"
         match = gateway.wait_for_line(r"serves the mesh on \S+:(\d+)")
         self.port = int(match.group(1))
         return gateway
+
+    def ctl(self, *words):
+        return subprocess.run([PROGRAMS / "etcm-gateway", "ctl", "--socket", "control", *words],
+                              cwd=self.folder, capture_output=True, text=True, timeout=PATIENCE_S)
 
     def read(self, unit, first, count):
         """Input registers, read by mbpoll."""
@@ -131,8 +137,9 @@ class AgainstNodes(GatewayCase):
         # Partial, for the feature waits, and missing.
         self.wait_for_header(nodes=2, features=0, state=1 + 8)
         self.assertEqual(self.vertices(), {2: (1000, -5), 3: (450, 750)})
-        gateway.process.send_signal(signal.SIGHUP)
-        gateway.wait_for_line(r"node 1 is no longer missed: dismissed by the reload")
+        done = self.ctl("dismiss", "1")
+        self.assertEqual((done.returncode, done.stdout), (0, "node 1 is no longer missed\n"))
+        gateway.wait_for_line(r"node 1 is no longer missed: dismissed")
         self.wait_for_header(nodes=2, state=1)
 
     def test_nodes_are_reached_by_name_and_by_ipv6_beside_a_name_that_is_not_there(self):
@@ -181,7 +188,7 @@ class AgainstNodes(GatewayCase):
         self.assertIn("30 nodes", gateway.log())
         self.assertIn("audit passed: conforming", gateway.log())
         out = self.folder / "out"
-        self.assertEqual(sorted(path.name for path in out.iterdir()),
+        self.assertEqual(sorted(path.name for path in out.iterdir() if path.name != ".mesh.lock"),
                          ["mesh.ele", "mesh.node", "mesh.svg"])
         records = [line.split() for line in (out / "mesh.node").read_text().splitlines()
                    if line.strip() and not line.startswith("#")]
@@ -535,6 +542,25 @@ class CommandLine(GatewayCase):
         gateway.wait_for_line(r"warning: site.toml:2: the buses have 10 units")
         self.assertEqual(gateway.stop(), 0, gateway.log())
 
+    def test_what_systemd_gives_to_the_service_alone_is_not_missed_by_a_check(self):
+        credential = "/run/credentials/etcm-gateway-of-a-test.service/mqtt.password"
+        config = ('[mesh]\nvertices_max = 9\n[[bus]]\ntcp = "127.0.0.1:1"\nunits = "1"\n'
+                  '[mqtt]\nbroker = "127.0.0.1:9"\n'
+                  f'site = "yard"\nname = "north"\npassword_file = "{credential}"\n')
+        (self.folder / "site.toml").write_text(config)
+        done = self.run_gateway("--config", "site.toml", "--check-config")
+        self.assertEqual((done.returncode, done.stdout), (0, "site.toml: good\n"), done.stderr)
+        self.assertIn(f"warning: site.toml:10: {credential} is not looked at: systemd gives it to "
+                      "the service alone, and only while that runs", done.stderr)
+        # The service would have it; who starts it by hand has not.
+        done = self.run_gateway("--config", "site.toml")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn(f"there is no {credential}; name it in a LoadCredential of the service",
+                      done.stderr)
+        # Other mistakes are found all the same.
+        (self.folder / "site.toml").write_text(config + 'nonsense = 1\n')
+        self.assertEqual(self.run_gateway("--config", "site.toml", "--check-config").returncode, 2)
+
     def test_the_settings_it_prints_are_good_as_they_stand(self):
         printed = self.run_gateway("--settings")
         self.assertEqual(printed.returncode, 0, printed.stderr)
@@ -551,18 +577,34 @@ class CommandLine(GatewayCase):
         self.assertGreater(len(keys), 50)
         self.assertEqual(re.findall(r"^\.(?:Ss|It) \\fB([^\\]+)\\fR", page, re.M), keys)
 
+    def test_the_example_of_the_manual_page_is_good_as_it_stands(self):
+        man = HERE.parents[1] / "firmware/man"
+        page = subprocess.run(["awk", "-f", man / "settings.awk", man.parent / "guide/settings.md"],
+                              capture_output=True, text=True, timeout=PATIENCE_S, check=True).stdout
+        example = re.search(r"^\.Sh EXAMPLES\n.*?^\.Bd -literal\n(.*?)^\.Ed", page, re.M | re.S)
+        (self.folder / "site.toml").write_text(example.group(1).replace("\\-", "-"))
+        done = self.run_gateway("--config", "site.toml", "--check-config")
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+
+    def test_each_manual_page_ends_with_examples(self):
+        pages = sorted(HERE.parents[1].glob("tools/*/*.[1-9]")) + [
+            HERE.parents[1] / "firmware/man/etcm-gateway.8"]
+        self.assertGreater(len(pages), 3)
+        for page in pages:
+            self.assertIn("\n.Sh EXAMPLES\n", page.read_text(), page)
+
     def test_wrong_settings_are_errors_of_the_log_too(self):
-        (self.folder / "site.toml").write_text("[mesh]\nvertices_max = 9\n")
+        (self.folder / "site.toml").write_text("[poll]\n")
         done = self.run_gateway("--config", "site.toml")
         self.assertEqual(done.returncode, 2)
-        self.assertIn("error: site.toml:1: 'bus' is missing", done.stderr)
+        self.assertIn("error: site.toml:1: 'mesh' is missing", done.stderr)
 
     def test_a_wrong_command_line_is_status_2_and_the_version_is_told(self):
         for arguments in (["site.toml"], ["--check-config"], ["--config"], []):
             self.assertEqual(self.run_gateway(*arguments).returncode, 2, arguments)
         done = self.run_gateway("--version")
         self.assertEqual(done.returncode, 0)
-        self.assertRegex(done.stdout, r"^\d+\.\d+\.\d+\n$")
+        self.assertRegex(done.stdout, r"^etcm-gateway \d+\.\d+\.\d+\n$")
 
     def test_a_site_file_brings_its_features(self):
         (self.folder / "site.poly").write_text(

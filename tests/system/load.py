@@ -103,7 +103,7 @@ radio_range = 3000
 sensing_range = 2000
 [server]
 listen = "127.0.0.1:0"
-clients_max = {CLIENTS}
+clients_max = {2 * CLIENTS}
 [http]
 listen = "127.0.0.1:{self.http}"
 """

@@ -3,13 +3,17 @@
 ETCM_BIN is the programs' folder. ETCM_SCREENSHOTS, where it is set, is a folder for screenshots.
 Every wait is for a condition.
 """
+import csv
+import io
 import json
 import re
 import signal
 import socket
+import struct
 import unittest
 import urllib.error
 import urllib.request
+import zlib
 
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
@@ -17,6 +21,9 @@ from selenium.webdriver.common.keys import Keys
 
 from browser import BrowserCase, PageCase
 from gateway_test import SOON, wait_for
+
+
+MOMENT = r"\d+ \w+ \d{4}, \d\d:\d\d:\d\d \S+"   # with its zone
 
 
 class InABrowser(BrowserCase):
@@ -45,7 +52,7 @@ class InABrowser(BrowserCase):
 
         # Another by its neighbour, another by a search.
         self.find("#neighbours button").click()
-        self.wait_for_text("#details-title", r"^(Node|Steiner vertex) \d+$")
+        self.wait_for_text("#details-title", r"^(Node|Proposed relay) \d+$")
         search = self.find("#search")
         search.send_keys("8")
         self.wait_for_text("#nodes-title", r"\(1 of \d\)")
@@ -67,7 +74,9 @@ class InABrowser(BrowserCase):
         before = self.text("#counts")
         self.join_on_second_bus(7, 700, 250)
         self.wait_for_text("#counts", r"Nodes\s*7")
-        self.assertNotEqual(before.split()[1], self.text("#counts").split()[1])
+        version = r"Version \(generation\)\s*(\d+)"
+        self.assertNotEqual(re.search(version, before), None)
+        self.assertNotEqual(*(re.search(version, text).group(1) for text in (before, self.text("#counts"))))
         self.wait_for_text("#nodes-title", r"8")
         self.wait_for_text("#events", r"node 7 joined")
         self.assertEqual([entry for entry in self.browser.get_log("browser")
@@ -82,22 +91,106 @@ class InABrowser(BrowserCase):
         self.wait_for_text("#state", r"^1 node is missing: node 5, unit 5 of 127\.0\.0\.1:\d+")
         self.wait_for_text("#counts", r"Nodes\s*4")
         self.wait_for_text("#missing-title", r"^Missing \(1\)$")
-        self.wait_for_text("#missed", r"Node 5unit 5, \S+, since \d\d:\d\d:\d\d \(")
+        self.wait_for_text("#missed", rf"Node 5unit 5, \S+, since {MOMENT} \(")
         self.wait_for_text("#legend", r"Missing\s*1")
         self.assertRegex(self.text("#nodes-title"), r"\(5\)")
         # It is where it stood last, and the list leads there.
         self.find("#missed button").click()
         self.wait_for_text("#details-title", r"^Node 5$")
-        self.wait_for_text("#facts", r"(?s)missing.*no answer since \d\d:\d\d:\d\d.*500, 500")
+        self.wait_for_text("#facts", rf"(?s)missing.*no answer since {MOMENT}.*500, 500")
         self.screenshot("missing")
         with self.assertRaises(urllib.error.HTTPError) as ill:
             self.get("/healthz")
         self.assertEqual(ill.exception.code, 503)
         self.assertIn(b"1 node is missing: node 5", ill.exception.read())
+        # It is an alarm, with the cure.
+        self.wait_for_text("#alarms-title", r"^Alarms \(1\)$")
+        self.wait_for_text("#alarm-list", rf"(?s)^node 5, unit 5 of \S+, is missing\s*since {MOMENT}"
+                                          r".*etcm-gateway ctl dismiss 5$")
+        self.assertEqual(self.ctl("acknowledge", "all").stdout, "1 acknowledged\n")
+        self.wait_for_text("#alarms-title", r"^Alarms \(1\), 1 acknowledged$")
+        self.find("#close").click()
+        self.screenshot("alarms")
+        # A reload with a mistake says so until it is mended.
+        config = self.folder / "site.toml"
+        good = config.read_text()
+        config.write_text(good + "nonsense = 1\n")
         gateway.process.send_signal(signal.SIGHUP)
+        self.wait_for_text("#state", r"(?s)^the configuration was changed and is refused: "
+                                     r".*nonsense.*; the old one holds")
+        config.write_text(good)
+        gateway.process.send_signal(signal.SIGHUP)
+        self.wait_for_text("#state", r"^1 node is missing: node 5")
+        self.assertEqual(self.ctl("dismiss", "5").returncode, 0)
         self.wait_for_text("#state", r"^All well$")
         wait_for("no list", lambda: not self.find("#missing").is_displayed())
+        wait_for("no alarm", lambda: not self.find("#alarms").is_displayed())
+        rows = list(csv.DictReader(io.StringIO(self.get("/alarms.csv").decode())))
+        self.assertIn("node 5", rows[-1]["text"])
+        self.assertEqual((rows[-1]["on"], rows[-1]["acknowledged"]), ("no", "yes"))
         self.assertEqual(self.get("/healthz"), b"ok\n")
+
+    def test_the_guide_is_where_the_page_is(self):
+        self.start_page(["0,1,join,0,0"])
+        if b'href="guide"' not in self.get("/"):
+            self.skipTest("built without cmark-gfm")
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.find('footer a[href="guide"]').click()
+        self.wait_for_text("h1", r"^The operating guide$")
+        wait_for("the picture", lambda: self.browser.execute_script(
+            "return [...document.images].every((image) => image.naturalWidth > 0)"))
+        self.find('a[href="guide/nodes.html"]').click()
+        self.wait_for_text("h1", r"^What happens to a node$")
+        self.screenshot("guide")
+        self.find('a[href="../"]').click()
+        self.wait_for_text("h1", r"^ETCM gateway$")
+        # As somebody types it.
+        self.browser.get(self.url + "/guide/")
+        self.wait_for_text("h1", r"^The operating guide$")
+        wait_for("the picture", lambda: self.browser.execute_script(
+            "return [...document.images].every((image) => image.naturalWidth > 0)"))
+        self.find('a[href="nodes.html"]').click()
+        self.wait_for_text("h1", r"^What happens to a node$")
+        self.find('a[href="README.html"]').click()
+        self.wait_for_text("h1", r"^The operating guide$")
+        self.find('a[href="../"]').click()
+        self.wait_for_text("h1", r"^ETCM gateway$")
+        self.assertEqual([entry for entry in self.browser.get_log("browser")
+                          if entry["level"] == "SEVERE"], [])
+
+    def test_what_people_call_things_is_shown_and_found(self):
+        gateway = self.start_page(
+            ["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,1000,1000", "0,4,join,0,1000"],
+            "[site]\nname = 'Harbour <east> & \"west\"'\n"
+            "[[node]]\nserial = 3\nname = 'pump <b>house</b>'\n"
+            "[[node]]\nunit = 4\nname = 'Tør'\n")
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        wait_for("the title", lambda: self.browser.title == 'Harbour <east> & "west" – ETCM gateway')
+        self.wait_for_text("h1", r'^Harbour <east> & "west"$')
+        self.wait_for_text("#events", r"node 3 'pump <b>house</b>' joined at")
+        search = self.find("#search")
+        search.send_keys("tør")
+        self.wait_for_text("#nodes-title", r"\(1 of 4\)")
+        self.find("tr.row button").click()
+        self.wait_for_text("#details-title", r"^Node 4 'Tør'$")
+        self.wait_for_text("#neighbours", r"3 'pump <b>house</b>'")
+        config = self.folder / "site.toml"
+        config.write_text(config.read_text().replace("Tør", "Gate"))
+        gateway.process.send_signal(signal.SIGHUP)
+        self.wait_for_text("#details-title", r"^Node 4 'Gate'$")
+
+    def test_the_versions_of_gateways_are_shown(self):
+        # Nobody listens there: the list has this one alone.
+        self.start_page(["0,1,join,0,0"],
+                        '[mqtt]\nbroker = "127.0.0.1:9"\nsite = "yard"\nname = "north"\n')
+        self.browser.get(self.url)
+        version = json.loads(self.get("/status.json"))["version"]
+        self.assertRegex(version, r"^\d+\.\d+")
+        self.wait_for_text("footer", rf"version {re.escape(version)}, up ")
+        self.wait_for_text("#members", r"north \(this one\)\s*1 node\s*"
+                                       rf"version {re.escape(version)}\s*mesh ")
 
     def test_a_bus_that_is_silent_is_shown_since_when(self):
         self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700"], **SOON)
@@ -105,12 +198,37 @@ class InABrowser(BrowserCase):
         self.browser.get(self.url)
         self.wait_for_text("#state", r"^All well$")
         self.programs[0].process.send_signal(signal.SIGSTOP)
-        self.wait_for_text("#buses", r"silent since \d\d:\d\d:\d\d \(")
+        self.wait_for_text("#buses", rf"silent since {MOMENT} \(")
         self.wait_for_text("#state", r"^Bus \S+ silent, 3 stale$|no unit has answered for")
         self.screenshot("silent")
         self.programs[0].process.send_signal(signal.SIGCONT)
         self.wait_for_text("#state", r"^All well$")
         self.assertRegex(self.text("#counts"), r"Nodes\s*3")
+
+    def test_units_are_listed_below_their_bus_and_found(self):
+        self.start_page_with_room(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700",
+                                   "1500,3,silent,,"])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#buses", r"2 of 3 units answer")
+        self.wait_for_text("#buses", r"no connection|0 of 1 units answer|silent since")
+        self.find("#buses summary").click()
+        self.wait_for_text("#buses .units tbody tr:first-child",
+                           r"^3\s+3\s+silent since \S.*\d %, timeout .* ago")
+        self.wait_for_text("#buses .units", r"answering for .*\s0 %\s+[\d.]+ ms")
+        search = self.find("#unit-search")
+        search.send_keys("answering")
+        wait_for("two units", lambda: len(self.browser.find_elements(
+            By.CSS_SELECTOR, "#buses .units tbody tr")) == 2)
+        search.clear()
+        search.send_keys("nosuch")
+        self.wait_for_text("#no-unit", r"^No match")
+        search.clear()
+        search.send_keys("1")
+        wait_for("the unit by its number", lambda: re.search(r"(?m)^1\s+1\s", self.text("#buses .units")))
+        self.find("#buses .units button").click()
+        self.wait_for_text("#details-title", r"^Node 1$")
+        self.screenshot("units")
 
     def test_a_click_outlives_what_changes_under_it(self):
         self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700"])
@@ -166,7 +284,7 @@ class InABrowser(BrowserCase):
         self.wait_for_text("#counts", r"Nodes\s*2")
         self.assertFalse(self.find("#lost").is_displayed())
         gateway.stop(signal.SIGKILL)
-        self.wait_for_text("#lost", r"has not answered since \d")
+        self.wait_for_text("#lost", rf"has not answered since {MOMENT}\. What you see")
         self.wait_for_text("#state", r"No answer")
         self.screenshot("lost")
         self.assertRegex(self.text("#counts"), r"Nodes\s*2")
@@ -197,6 +315,241 @@ class InABrowser(BrowserCase):
             self.assertEqual(level < 200, colours == "dark", background)
             self.screenshot(name)
 
+    def start_analysis(self):
+        """A feature with a Steiner vertex, one that is refused, links and gaps that are too long, a hole."""
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,480,90", "0,4,join,500,900",
+                         "0,5,join,200,-300", "0,6,join,900,-420"],
+                        "[[feature]]\nfrom = 1\nto = 2\n[[feature]]\nfrom = 3\nto = 5\n"
+                        "[analysis]\nradio_range = 600\nsensing_range = 200\n")
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#counts", r"Nodes\s*6")
+        self.wait_for_text("#state", r"1 in quarantine")
+
+    def test_what_is_between_nodes_is_told_and_listed(self):
+        self.start_analysis()
+        self.wait_for_text("#legend", r"Coverage holes\s*\d[\s\S]*Links too long\s*\d")
+        # What is above the map and what is below it is one count.
+        self.assertEqual(re.search(r"Proposed relays\s*(\d+)", self.text("#counts")).group(1),
+                         re.search(r"Proposed relays\s*(\d+)", self.text("#legend")).group(1))
+        # No feature without its ends.
+        self.wait_for_text("#refused", r"Feature \d \(node \d – node \d\)")
+        self.find("#found summary").click()
+        kinds = {"Coverage hole": r"Nearest node", "Link too long": r"Between\s+node \d – .*\d units",
+                 "Barrier gap": r"Between\s+node \d – ", "Feature \d refused": r"Why\s+\S",
+                 "Proposed relay": r"Place"}
+        for title, facts in kinds.items():
+            button = wait_for(title, lambda: next(
+                (b for b in self.browser.find_elements(By.CSS_SELECTOR, "#found-body button")
+                 if re.search(title, b.text)), None))
+            button.send_keys(Keys.ENTER)
+            self.wait_for_text("#details-title", rf"^{title}")
+            self.wait_for_text("#facts", rf"(?s){facts}")
+            self.assertNotIn("undefined", self.text("#details"))
+        self.screenshot("analysis")
+        # The pointer finds them too: the middle of a line that is chosen is on the map.
+        found = self.browser.execute_async_script("""
+            const done = arguments[0];
+            Promise.all([import('/items.js'), import('/model.js')]).then(async ([items, model]) => {
+              const mesh = model.readMesh(await (await fetch('/mesh.json')).json());
+              const kinds = {};
+              for (const kind of ['gap', 'link', 'refused', 'feature', 'edge', 'hole']) {
+                for (const item of items.itemsOf(mesh, kind)) {
+                  const only = (layer) => layer === items.layerOfItem[kind];
+                  const hit = items.itemAt(mesh, item, 1, only);
+                  (kinds[kind] ??= []).push(hit !== null && items.sameItem(mesh, hit) === hit);
+                }
+              }
+              done(kinds);
+            });""")
+        self.assertGreaterEqual(set(found), {"gap", "link", "refused", "feature", "edge", "hole"})
+        self.assertTrue(all(all(hits) for hits in found.values()), found)
+
+    def test_a_plan_lies_below_the_mesh_until_it_is_switched_off(self):
+        # 20 by 10 pixels, all red: its left half lies below the nodes.
+        row = b"\0" + b"\xff\0\0" * 20
+        chunk = lambda kind, data: (struct.pack(">I", len(data)) + kind + data +
+                                    struct.pack(">I", zlib.crc32(kind + data)))
+        (self.folder / "plan.png").write_bytes(
+            b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 20, 10, 8, 2, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(row * 10)) + chunk(b"IEND", b""))
+        (self.folder / "plan.pgw").write_text("100\n0\n0\n-100\n50\n950\n")
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,0,1000", "0,4,join,1000,1000"],
+                        '[site]\nplan = "plan.png"\n')
+        self.assertEqual(self.get("/plan"), (self.folder / "plan.png").read_bytes())
+        self.assertEqual(json.loads(self.get("/status.json"))["plan"]["corners"],
+                         [[0, 1000], [2000, 1000], [0, 0]])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#counts", r"Nodes\s*4")
+        # Between the nodes: no line goes there.
+        pixel = lambda: self.browser.execute_script("""
+            const canvas = document.querySelector('#map');
+            return [...canvas.getContext('2d').getImageData(
+              canvas.width / 2 - 60, canvas.height / 2 - 20, 1, 1).data]""")
+        wait_for("the plan", lambda: pixel()[0] > 200 and pixel()[1] == 0 and pixel()[3] > 150)
+        self.screenshot("plan")
+        self.find("#legend label:not(.none) input").click()
+        wait_for("no plan", lambda: pixel()[3] == 0)
+
+    def test_an_anchor_says_what_it_is(self):
+        (self.folder / "site.geojson").write_text(json.dumps({
+            "type": "FeatureCollection", "features": [{
+                "type": "Feature", "properties": {},
+                "geometry": {"type": "LineString", "coordinates": [[200, 100], [700, 100]]}}]}))
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700"],
+                        '[site]\nfile = "site.geojson"\ncrs = "plane"\n')
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#counts", r"Features\s*1")
+        self.find("tr[data-serial='1'] button").click()
+        wait_for("the anchor", lambda: next(
+            (b for b in self.browser.find_elements(By.CSS_SELECTOR, "#neighbours button")
+             if "anchor" in b.text), None)).click()
+        self.wait_for_text("#details-title", r"^Anchor \(\d+, 100\)")
+        self.wait_for_text("#facts", r"What\s+an anchor")
+        self.assertNotIn("undefined", self.text("#details"))
+
+    def test_names_on_the_map_neither_overlap_nor_are_cut(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700"])
+        self.browser.get(self.url)
+        wrong = self.browser.execute_async_script("""
+            const done = arguments[0];
+            import('/labels.js').then(({ placeLabels }) => {
+              const wrong = [];
+              let placed = 0;
+              let seed = 1;
+              const random = (below) => (seed = seed * 16807 % 2147483647) % below;
+              for (let round = 0; round < 200; ++round) {
+                const [width, tall] = [300 + random(900), 200 + random(600)];
+                const labels = Array.from({ length: 60 }, () => ({ x: random(width), y: random(tall),
+                  radius: 5, text: 'n'.repeat(1 + random(30)) }));
+                const covered = [{ left: 10, top: 10, right: 60, bottom: 150 }];
+                const boxes = placeLabels(labels, covered, width, tall, (text) => 6 * text.length);
+                placed += boxes.length;
+                boxes.forEach((box, at) => {
+                  if (box.left < 0 || box.top < 0 || box.right > width || box.bottom > tall) wrong.push(box);
+                  for (const other of [...covered, ...boxes.slice(0, at)]) {
+                    if (box.left < other.right && other.left < box.right && box.top < other.bottom &&
+                        other.top < box.bottom) wrong.push([box, other]);
+                  }
+                });
+              }
+              done({ wrong, placed });
+            });""")
+        self.assertEqual(wrong["wrong"], [])
+        self.assertGreater(wrong["placed"], 200 * 15)
+
+    def test_it_works_at_twice_the_size(self):
+        self.start_page([f"0,{1000 + n},join,{n * 137 % 1009},{n * n * 7 % 641}" for n in range(1, 31)])
+        self.size(640, 400)
+        self.browser.get(self.url)
+        self.wait_for_text("#counts", r"Nodes\s*30")
+        # A text that is cut, or that sticks out of what it stands in.
+        cut = lambda: self.browser.execute_script("""
+            return [...document.querySelectorAll('h1, h2, .chip, dt, dd, label, button, summary, a, th, li')]
+              .filter((part) => part.offsetWidth > 0 && !part.matches('.unseen') && (part.scrollWidth > part.clientWidth + 1 &&
+                getComputedStyle(part).display !== 'inline' ||
+                !part.closest('#rows, .units') && part.getBoundingClientRect().right > innerWidth + 1))
+              .map((part) => part.outerHTML.slice(0, 120))""")
+        self.assertEqual(cut(), [])
+        self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 640)
+        # What was clicked on the map is told where one sees it.
+        search = self.find("#search")
+        search.send_keys("1007")
+        search.send_keys(Keys.ENTER)
+        self.wait_for_text("#details-title", r"^Node 1007$")
+        self.assertEqual(cut(), [])
+        self.screenshot("zoomed")
+
+    def test_the_keyboard_finds_and_a_link_leads_to_a_node(self):
+        gateway = self.start_page([f"0,{1000 + n},join,{n * 100},{n * n * 7}" for n in range(1, 6)])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#nodes-title", r"\(5\)")
+        search = self.find("#search")
+        search.send_keys("1003", Keys.ENTER)
+        self.wait_for_text("#details-title", r"^Node 1003$")
+        self.assertTrue(self.browser.current_url.endswith("#node=1003"), self.browser.current_url)
+        search.clear()
+        search.send_keys("no such node")
+        self.wait_for_text("#no-node", r"^No match")
+        search.clear()
+        search.send_keys("node 1004", Keys.ENTER)
+        self.wait_for_text("#details-title", r"^Node 1004$")
+        self.browser.refresh()
+        self.wait_for_text("#details-title", r"^Node 1004$")
+        self.find("#close").click()
+        wait_for("no details", lambda: not self.find("#details").is_displayed())
+        self.assertNotIn("#", self.browser.current_url)
+        # As a colleague opens it.
+        self.browser.get("about:blank")
+        self.browser.get(self.url + "/#node=1002")
+        self.wait_for_text("#details-title", r"^Node 1002$")
+        self.assertEqual(self.find("#facts a").get_attribute("href"), self.url + "/#node=1002")
+        self.browser.execute_script("location.hash = '#node=77'")
+        self.wait_for_text("#no-wanted", r"^Node 77 is not known here\.$")
+        self.browser.execute_script("location.hash = '#node=1005'")
+        self.wait_for_text("#details-title", r"^Node 1005$")
+        # When nobody answers the last picture stays.
+        gateway.stop(signal.SIGKILL)
+        self.wait_for_text("#lost", r"has not answered")
+        self.assertEqual(self.text("#details-title"), "Node 1005")
+
+    def test_what_the_legend_shows_is_kept(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700"])
+        self.size(1280, 800)
+        edges = lambda: self.find("#legend label:not(.none) input")
+        self.browser.get(self.url)
+        self.wait_for_text("#legend", r"Edges\s*3")
+        self.assertTrue(edges().is_selected())
+        edges().click()
+        self.browser.refresh()
+        self.wait_for_text("#legend", r"Edges\s*3")
+        self.assertFalse(edges().is_selected())
+        edges().click()
+        # Where the browser keeps nothing, the page is as ever.
+        script = self.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source":
+            "Object.defineProperty(window, 'localStorage', { get() { throw new Error('not allowed'); } })"})
+        self.browser.refresh()
+        self.wait_for_text("#legend", r"Edges\s*3")
+        edges().click()
+        self.assertFalse(edges().is_selected())
+        self.browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", script)
+
+    def test_it_prints_all_rows_and_a_map_of_its_own(self):
+        self.start_page([f"0,{1000 + n},join,{n * 137 % 1009},{n * n * 7 % 641}" for n in range(1, 121)])
+        self.size(1280, 800, "dark")
+        self.browser.get(self.url)
+        self.wait_for_text("#counts", r"Nodes\s*120")
+        seen = len(self.browser.find_elements(By.CSS_SELECTOR, "tr.row"))
+        self.assertLess(seen, 100)
+        self.find("#zoom-in").click()
+        before = self.text("#scale")
+        self.browser.execute_script("dispatchEvent(new Event('beforeprint'))")
+        self.assertEqual(len(self.browser.find_elements(By.CSS_SELECTOR, "tr.row")), 120)
+        self.wait_for_text("#printed", rf"^ETCM gateway.*127\.0\.0\.1:\d+, {MOMENT}, version \(generation\) \d+")
+        width, background = self.browser.execute_script(
+            "return [document.querySelector('#map').width, getComputedStyle(document.body).backgroundColor]")
+        self.assertGreater(width, 1900, "as fine as paper")
+        self.assertGreater(sum(int(part) for part in re.findall(r"\d+", background)[:3]), 600, background)
+        self.screenshot("paper")
+        self.browser.execute_script("dispatchEvent(new Event('afterprint'))")
+        wait_for("the page as before", lambda: len(
+            self.browser.find_elements(By.CSS_SELECTOR, "tr.row")) == seen and self.text("#scale") == before)
+
+    def test_fit_leaves_nothing_zoomed(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700"])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#counts", r"Nodes\s*3")
+        zoomed = lambda: bool(self.browser.find_elements(By.CSS_SELECTOR, ".stage.zoomed"))
+        self.assertFalse(zoomed())
+        self.find("#zoom-in").click()
+        self.assertTrue(zoomed())
+        self.find("#fit").click()
+        self.assertFalse(zoomed())
+
     def test_thousands_of_nodes_stay_smooth(self):
         count = 3000
         self.vertices_max = 2 * count
@@ -213,6 +566,25 @@ class InABrowser(BrowserCase):
 
 
 class ForPrograms(PageCase):
+    def test_tables_are_read_by_a_reader_of_csv(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700"])
+        self.wait_for_header(nodes=3)
+        table = lambda name: list(csv.DictReader(io.StringIO(self.get(name).decode(), newline="")))
+        nodes = wait_for("three nodes", lambda: (lambda rows: rows if len(rows) == 3 else None)(
+            table("/nodes.csv")))
+        self.assertEqual({row["serial"]: (row["x"], row["y"]) for row in nodes},
+                         {"1": ("0", "0"), "2": ("1000", "0"), "3": ("400", "700")})
+        self.assertEqual([row["state"] for row in table("/units.csv")], ["answering"] * 3)
+        events = table("/events.csv")
+        self.assertRegex(events[-1]["time"], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
+        self.assertTrue(any("node 3 joined" in row["text"] for row in events))
+
+    def metrics_or_nothing(self):
+        try:
+            return self.get("/metrics")
+        except OSError:
+            return b""
+
     def test_documents_are_what_they_say(self):
         self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700", "0,4,join,400,100"],
                         "[[feature]]\nfrom = 1\nto = 2\n")
@@ -247,7 +619,7 @@ class ForPrograms(PageCase):
         self.wait_for_header(nodes=3)
         for client in crowd:
             client.close()
-        wait_for("the page again", lambda: b"etcm_nodes 3\n" in self.get("/metrics"))
+        wait_for("the page again", lambda: b"etcm_nodes 3\n" in self.metrics_or_nothing())
 
 
 if __name__ == "__main__":

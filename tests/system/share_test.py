@@ -130,7 +130,9 @@ class Share(ShareCase):
     def test_hostile_clients_hold_up_nobody(self):
         self.over_tcp('share_wait = "5s"\n')
         chance = random.Random(5)
-        links = [socket.create_connection(("127.0.0.1", self.share_port)) for _ in range(6)]
+        # One address has not all places.
+        links = [socket.create_connection(("127.0.0.1", self.share_port),
+                                          source_address=("127.0.0.2", 0)) for _ in range(6)]
         for number, link in enumerate(links):
             self.addCleanup(link.close)
             link.settimeout(PATIENCE_S)

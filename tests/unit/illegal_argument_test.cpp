@@ -16,10 +16,14 @@
 #include "etcm/audit.h"
 #include "etcm/bound.h"
 #include "etcm/domain.h"
+#include "etcm/dry_run.h"
+#include "etcm/handles.h"
 #include "etcm/incidence.h"
 #include "etcm/locate.h"
 #include "etcm/nearest.h"
+#include "etcm/split_site.h"
 #include "etcm/storage.h"
+#include "inputs/random_graph.h"
 #include "support/meshes.h"
 
 extern "C" void etcm_illegal_argument(etcm::Call call, etcm::Fault fault) {
@@ -51,7 +55,7 @@ Interpolated some_value;
 const VertexId v{1};
 const FeatureId f{0};
 const TriangleId t{0};
-constexpr Call last_call = Call::work_done;
+constexpr Call last_call = Call::policy;
 
 // The square of each test stands here too, for calls that take two meshes.
 const Mesh& open_mesh() {
@@ -65,7 +69,8 @@ const std::vector<Case> unopened{
     {Call::restore, {}, "restore", [](Mesh& m) { drop(m.restore({}, {}, {})); }},
     {Call::rebuild, {}, "rebuild", [](Mesh& m) { drop(m.rebuild()); }},
     {Call::canonicalize, {}, "canonicalize", [](Mesh& m) { drop(m.canonicalize()); }},
-    {Call::work_done, {}, "work_done", [](Mesh& m) { drop(m.work_done()); }},
+    {Call::work_needed, {}, "work_needed", [](Mesh& m) { drop(m.work_needed()); }},
+    {Call::work_used, {}, "work_used", [](Mesh& m) { drop(m.work_used()); }},
     {Call::optimise, {}, "optimise", [](Mesh& m) { drop(m.optimise(1)); }},
     {Call::is_canonical, {}, "is_canonical", [](Mesh& m) { drop(m.is_canonical()); }},
     {Call::join, {}, "join", [](Mesh& m) { drop(m.join({}, some_vertex)); }},
@@ -146,6 +151,13 @@ const std::vector<Case> unopened{
        drop(least_steiner(m, {v, v}));
      }},
     {Call::feature_between, {}, "feature_between", [](Mesh& m) { drop(feature_between(m, v, v)); }},
+    {Call::handles, {}, "handles", [](Mesh& m) { drop(Handles().open(m, {})); }},
+    {Call::handles, {}, "handles_of_no_mesh", [](Mesh&) { drop(Handles().leave({})); }},
+    {Call::dry_run, {}, "dry_run", [](Mesh& m) { drop(DryRun(m).join({})); }},
+    {Call::seal, {}, "seal", [](Mesh& m) { seal(m); }},
+    {Call::saved_bytes, {}, "saved_bytes", [](Mesh& m) { drop(m.saved_bytes()); }},
+    {Call::save, {}, "save", [](Mesh& m) { drop(m.save({})); }},
+    {Call::load, {}, "load", [](Mesh& m) { drop(m.load({})); }},
 };
 
 void open_at(std::byte* storage) {
@@ -166,6 +178,18 @@ const std::vector<Case> illegal{
      [](Mesh&) {
        MeshStorage<5, 1> storage;
        open_at(storage.bytes().data() + 4);
+     }},
+    {Call::attach, Fault::bad_storage, "attach_null_storage", [](Mesh& m) { drop(attach(m, {})); }},
+    {Call::attach, Fault::bad_storage, "attach_misaligned_storage",
+     [](Mesh& m) {
+       MeshStorage<5, 1> storage;
+       drop(attach_copy(m, storage.bytes().subspan(4)));
+     }},
+    {Call::attach, Fault::bad_storage, "read_misaligned_storage",
+     [](Mesh&) {
+       MeshStorage<5, 1> storage;
+       MeshReader reader;
+       drop(reader.attach(storage.bytes().subspan(4)));
      }},
     {Call::kind, Fault::no_vertex, "kind_of_none", [](Mesh& m) { drop(m.kind(no_vertex)); }},
     {Call::kind, Fault::no_vertex, "kind_beyond", [](Mesh& m) { drop(m.kind(vertex_beyond)); }},
@@ -212,6 +236,17 @@ const std::vector<Case> illegal{
      [](Mesh& m) {
        drop(least_steiner(m, {v, v}));
      }},
+    {Call::handles, Fault::bad_storage, "handles_of_a_mesh_that_is_another",
+     [](Mesh& m) {
+       MeshStorage<4, 1> small;
+       MeshStorage<5, 2> large;
+       std::array<std::uint32_t, 7> numbers{};
+       Handles handles;
+       drop(m.open(small.bytes(), small.config()));
+       drop(handles.open(m, numbers));
+       drop(m.open(large.bytes(), large.config()));
+       drop(handles.leave({v, 1}));
+     }},
     {Call::links_at, Fault::no_vertex, "links_at_none",
      [](Mesh& m) { drop(links_at(m, no_vertex, {})); }},
     {Call::connectivity, Fault::zero_range, "connectivity_in_no_range",
@@ -224,6 +259,14 @@ const std::vector<Case> illegal{
      [](Mesh& m) { drop(coverage_holes(m, {}, 0, {})); }},
     {Call::coverage_holes, Fault::no_region, "coverage_holes_of_no_region",
      [](Mesh& m) { drop(coverage_holes(m, {.mesh = &m}, 1, {})); }},
+};
+
+// Answers of policies that are no place for a split.
+const std::vector<SplitPolicy> outside{
+    [](const SplitSite& site) noexcept { return site.head; },
+    [](const SplitSite& site) noexcept { return site.tail; },
+    [](const SplitSite& site) noexcept { return static_cast<Parameter>(site.tail + 1); },
+    [](const SplitSite&) noexcept { return Parameter{-5}; },
 };
 
 std::string message(Call call, Fault fault) {
@@ -243,7 +286,7 @@ TEST_P(UnopenedMesh, Stops) {
 INSTANTIATE_TEST_SUITE_P(Every, UnopenedMesh, testing::ValuesIn(unopened), name_of);
 
 TEST(UnopenedMesh, IsAskedByEveryCall) {
-  std::set<Call> asked{Call::open};
+  std::set<Call> asked{Call::open, Call::attach, Call::policy};
   for (const Case& each : unopened) asked.insert(each.call);
   for (int call = 0; call <= static_cast<int>(last_call); ++call) {
     EXPECT_EQ(asked.count(static_cast<Call>(call)), 1u) << to_string(static_cast<Call>(call));
@@ -263,12 +306,21 @@ TEST_P(IllegalArgument, Stops) {
 
 INSTANTIATE_TEST_SUITE_P(Every, IllegalArgument, testing::ValuesIn(illegal), name_of);
 
+TEST(IllegalArgumentOfAPolicy, IsAnAnswerOutsideOfTheSubsegment) {
+  const inputs::Graph graph = inputs::random_graph(60, inputs::FeatureLength::any, 3);
+  for (const SplitPolicy policy : outside) {
+    inputs::OwnedMesh mesh(inputs::config_for(graph, 500, policy));
+    EXPECT_EXIT(drop(mesh->build(graph.nodes, graph.features)), testing::ExitedWithCode(1),
+                message(Call::policy, Fault::outside));
+  }
+}
+
 TEST(IllegalArgumentNames, AreOnesOwn) {
   std::set<std::string> names;
   for (int call = 0; call <= static_cast<int>(last_call); ++call) {
     EXPECT_TRUE(names.insert(to_string(static_cast<Call>(call))).second) << call;
   }
-  for (int fault = 0; fault <= static_cast<int>(Fault::has_features); ++fault) {
+  for (int fault = 0; fault <= static_cast<int>(Fault::outside); ++fault) {
     EXPECT_TRUE(names.insert(to_string(static_cast<Fault>(fault))).second) << fault;
   }
   EXPECT_EQ(names.count("unknown"), 0u);

@@ -33,7 +33,7 @@ using internal::Topology;
 using internal::TriangleRecord;
 
 void set_link(MeshState& m, Edge e, Edge to) {
-  auto* triangles = reinterpret_cast<TriangleRecord*>(m.triangle_memory);
+  TriangleRecord* const triangles = m.topology.triangle_memory();
   triangles[Topology::triangle_of(e)].link[Topology::side_of(e)] = to.value;
 }
 

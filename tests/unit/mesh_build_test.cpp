@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "etcm/audit.h"
@@ -34,6 +35,23 @@ TEST(MeshBuild, OfOneNodeHasNoNeighbours) {
   EXPECT_EQ((*mesh)->position(VertexId{1}), (Position{3, 4}));
   EXPECT_EQ((*mesh)->neighbours(VertexId{1}, {}), 0u);
   EXPECT_TRUE(is_sound(**mesh));
+}
+
+TEST(MeshBuild, IsTheSameWhateverTheBytesOfTheStorageHaveBeen) {
+  const Graph graph{"", {{0, 0}, {90, 0}, {40, 9}, {50, -7}, {30, 50}}, {between_nodes(0, 1)}};
+  static MeshStorage<40, 4> zero, other;
+  std::fill(zero.bytes().begin(), zero.bytes().end(), std::byte{0});
+  std::fill(other.bytes().begin(), other.bytes().end(), std::byte{0xa5});
+  Mesh first, second;
+  VertexId id;
+  for (const auto& [mesh, storage] : {std::pair{&first, &zero}, std::pair{&second, &other}}) {
+    ASSERT_EQ(mesh->open(storage->bytes(), storage->config()), Status::ok);
+    ASSERT_EQ(mesh->build(graph.nodes, graph.features), Status::ok);
+    ASSERT_EQ(mesh->join({60, 3}, id), Status::ok);
+    ASSERT_EQ(mesh->leave(vertex_of(4)), Status::ok);
+    ASSERT_EQ(mesh->canonicalize(), Status::ok);
+  }
+  EXPECT_EQ(picture_of(first), picture_of(second));
 }
 
 TEST(MeshBuild, OfTwoNodesIsAnEdge) {

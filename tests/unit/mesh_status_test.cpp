@@ -2,14 +2,18 @@
 // provokes, fails here.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "etcm/domain.h"
+#include "etcm/handles.h"
 #include "etcm/storage.h"
 #include "inputs/patterns.h"
+#include "support/mesh_block.h"
 #include "support/meshes.h"
 
 namespace etcm::test {
@@ -37,6 +41,36 @@ Status after_unresolved() {
   return mesh->join({-50, -50}, id);
 }
 
+Status join_by_handles(std::uint32_t given_out) {
+  const auto mesh = built({"", square, {}});
+  std::vector<std::uint32_t> numbers(Handles::words((*mesh)->config()));
+  Handles handles;
+  EXPECT_EQ(handles.open(**mesh, numbers, given_out), Status::ok);
+  NodeHandle node;
+  const Status status = handles.join({5, 5}, node);
+  return status == Status::ok ? handles.leave({node.id, node.number + 1}) : status;
+}
+
+MeshBlock sealed() {
+  const MeshConfig config{.vertices_max = 9};
+  MeshBlock block(config);
+  EXPECT_EQ(block->open(block.bytes(), config), Status::ok);
+  seal(*block);
+  return block;
+}
+
+Status attach_harmed(std::size_t at, unsigned value) {
+  MeshBlock block = sealed();
+  block.in_seal(at) = static_cast<std::byte>(value);
+  return attach(*block, block.bytes());
+}
+
+Status attach_reversed() {
+  MeshBlock block = sealed();
+  std::reverse(&block.in_seal(0), &block.in_seal(0) + 8);
+  return attach(*block, block.bytes());
+}
+
 const std::map<Status, std::function<Status()>> ways{
     {Status::ok, [] { return build(needy()); }},
     {Status::bad_config, [] { return open_with({}); }},
@@ -57,6 +91,7 @@ const std::map<Status, std::function<Status()>> ways{
      [] {
        return (*built({"", square, {}}))->remove_feature(FeatureId{0});
      }},
+    {Status::stale_handle, [] { return join_by_handles(0); }},
     {Status::zero_length_feature,
      [] {
        return build({"", square, {between_nodes(1, 1)}});
@@ -86,6 +121,11 @@ const std::map<Status, std::function<Status()>> ways{
      [] {
        return label_domain(**built({"", square, {}}), Exterior::hull, {}, {}, {});
      }},
+    {Status::not_a_mesh, [] { return attach_harmed(0, 0); }},
+    {Status::wrong_version, [] { return attach_harmed(seal_version, 0xff); }},
+    {Status::wrong_byte_order, attach_reversed},
+    {Status::wrong_id_width, [] { return attach_harmed(seal_id_bits, 64); }},
+    {Status::damaged, [] { return attach_harmed(seal_bytes, 1); }},
     {Status::out_of_vertices,
      [] {
        return build_with({.vertices_max = 4}, {"", square, {}});
@@ -94,6 +134,8 @@ const std::map<Status, std::function<Status()>> ways{
      [] {
        return build_with({.vertices_max = 9}, {"", square, {between_nodes(0, 2)}});
      }},
+    {Status::out_of_handles,
+     [] { return join_by_handles(std::numeric_limits<std::uint32_t>::max()); }},
     {Status::steiner_budget,
      [] {
        MeshConfig config = inputs::config_for(needy(), 1000);

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <ostream>
 
+#include "geometry/narrow_filter.h"
 #include "geometry/predicates_inline.h"
 #include "geometry/predicates_internal.h"
 #include "predicate_cases.h"
@@ -44,6 +46,9 @@ TEST_P(EveryFamily, Orient2dIsTheOraclesInEveryStage) {
     const int filtered = orient2d_filter(a, b, c);
     ASSERT_TRUE(filtered == 0 || filtered == expected)
         << "the filter lies: " << testing::PrintToString(std::tie(a, b, c));
+    const int narrow = orient2d_narrow(a, b, c);
+    ASSERT_TRUE(narrow == undecided || narrow == expected)
+        << "the narrow filter lies: " << testing::PrintToString(std::tie(a, b, c));
   }
 }
 
@@ -61,6 +66,9 @@ TEST_P(EveryFamily, IncircleIsTheOraclesInEveryStage) {
     const int filtered = incircle_filter(a, b, c, d);
     ASSERT_TRUE(filtered == 0 || filtered == expected)
         << "the filter lies: " << testing::PrintToString(four);
+    const int narrow = incircle_narrow(a, b, c, d);
+    ASSERT_TRUE(narrow == undecided || narrow == expected)
+        << "the narrow filter lies: " << testing::PrintToString(four);
   }
 }
 
@@ -121,7 +129,8 @@ constexpr Orient2dCase orient2d_table[] = {
 TEST(Orient2d, EachCaseIsDecidedByItsStage) {
   for (const auto& [name, a, b, c, sign, stage] : orient2d_table) {
     EXPECT_EQ(orient2d(a, b, c), sign) << name;
-    EXPECT_EQ(orient2d_filter(a, b, c), stage == Stage::filter ? sign : 0) << name;
+    EXPECT_EQ(orient2d_filter(a, b, c), has_double_unit && stage == Stage::filter ? sign : 0)
+        << name;
   }
 }
 
@@ -155,11 +164,13 @@ TEST(Incircle, EachCaseIsDecidedByItsStage) {
   for (const auto& [name, four, sign, stage] : incircle_table) {
     const auto& [a, b, c, d] = four;
     EXPECT_EQ(incircle(a, b, c, d), sign) << name;
-    EXPECT_EQ(incircle_filter(a, b, c, d), stage == Stage::filter ? sign : 0) << name;
+    EXPECT_EQ(incircle_filter(a, b, c, d), has_double_unit && stage == Stage::filter ? sign : 0)
+        << name;
   }
 }
 
 TEST(Filters, DecideNearlyAllOfRandomInput) {
+  if (!has_double_unit) GTEST_SKIP() << "they decide nothing here";
   etcm::test::Random random(seed + 3);
   constexpr int count = 100'000;
   int undecided_turns = 0;
@@ -172,6 +183,63 @@ TEST(Filters, DecideNearlyAllOfRandomInput) {
   }
   EXPECT_LT(undecided_turns, count / 1000);
   EXPECT_LT(undecided_sides, count / 1000);
+}
+
+TEST(NarrowFilters, DecideNearlyAllOfRandomInput) {
+  etcm::test::Random random(seed + 4);
+  constexpr int count = 100'000;
+  for (const std::int64_t most : {etcm::test::coordinate_max, std::int64_t{1} << 40}) {
+    int undecided_turns = 0;
+    int undecided_sides = 0;
+    for (int i = 0; i < count; ++i) {
+      FourPoints four;
+      for (Point& p : four) p = random.point(most);
+      undecided_turns += orient2d_narrow(four[0], four[1], four[2]) == undecided;
+      undecided_sides += incircle_narrow(four[0], four[1], four[2], four[3]) == undecided;
+    }
+    EXPECT_LT(undecided_turns, count / 1000);
+    EXPECT_LT(undecided_sides, count / 1000);
+  }
+}
+
+// Nodes alone, ties too: those of a grid are on circles and lines all the time.
+TEST(NarrowFilters, LeaveNothingOfNearNodesUndecided) {
+  etcm::test::Random random(seed + 5);
+  constexpr std::int32_t unit_max = 1 << (short_bits - 1);
+  for (int i = 0; i < 100'000; ++i) {
+    const std::int32_t most = i % 2 == 0 ? 3 : unit_max - 1;
+    const auto node = [&] {
+      return etcm::to_point({static_cast<std::int32_t>(random.between(-most, most)),
+                             static_cast<std::int32_t>(random.between(-most, most))});
+    };
+    const Point a = node(), b = node(), c = node(), d = node();
+    ASSERT_EQ(orient2d_narrow(a, b, c), etcm::test::exact_orientation(a, b, c));
+    ASSERT_EQ(incircle_narrow(a, b, c, d), etcm::test::exact_incircle(a, b, c, d));
+  }
+}
+
+// Each number of bits that is shifted out, and points that are nearly on a line or a circle.
+TEST(NarrowFilters, NeverLieNearADegeneracyAtAnyScale) {
+  etcm::test::Random random(seed + 6);
+  for (int bits = 1; bits <= 52; ++bits) {
+    const std::int64_t most = std::int64_t{1} << bits;
+    for (int i = 0; i < 20'000 / etcm::test::thinning; ++i) {
+      const std::int64_t noise = std::int64_t{1} << random.between(0, bits / 2);
+      const auto near = [&](std::int64_t value) {
+        return std::clamp(value + random.between(-noise, noise), -most, most);
+      };
+      // A rectangle's corners are on a circle.
+      const Point a = random.point(most), c = random.point(most);
+      const Point b{near(c.x), near(a.y)}, d{near(a.x), near(c.y)};
+      const int side = incircle_narrow(a, b, c, d);
+      ASSERT_TRUE(side == undecided || side == etcm::test::exact_incircle(a, b, c, d))
+          << testing::PrintToString(std::tie(a, b, c, d));
+      const Point middle{near(a.x / 2 + c.x / 2), near(a.y / 2 + c.y / 2)};
+      const int turn = orient2d_narrow(a, c, middle);
+      ASSERT_TRUE(turn == undecided || turn == etcm::test::exact_orientation(a, c, middle))
+          << testing::PrintToString(std::tie(a, c, middle));
+    }
+  }
 }
 
 }  // namespace

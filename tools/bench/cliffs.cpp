@@ -18,9 +18,11 @@ constexpr int repetitions = 3;
 constexpr double seconds_most = 5;
 
 // What takes a moment is measured more than once, for the least time.
-double least_seconds(const CliffFamily& family, std::size_t n) {
-  double least = family.seconds(n);
-  for (int i = 1; i < repetitions && least < 1; ++i) least = std::min(least, family.seconds(n));
+Cost least_cost(const CliffFamily& family, std::size_t n) {
+  Cost least = family.cost(n);
+  for (int i = 1; i < repetitions && least.seconds < 1; ++i) {
+    least.seconds = std::min(least.seconds, family.cost(n).seconds);
+  }
   return least;
 }
 
@@ -46,10 +48,20 @@ void print_row(const CliffFamily& family, std::ostream& out) {
       out << "| ";
       continue;
     }
-    seconds.push_back(least_seconds(family, n));
+    seconds.push_back(least_cost(family, n).seconds);
     out << std::fixed << std::setprecision(1) << 1e3 * seconds.back() << " | " << std::flush;
   }
   out << std::setprecision(2) << exponent_of(seconds) << " |\n";
+}
+
+void print_counted_row(const CliffFamily& family, std::ostream& out) {
+  const Growth growth = growth_of(family);
+  out << "| " << family.name << " | " << family.size_min << " | " << growth.units << " | "
+      << std::fixed << std::setprecision(2) << growth.exponent << " |\n";
+}
+
+bool has(const CliffFamily& family, const std::string& filter) {
+  return std::string(family.name).find(filter) != std::string::npos;
 }
 
 }  // namespace
@@ -59,7 +71,7 @@ bool print_cliffs(const std::string& filter, std::ostream& out) {
          "|---|---:|---:|---:|---:|---:|---:|\n";
   bool is_good = true;
   for (const CliffFamily& family : cliff_families()) {
-    if (std::string(family.name).find(filter) == std::string::npos) continue;
+    if (!has(family, filter)) continue;
     try {
       print_row(family, out);
     } catch (const std::runtime_error& error) {
@@ -67,7 +79,12 @@ bool print_cliffs(const std::string& filter, std::ostream& out) {
       is_good = false;
     }
   }
-  return is_good;
+  if (!is_good) return false;
+  out << "\n| what | n | units | exponent |\n|---|---:|---:|---:|\n";
+  for (const CliffFamily& family : cliff_families()) {
+    if (has(family, filter)) print_counted_row(family, out);
+  }
+  return true;
 }
 
 }  // namespace etcm::bench

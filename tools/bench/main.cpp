@@ -15,6 +15,7 @@
 #include "bench/poly_entries.h"
 #include "bench/speed.h"
 #include "bench/work_table.h"
+#include "command_line/command_line.h"
 #include "inputs/corpus.h"
 
 namespace {
@@ -56,7 +57,7 @@ int main(int argc, char** argv) {
   app.add_option("--poly", poly_paths, "More inputs for the table: .poly files in whole units");
   const bool asks_for_help = argc == 2 && std::string(argv[1]) == "--help";
   if (!asks_for_help) benchmark::Initialize(&argc, argv);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = etcm::command_line::parse(app, argc, argv)) return *end;
   try {
     if (fewer) return etcm::bench::print_fewer_table(std::cout) ? 0 : 1;
     if (cliffs->count() != 0) return etcm::bench::print_cliffs(cliff_filter, std::cout) ? 0 : 1;

@@ -35,7 +35,7 @@ class WorkTable {
     const Status status = call();
     const double nanoseconds =
         std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count();
-    const std::uint64_t units = mesh.work_done().units;
+    const std::uint64_t units = mesh.work_needed().units;
     if (units == 0) return status;
     UnitTimes& times = kinds_[kind];
     const double each = nanoseconds / static_cast<double>(units);

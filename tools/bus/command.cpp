@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include "modbus/frame.h"
+#include "modbus/question.h"
 
 namespace etcm::bus {
 
@@ -39,7 +40,7 @@ void BusOptions::add_to(CLI::App& command) {
   command
       .add_option("-m,--mode", mode_, "rtu or tcp; without it a device with a / is a serial port")
       ->check(CLI::IsMember({"rtu", "tcp"}));
-  command.add_option("-a,--units", units_, "units: 1, 1:10, 1,5,9")->capture_default_str();
+  command.add_option("-a,--units", units_, "units: 1, 1-10, 1,5,9")->capture_default_str();
   command.add_option("-o,--timeout", timeout_s_, "seconds that a unit may take to answer")
       ->capture_default_str();
   command.add_option("-p,--port", tcp_port_, "TCP port")->capture_default_str();
@@ -51,6 +52,11 @@ void BusOptions::add_to(CLI::App& command) {
       ->check(CLI::Range(1, 2))
       ->capture_default_str();
   command.add_flag("-R,--rts", has_rts_, "the driver switches an RS-485 transceiver by RTS");
+  // What is so anyway: lines that were written for mbpoll shall do.
+  command.add_flag("-1", is_once_, "once; only poll would go on");
+  command.add_flag("-0,-q,-B", is_as_always_,
+                   "as mbpoll has them: from 0, without a head, high words first");
+  command.add_flag("-v,--verbose", is_verbose_, "show each frame: sent in [], heard in <>");
 }
 
 bool BusOptions::is_serial() const {
@@ -59,7 +65,7 @@ bool BusOptions::is_serial() const {
 
 std::vector<std::uint8_t> BusOptions::units(int least) const {
   const auto units = parse_unit_list(units_, least);
-  if (!units) throw UsageError("-a " + units_ + ": no units; write 1, 1:10 or 1,5,9, up to 247");
+  if (!units) throw UsageError("-a " + units_ + ": no units; write 1, 1-10 or 1,5,9, up to 247");
   return *units;
 }
 
@@ -78,7 +84,8 @@ port::Duration BusOptions::timeout() const {
 }
 
 std::unique_ptr<Link> BusOptions::open() const {
-  if (!is_serial()) return open_tcp_link(endpoint(device_, tcp_port_));
+  const Frames frames = is_verbose_ ? Frames::shown : Frames::hidden;
+  if (!is_serial()) return open_tcp_link(endpoint(device_, tcp_port_), frames);
   port::SerialLine line = line_;
   if (!port::is_baud(line.baud)) {
     throw UsageError("-b " + std::to_string(line.baud) +
@@ -90,25 +97,31 @@ std::unique_ptr<Link> BusOptions::open() const {
                 : parity_ == "even" ? port::Parity::even
                                     : port::Parity::odd;
   if (has_rts_) line.rs485.mode = port::Rs485Mode::on;
-  return open_serial_link(line);
+  return open_serial_link(line, frames);
 }
 
 void TypeOptions::add_to(CLI::App& command, std::string table) {
   table_ = std::move(table);
   command
       .add_option("-t,--type", table_,
-                  "3 input or 4 holding registers, and what stands in them: 4:u16, i16, u32, i32, "
-                  "hex, float")
+                  "0 coils, 1 discrete inputs; 3 input or 4 holding registers, and what stands in "
+                  "them: 4:u16, i16, u32, i32, hex, float")
       ->capture_default_str();
   command.add_option("-w,--word-order", order_, "ABCD, BADC, CDAB or DCBA, A the highest byte")
       ->capture_default_str();
 }
 
 std::uint8_t TypeOptions::function() const {
+  if (table_ == "0") return port::read_coils;
+  if (table_ == "1") return port::read_discrete_inputs;
   if (table_ == "3" || table_.starts_with("3:")) return port::read_input_registers;
   if (table_ == "4" || table_.starts_with("4:")) return port::read_holding_registers;
-  throw UsageError("-t " + table_ + ": no table of registers; give 3 (input) or 4 (holding)");
+  throw UsageError("-t " + table_ +
+                   ": no table; give 0 (coils), 1 (discrete inputs), 3 (input registers) or 4 "
+                   "(holding registers)");
 }
+
+bool TypeOptions::are_bits() const { return table_ == "0" || table_ == "1"; }
 
 ValueType TypeOptions::type() const {
   const std::size_t colon = table_.find(':');

@@ -48,6 +48,7 @@ class BusOptions {
   std::vector<std::uint8_t> units(int least = 1) const;
   port::Duration timeout() const;
   std::unique_ptr<Link> open() const;
+  bool is_once() const { return is_once_; }
 
  private:
   bool is_serial() const;
@@ -60,13 +61,17 @@ class BusOptions {
   port::SerialLine line_;
   std::string parity_ = "even";
   bool has_rts_ = false;
+  bool is_once_ = false;
+  bool is_as_always_ = false;  // asked for, and so anyway
+  bool is_verbose_ = false;
 };
 
-// -t and --word-order: the table of registers, and what stands in them.
+// -t and --word-order: the table of coils, inputs or registers, and what stands in them.
 class TypeOptions {
  public:
   void add_to(CLI::App& command, std::string table);
   std::uint8_t function() const;  // that reads the table
+  bool are_bits() const;          // else registers
   ValueType type() const;
 
  private:

@@ -62,10 +62,27 @@ class Link {
   virtual void pause(port::Duration duration) = 0;
 };
 
-std::unique_ptr<Link> open_serial_link(const port::SerialLine& line);
+// Whether frames are shown as they go and come, on the standard error: sent "[03][04]", heard
+// "<03><04>", as mbpoll shows them.
+enum class Frames : std::uint8_t { hidden, shown };
+
+std::unique_ptr<Link> open_serial_link(const port::SerialLine& line, Frames frames);
 
 // Looks a name up and connects.
-std::unique_ptr<Link> open_tcp_link(const port::Endpoint& end);
+std::unique_ptr<Link> open_tcp_link(const port::Endpoint& end, Frames frames);
+
+// What both links show them with.
+class FrameDisplay {
+ public:
+  explicit FrameDisplay(Frames frames) : is_shown_(frames == Frames::shown) {}
+  void sent(std::span<const std::uint8_t> frame) const { show(frame, '[', ']'); }
+  void heard(std::span<const std::uint8_t> bytes) const { show(bytes, '<', '>'); }
+
+ private:
+  void show(std::span<const std::uint8_t> bytes, char before, char behind) const;
+
+  bool is_shown_;
+};
 
 // What both links wait with.
 class Waiter {

@@ -2,10 +2,12 @@
 
 #include <modbus/modbus.h>
 
+#include <algorithm>
 #include <array>
 
 #include "modbus/frame.h"
 #include "modbus/identity.h"
+#include "modbus/question.h"
 
 namespace etcm::bus {
 
@@ -20,6 +22,42 @@ std::string printable(std::string_view text) {
   std::string cleaned;
   for (const char letter : text) cleaned += letter >= ' ' && letter <= '~' ? letter : '?';
   return cleaned;
+}
+
+void put_word(std::span<std::uint8_t> pdu, std::size_t at, std::size_t word) {
+  pdu[at] = static_cast<std::uint8_t>(word >> 8);
+  pdu[at + 1] = static_cast<std::uint8_t>(word);
+}
+
+// As port::write_write_request() has it.
+std::size_t write_coils_request(std::span<std::uint8_t> pdu, std::uint16_t first,
+                                std::span<const std::uint16_t> coils) {
+  constexpr std::size_t head = 6;
+  put_word(pdu, 1, first);
+  if (coils.size() == 1) {
+    pdu[0] = port::write_single_coil;
+    put_word(pdu, 3, coils[0] != 0 ? 0xff00 : 0);
+    return head - 1;
+  }
+  const std::size_t bytes = (coils.size() + 7) / 8;
+  pdu[0] = port::write_coils;
+  put_word(pdu, 3, coils.size());
+  pdu[5] = static_cast<std::uint8_t>(bytes);
+  std::fill_n(pdu.begin() + head, bytes, std::uint8_t{0});
+  for (std::size_t i = 0; i < coils.size(); ++i) {
+    if (coils[i] != 0) pdu[head + i / 8] |= static_cast<std::uint8_t>(1u << i % 8);
+  }
+  return head + bytes;
+}
+
+std::size_t write_request(std::span<std::uint8_t> pdu, std::uint8_t table, std::uint16_t first,
+                          std::span<const std::uint16_t> values) {
+  return table == port::read_coils ? write_coils_request(pdu, first, values)
+                                   : port::write_write_request(pdu, first, values);
+}
+
+bool reads_bits(std::uint8_t function) {
+  return function == port::read_coils || function == port::read_discrete_inputs;
 }
 
 std::optional<ErrorDetail> trouble_of(const Reply& reply) {
@@ -97,6 +135,14 @@ std::optional<ErrorDetail> Master::read(std::uint8_t unit, std::uint8_t function
       request, function, {.first = first, .count = static_cast<std::uint16_t>(registers.size())});
   const Reply reply = ask(unit, std::span(request).first(size));
   if (const auto error_detail = trouble_of(reply)) return error_detail;
+  if (reads_bits(function)) {
+    const port::RtuQuestion question = port::question_of(std::span(request).first(size));
+    if (!port::answers(reply.pdu, question)) return ErrorDetail{.kind = ErrorDetail::Kind::garbled};
+    for (std::size_t i = 0; i < registers.size(); ++i) {
+      registers[i] = reply.pdu[2 + i / 8] >> i % 8 & 1u;
+    }
+    return std::nullopt;
+  }
   std::uint8_t exception = 0;
   if (port::parse_read_answer(reply.pdu, function, registers, exception) !=
       port::ReadAnswer::registers) {
@@ -105,24 +151,22 @@ std::optional<ErrorDetail> Master::read(std::uint8_t unit, std::uint8_t function
   return std::nullopt;
 }
 
-std::optional<ErrorDetail> Master::write(std::uint8_t unit, std::uint16_t first,
-                                         std::span<const std::uint16_t> registers) {
+std::optional<ErrorDetail> Master::write(std::uint8_t unit, std::uint8_t table, std::uint16_t first,
+                                         std::span<const std::uint16_t> values) {
   std::array<std::uint8_t, port::pdu_bytes_max> request;
-  const std::size_t size = port::write_write_request(request, first, registers);
+  const std::size_t size = write_request(request, table, first, values);
   const Reply reply = ask(unit, std::span(request).first(size));
   if (const auto error_detail = trouble_of(reply)) return error_detail;
-  const port::RegisterRange range{.first = first,
-                                  .count = static_cast<std::uint16_t>(registers.size())};
-  std::uint8_t exception = 0;
-  if (port::parse_write_answer(reply.pdu, range, exception) != port::WriteAnswer::written) {
+  if (!port::answers(reply.pdu, port::question_of(std::span(request).first(size)))) {
     return ErrorDetail{.kind = ErrorDetail::Kind::garbled};
   }
   return std::nullopt;
 }
 
-void Master::broadcast(std::uint16_t first, std::span<const std::uint16_t> registers) {
+void Master::broadcast(std::uint8_t table, std::uint16_t first,
+                       std::span<const std::uint16_t> values) {
   std::array<std::uint8_t, port::pdu_bytes_max> request;
-  const std::size_t size = port::write_write_request(request, first, registers);
+  const std::size_t size = write_request(request, table, first, values);
   static_cast<void>(link_.ask(everybody, std::span(request).first(size), turnaround));
 }
 

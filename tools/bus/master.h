@@ -39,6 +39,10 @@ struct Identification {
 // All of it in one line; empty where it said nothing.
 std::string to_string(const Identification& who);
 
+// As the protocol has it.
+inline constexpr std::size_t bits_at_once = 2000;
+inline constexpr std::size_t coils_at_once = 1968;
+
 using Registers = std::vector<std::uint16_t>;
 
 class Master {
@@ -51,16 +55,18 @@ class Master {
   // Whether that can be asked at once (link.h).
   bool may_read(std::uint8_t unit, std::uint8_t function, port::RegisterRange range) const;
 
-  // Reads 1 to 125 registers with FC 3 or FC 4 into `registers`, which gives the count.
+  // Reads 1 to 125 registers with FC 3 or FC 4 into `registers`, which gives the count; with FC 1
+  // or FC 2 1 to bits_at_once coils or discrete inputs, each 0 or 1.
   std::optional<ErrorDetail> read(std::uint8_t unit, std::uint8_t function, std::uint16_t first,
                                   std::span<std::uint16_t> registers);
 
-  // Writes 1 to 123 holding registers with FC 16.
-  std::optional<ErrorDetail> write(std::uint8_t unit, std::uint16_t first,
-                                   std::span<const std::uint16_t> registers);
+  // Writes to the table that this function reads: 1 to 123 holding registers with FC 16, or coils,
+  // each 0 or 1: one with FC 5, up to coils_at_once with FC 15.
+  std::optional<ErrorDetail> write(std::uint8_t unit, std::uint8_t table, std::uint16_t first,
+                                   std::span<const std::uint16_t> values);
 
   // The same to all units at once. That is not answered, so the result is unknown.
-  void broadcast(std::uint16_t first, std::span<const std::uint16_t> registers);
+  void broadcast(std::uint8_t table, std::uint16_t first, std::span<const std::uint16_t> values);
 
   Identification identify(std::uint8_t unit);
 

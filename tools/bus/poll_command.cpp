@@ -103,7 +103,7 @@ int poll(const PollOptions& options) {
         if (is_live) show(rows);
       }
       if (!is_live) show(rows);
-      if (round + 1 == options.rounds) break;
+      if (round + 1 == options.rounds || options.bus.is_once()) break;
       link->pause(next_round - clock.now());
     }
   } catch (const Interrupted&) {

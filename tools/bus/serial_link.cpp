@@ -31,21 +31,21 @@ const char* to_string(port::Parity parity) {
 }
 
 bool is_read(const port::RtuQuestion& question) {
-  return question.function == port::read_holding_registers ||
-         question.function == port::read_input_registers;
+  return question.function >= port::read_coils && question.function <= port::read_input_registers;
 }
 
 // Of reads an answer of another length is another's.
 bool may_answer(std::span<const std::uint8_t> pdu, const port::RtuQuestion& question) {
   return (pdu[0] & 0x7f) == question.function &&
          (!is_read(question) || (pdu[0] & port::exception_bit) != 0 ||
-          pdu.size() == 2u + 2u * question.range.count);
+          pdu.size() == port::answer_bytes(question));
 }
 
 class SerialLink final : public Link {
  public:
-  explicit SerialLink(const port::SerialLine& line)
-      : path_(line.path),
+  SerialLink(const port::SerialLine& line, Frames frames)
+      : display_(frames),
+        path_(line.path),
         name_(line.path + " at " + std::to_string(line.baud) + " baud, " + to_string(line.parity) +
               " parity"),
         character_(character_time(line)),
@@ -78,6 +78,7 @@ class SerialLink final : public Link {
     bool has_heard = false;
     while (true) {
       while (const auto found = line_.next_answer()) {
+        display_.heard(line_.heard().first(found->end));
         if (found->address == unit && may_answer(found->pdu, question)) {
           silent_until_ = last_heard_ + silence_;
           const bool is_exception = (found->pdu[0] & port::exception_bit) != 0;
@@ -96,6 +97,7 @@ class SerialLink final : public Link {
       if (until <= waiter_.now()) break;
       has_heard = listen(until) || has_heard;
     }
+    display_.heard(line_.heard());
     silent_until_ = waiter_.now() + quiet;
     // A broadcast is not answered.
     if (unit != 0) owed.add(question, sent_at, waiter_.now() + port::late_answer_max);
@@ -142,6 +144,7 @@ class SerialLink final : public Link {
       throw LinkError(path_ + ": " + why + "; plug the adapter in again");
     }
     const std::size_t size = port::rtu_unit_bytes + request.size() + port::rtu_checksum_bytes;
+    display_.sent(std::span(frame).first(size));
     return waiter_.now() + static_cast<std::int64_t>(size) * character_;
   }
 
@@ -155,6 +158,7 @@ class SerialLink final : public Link {
     return true;
   }
 
+  FrameDisplay display_;
   std::string path_;
   std::string name_;
   port::Duration character_;
@@ -168,8 +172,8 @@ class SerialLink final : public Link {
 
 }  // namespace
 
-std::unique_ptr<Link> open_serial_link(const port::SerialLine& line) {
-  return std::make_unique<SerialLink>(line);
+std::unique_ptr<Link> open_serial_link(const port::SerialLine& line, Frames frames) {
+  return std::make_unique<SerialLink>(line, frames);
 }
 
 }  // namespace etcm::bus

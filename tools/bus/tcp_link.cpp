@@ -13,7 +13,7 @@ namespace {
 
 class TcpLink final : public Link, private port::FrameConnection::Listener {
  public:
-  explicit TcpLink(const port::Endpoint& end) : name_(to_string(end)) {
+  TcpLink(const port::Endpoint& end, Frames frames) : display_(frames), name_(to_string(end)) {
     // The first answer of a converter that sleeps, or whose address nobody knows yet, takes longer.
     connection_.connect(end, waiter_.now(), port::TcpConnector::connect_time_max);
     while (connection_.state() != State::up) {
@@ -32,6 +32,7 @@ class TcpLink final : public Link, private port::FrameConnection::Listener {
     std::array<std::uint8_t, port::frame_bytes_max> frame;
     std::copy(request.begin(), request.end(), frame.begin() + port::mbap_header_bytes);
     connection_.send(frame, ++transaction_, unit, request.size());
+    display_.sent(std::span(frame).first(port::mbap_header_bytes + request.size()));
     const port::Instant sent_at = waiter_.now();
     while (!is_answered_) {
       throw_if_lost();
@@ -80,6 +81,10 @@ class TcpLink final : public Link, private port::FrameConnection::Listener {
   void on_connected() override {}
   void on_lost(const char* why) override { lost_ = why; }
   void on_frame(const port::Frame& frame) override {
+    std::array<std::uint8_t, port::frame_bytes_max> whole;
+    std::copy(frame.pdu.begin(), frame.pdu.end(), whole.begin() + port::mbap_header_bytes);
+    display_.heard(std::span(whole).first(
+        port::write_header(whole, frame.transaction, frame.address, frame.pdu.size())));
     if (frame.transaction != transaction_ || is_answered_) return;
     is_answered_ = true;
     answer_unit_ = frame.address;
@@ -87,6 +92,7 @@ class TcpLink final : public Link, private port::FrameConnection::Listener {
     std::copy(frame.pdu.begin(), frame.pdu.end(), answer_.begin());
   }
 
+  FrameDisplay display_;
   std::string name_;
   Waiter waiter_;
   port::TcpConnection connection_{waiter_.loop(), *this};
@@ -100,8 +106,8 @@ class TcpLink final : public Link, private port::FrameConnection::Listener {
 
 }  // namespace
 
-std::unique_ptr<Link> open_tcp_link(const port::Endpoint& end) {
-  return std::make_unique<TcpLink>(end);
+std::unique_ptr<Link> open_tcp_link(const port::Endpoint& end, Frames frames) {
+  return std::make_unique<TcpLink>(end, frames);
 }
 
 }  // namespace etcm::bus

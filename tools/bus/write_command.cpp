@@ -1,9 +1,12 @@
-// etcm-bus write: registers, with what was there before, and a look at what is there after.
+// etcm-bus write: registers or coils, with what was there before, and a look at what is there
+// after.
+#include <algorithm>
 #include <cstdio>
 
 #include "command.h"
 #include "etcm/port/node_bus.h"
 #include "modbus/frame.h"
+#include "modbus/question.h"
 
 namespace etcm::bus {
 
@@ -18,6 +21,9 @@ struct WriteOptions {
   bool is_blind = false;
 };
 
+// What stands in the table that this function reads.
+const char* what(std::uint8_t table) { return table == port::read_coils ? "coils" : "registers"; }
+
 // What the user wants to stand there.
 Registers wanted_by(const WriteOptions& options, ValueType type, std::uint16_t first) {
   Registers wanted;
@@ -26,24 +32,35 @@ Registers wanted_by(const WriteOptions& options, ValueType type, std::uint16_t f
       throw UsageError("value " + value + " does not fit -t; see -t in etcm-bus write --help");
     }
   }
-  if (wanted.size() > port::write_registers_max) {
-    throw UsageError(std::to_string(wanted.size()) + " registers; at most " +
-                     std::to_string(port::write_registers_max) + " are written at a time");
+  const bool are_coils = options.type.are_bits();
+  const std::size_t most = are_coils ? coils_at_once : port::write_registers_max;
+  if (wanted.size() > most) {
+    throw UsageError(std::to_string(wanted.size()) + (are_coils ? " coils" : " registers") +
+                     "; at most " + std::to_string(most) + " are written at a time");
   }
-  if (first + wanted.size() > register_end) throw UsageError("ends behind register 65535");
+  if (are_coils && std::any_of(wanted.begin(), wanted.end(), [](auto bit) { return bit > 1; })) {
+    throw UsageError("a coil is 0 or 1; give each of them so");
+  }
+  if (first + wanted.size() > register_end) {
+    throw UsageError(std::string("ends behind ") + (are_coils ? "coil" : "register") + " 65535");
+  }
   return wanted;
 }
 
 class Writer {
  public:
-  Writer(Master& master, ValueType type, std::uint16_t first, const Registers& wanted)
-      : master_(master), type_(type), first_(first), wanted_(wanted) {}
+  Writer(Master& master, const TypeOptions& type, std::uint16_t first, const Registers& wanted)
+      : master_(master),
+        type_(type.type()),
+        table_(type.function()),
+        first_(first),
+        wanted_(wanted) {}
 
   int write_blindly(std::uint8_t unit) const {
-    if (const auto error_detail = master_.write(unit, first_, wanted_)) {
+    if (const auto error_detail = master_.write(unit, table_, first_, wanted_)) {
       return complain(unit, "does not take it: " + to_string(*error_detail));
     }
-    std::printf("unit %u took %zu registers from %u\n", unit, wanted_.size(), first_);
+    std::printf("unit %u took %zu %s from %u\n", unit, wanted_.size(), what(table_), first_);
     return exit_ok;
   }
 
@@ -56,7 +73,7 @@ class Writer {
                                      ? "; --blind writes without reading"
                                      : ""));
     }
-    if (const auto error_detail = master_.write(unit, first_, wanted_)) {
+    if (const auto error_detail = master_.write(unit, table_, first_, wanted_)) {
       return complain(unit, "does not take it: " + to_string(*error_detail) +
                                 (error_detail->kind == ErrorDetail::Kind::exception
                                      ? ""
@@ -67,14 +84,13 @@ class Writer {
     }
     print(unit, before, after);
     if (after == wanted_) return exit_ok;
-    return complain(unit,
-                    "took it, but other values stand there now: the registers may be "
-                    "read-only in part, or change by themselves");
+    return complain(unit, std::string("took it, but other values stand there now: the ") +
+                              what(table_) + " may be read-only in part, or change by themselves");
   }
 
  private:
   std::optional<ErrorDetail> read(std::uint8_t unit, Registers& registers) const {
-    return master_.read(unit, port::read_holding_registers, first_, registers);
+    return master_.read(unit, table_, first_, registers);
   }
 
   std::string value_at(const Registers& registers, std::size_t at) const {
@@ -98,6 +114,7 @@ class Writer {
 
   Master& master_;
   ValueType type_;
+  std::uint8_t table_;  // by the function that reads it
   std::uint16_t first_;
   const Registers& wanted_;
 };
@@ -113,8 +130,9 @@ int write(const WriteOptions& options) {
   if (options.is_broadcast && !(has_everybody && units.size() == 1)) {
     throw UsageError("--broadcast goes to every unit; give it with -a 0");
   }
-  if (options.type.function() != port::read_holding_registers) {
-    throw UsageError("-t 3: input registers cannot be written; give -t 4");
+  const std::uint8_t table = options.type.function();
+  if (table != port::read_holding_registers && table != port::read_coils) {
+    throw UsageError("-t 1 and -t 3: inputs cannot be written; give -t 4, or -t 0 for coils");
   }
   const ValueType type = options.type.type();
   const std::uint16_t first = parse_first(options.first);
@@ -123,12 +141,12 @@ int write(const WriteOptions& options) {
   const auto link = options.bus.open();
   Master master(*link, timeout);
   if (has_everybody) {
-    master.broadcast(first, wanted);
-    std::printf("%zu registers from %u sent to every unit; read them to see who took them\n",
-                wanted.size(), first);
+    master.broadcast(table, first, wanted);
+    std::printf("%zu %s from %u sent to every unit; read them to see who took them\n",
+                wanted.size(), what(table), first);
     return exit_ok;
   }
-  const Writer writer(master, type, first, wanted);
+  const Writer writer(master, options.type, first, wanted);
   int result = exit_ok;
   for (const std::uint8_t unit : units) {
     const int outcome = options.is_blind ? writer.write_blindly(unit) : writer.write(unit);
@@ -140,8 +158,8 @@ int write(const WriteOptions& options) {
 }  // namespace
 
 void add_write_command(CLI::App& program, Run& run) {
-  CLI::App* const command =
-      program.add_subcommand("write", "holding registers, with what was there before and after");
+  CLI::App* const command = program.add_subcommand(
+      "write", "holding registers or coils, with what was there before and after");
   const auto options = std::make_shared<WriteOptions>();
   options->bus.add_to(*command);
   options->type.add_to(*command, "4");

@@ -25,6 +25,9 @@ install(FILES
   DESTINATION ${etcm_package_dir} COMPONENT development
 )
 
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/etcm
+  COMPONENT development)
+
 # Relative, so that the tree can be moved.
 file(RELATIVE_PATH etcm_pc_prefix
   "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/"

@@ -2,21 +2,17 @@
 #include <exception>
 #include <iostream>
 
+#include "command_line/command_line.h"
 #include "compare/commands.h"
 
 int main(int argc, char** argv) {
   CLI::App program("Compares conforming Delaunay meshers by the five criteria of the ETCM paper.",
                    "etcm-compare");
-  program.require_subcommand(0, 1);
   etcm::compare::Run run;
   etcm::compare::add_experiment_command(program, run);
   etcm::compare::add_generate_command(program, run);
   etcm::compare::add_file_command(program, run);
-  CLI11_PARSE(program, argc, argv);
-  if (!run) {
-    std::cout << program.help();
-    return 2;
-  }
+  if (const auto end = etcm::command_line::parse(program, argc, argv)) return *end;
   try {
     return run();
   } catch (const std::exception& error) {

@@ -14,6 +14,9 @@ file(READ "${unit}" text)
 string(REGEX REPLACE "ExecStart=[^ ]*/etcm-gateway" "ExecStart=/usr/bin/etcm-gateway" text "${text}")
 file(WRITE "${unit}" "${text}")
 
+# Debian's packages have it as their copyright.
+file(REMOVE_RECURSE "${root}/development/usr/share/doc/etcm")
+
 function(compress file)
   execute_process(COMMAND gzip -9nf "${file}" COMMAND_ERROR_IS_FATAL ANY)
 endfunction()

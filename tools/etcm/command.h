@@ -34,7 +34,9 @@ void add_interpolate_command(CLI::App& program, Run& run);
 void add_mesh_command(CLI::App& program, Run& run);
 void add_nearest_command(CLI::App& program, Run& run);
 void add_replay_command(CLI::App& program, Run& run);
+void add_size_command(CLI::App& program, Run& run);
 void add_verify_command(CLI::App& program, Run& run);
+void add_what_if_command(CLI::App& program, Run& run);
 void add_export_command(CLI::App& program, Run& run);
 
 // --scale and --round, which several subcommands take.

@@ -30,6 +30,13 @@ const Form& form_of(const files::RecordReader& reader) {
 
 }  // namespace
 
+std::string_view name_of(EventKind kind) {
+  for (const Form& form : forms) {
+    if (form.kind == kind) return form.name;
+  }
+  return {};
+}
+
 std::vector<Event> read_events(const std::string& path, const files::Placement& placement) {
   files::RecordReader reader(path);
   std::vector<Event> events;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "etcm/files/grid.h"
@@ -12,6 +13,9 @@
 namespace etcm::cli {
 
 enum class EventKind : std::uint8_t { join, leave, move, feature, unfeature };
+
+// The word that a line of it begins with.
+std::string_view name_of(EventKind kind);
 
 struct Event {
   EventKind kind = EventKind::join;

@@ -18,13 +18,43 @@ VertexId History::vertex(std::int64_t id) const {
   return found == vertex_of_.end() ? VertexId::none() : found->second;
 }
 
+bool History::is_id_taken(const Event& event) const {
+  return (event.kind == EventKind::join && vertex_of_.contains(event.id)) ||
+         (event.kind == EventKind::feature && feature_of_.contains(event.id));
+}
+
+namespace {
+
+Status refusal_of_taken_id(const Event& event) {
+  return event.kind == EventKind::join ? Status::duplicate_vertex : Status::repeated_feature;
+}
+
+}  // namespace
+
 Status History::apply(const Event& event) {
-  id_taken_ = (event.kind == EventKind::join && vertex_of_.contains(event.id)) ||
-              (event.kind == EventKind::feature && feature_of_.contains(event.id));
-  if (id_taken_) {
-    return event.kind == EventKind::join ? Status::duplicate_vertex : Status::repeated_feature;
+  id_taken_ = is_id_taken(event);
+  return id_taken_ ? refusal_of_taken_id(event) : apply_to_mesh(event);
+}
+
+// The mesh refuses ids of none by the same words.
+Outcome History::rehearse(const Event& event) {
+  if (is_id_taken(event)) return {.status = refusal_of_taken_id(event)};
+  DryRun dry(mesh_);
+  switch (event.kind) {
+    case EventKind::join:
+      return dry.join(event.position);
+    case EventKind::leave:
+      return dry.leave(vertex(event.id));
+    case EventKind::move:
+      return dry.move(vertex(event.id), event.position);
+    case EventKind::feature:
+      return dry.add_feature({vertex(event.from), vertex(event.to)});
+    case EventKind::unfeature: {
+      const auto feature = feature_of_.find(event.id);
+      return dry.remove_feature(feature == feature_of_.end() ? FeatureId::none() : feature->second);
+    }
   }
-  return apply_to_mesh(event);
+  return {};
 }
 
 Status History::apply_to_mesh(const Event& event) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "etcm/dry_run.h"
 #include "etcm/files/constraint_graph.h"
 #include "etcm/mesh.h"
 #include "events.h"
@@ -20,6 +21,9 @@ class History {
   // nothing.
   Status apply(const Event& event);
 
+  // What it would come to; nothing changes.
+  Outcome rehearse(const Event& event);
+
   // Why the last event was refused, in words that use the numbers of the user.
   std::string explain_refusal(const Event& event, Status status) const;
 
@@ -28,6 +32,7 @@ class History {
   files::ConstraintGraph graph() const;
 
  private:
+  bool is_id_taken(const Event& event) const;
   Status apply_to_mesh(const Event& event);
   VertexId vertex(std::int64_t id) const;
   std::string node_name(VertexId vertex) const;

@@ -6,12 +6,16 @@
 #include <cstdlib>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "command_line/command_line.h"
+#include "etcm/port/endpoint.h"
 #include "fleet.h"
 #include "modbus/tcp_listener.h"
 #include "posix/event_loop.h"
+#include "posix/name_resolver.h"
 #include "posix/steady_clock.h"
 #include "posix/stop_signal.h"
 #include "pseudo_terminal.h"
@@ -82,17 +86,32 @@ void run_rtu(const port::SerialLine& line, const nodes::Script& script) {
   });
 }
 
+// A name stands for the first of its addresses. None where there is none, and why.
+std::optional<port::SocketAddress> address_to_listen_at(const std::string& text, std::string& why) {
+  if (const auto address = port::parse_socket_address(text)) return address;
+  const auto end = port::parse_endpoint(text);
+  if (!end) {
+    why = "no address; write it as 127.0.0.1:1502, localhost:1502 or [::1]:1502";
+    return std::nullopt;
+  }
+  const port::FoundHosts found = port::find_hosts(end->host.c_str(), false);
+  if (found.count > 0) return port::SocketAddress{found.hosts[0], end->port};
+  why = std::string(found.why_none) + "; give a name of this machine, or an address";
+  return std::nullopt;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Simulates position nodes as Modbus units: over TCP, 247 to a port, or on a serial line.");
+      "Simulates position nodes as Modbus units: over TCP, 247 to a port, or on a serial line.",
+      "etcm-nodes");
   std::string listen;
   std::string file;
   port::SerialLine line;
   auto* const links = app.add_option_group("link");
   links->add_option("--listen", listen,
-                    "ADDRESS:PORT of the first 247; the next have the ports after it. Port 0: the "
+                    "HOST:PORT of the first 247; the next have the ports after it. Port 0: the "
                     "system chooses each");
   auto* const rtu =
       links->add_option("--rtu", line.path, "where to make a pseudo terminal for a master to open");
@@ -100,11 +119,11 @@ int main(int argc, char** argv) {
   app.add_option("--baud", line.baud, "the pace of the terminal, with even parity")->needs(rtu);
   app.add_option("--nodes", file, "what the nodes do, a CSV file: time_ms,serial,event,x,y")
       ->required();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = command_line::parse(app, argc, argv)) return *end;
 
-  const auto address = port::parse_socket_address(listen);
-  if (!address && line.path.empty()) {
-    std::fprintf(stderr, "--listen %s: no address; write it as 127.0.0.1:1502\n", listen.c_str());
+  std::optional<port::SocketAddress> address;
+  if (std::string why; line.path.empty() && !(address = address_to_listen_at(listen, why))) {
+    std::fprintf(stderr, "--listen %s: %s\n", listen.c_str(), why.c_str());
     return exit_bad_input;
   }
   if (!port::is_baud(line.baud)) {

@@ -1,24 +1,48 @@
 // Asks the gateway how things stand, and shows it.
+import { isOldList, showAlarms } from "./alarms.js";
+import { BusList } from "./buses.js";
+import { showDetails } from "./details.js";
+import { setText } from "./dom.js";
+import { countEnded, isOldEnded, showEnded } from "./ended.js";
+import { coloursOfMembers, showFleet } from "./fleet.js";
+import { showFound } from "./found.js";
+import { sameItem } from "./items.js";
+import { keepInAddress, serialInAddress } from "./keep.js";
+import { Leads } from "./leads.js";
 import { MeshMap } from "./map.js";
-import { readMesh, setAges } from "./model.js";
+import { momentText, readMesh, setAges } from "./model.js";
 import {
-  countLegend, makeLegend, showBands, showBuses, showDetails, showEvents, showMissing, showNoAnswer,
-  showQuantities, showQuarantine, showStatus,
+  countLegend, makeLegend, showBands, showEvents, showMissing, showNoAnswer, showQuantities,
+  showQuarantine, showStatus, showUnheard,
 } from "./panels.js";
+import { preparePaper } from "./paper.js";
 import { readReadings } from "./readings.js";
 import { Shading } from "./shading.js";
 import { NodeTable } from "./table.js";
+import { readUnits, setUnits } from "./units.js";
 
 const pauseMs = 1000;
 const patienceMs = 5000;
+const searchedMs = 5000;   // after which units are asked for again for a search of nodes
 
 let mesh = null;
 let readings = null;
+let status = null;   // what the gateway said last
 let choice = null;
 let answeredAt = null;
+let unitsAt = -Infinity;   // when units were asked for
+let unitsOf = null;        // the mesh whose nodes have them
 
-const map = new MeshMap(document.getElementById("map"), { chosen: choose });
+const map = new MeshMap(document.getElementById("map"), { chosen: (found) => {
+  choose(found);
+  // On a small screen they are below the map.
+  if (found) document.getElementById("details").scrollIntoView({ block: "nearest" });
+} });
 const table = new NodeTable({ chosen: choose });
+const go = (serial) => choose(mesh.bySerial.get(serial) ?? null);
+const buses = new BusList({ go });
+const leads = new Leads({ choose, buses });
+const follow = (about, start) => leads.follow(about, start);
 makeLegend(map);
 document.getElementById("zoom-in").addEventListener("click", () => map.view.zoomIn());
 document.getElementById("zoom-out").addEventListener("click", () => map.view.zoomOut());
@@ -30,9 +54,21 @@ document.getElementById("close").addEventListener("click", () => choose(null));
 addEventListener("keydown", (event) => {
   if (event.key === "Escape") choose(null);
 });
+addEventListener("hashchange", () => {
+  choice = mesh?.bySerial.get(serialInAddress()) ?? null;
+  show(choice);
+});
+preparePaper(map, table, () => status);
 
 function choose(point) {
   choice = point;
+  keepInAddress(point);
+  const hadFocus = document.getElementById("details").contains(document.activeElement);
+  show(point);
+  if (!point && hadFocus) leads.back();
+}
+
+function show(point) {
   map.setChoice(point);
   table.setChoice(point);
   showDetails(point, mesh, readings, choose);
@@ -49,6 +85,7 @@ function shade() {
 // The same node or Steiner vertex in a newer mesh, or null.
 function sameIn(newer, point) {
   if (!point) return null;
+  if (point.isItem) return sameItem(newer, point);
   if (point.isNode) return newer.bySerial.get(point.serial) ?? null;
   const other = newer.points.get(point.id);
   return other && !other.isNode ? other : null;
@@ -68,8 +105,29 @@ async function turnReadings(status) {
   showQuantities(readings);
 }
 
+// All units are many: they are asked for where somebody looks at them, or at a node.
+async function turnUnits() {
+  const isOld = unitsOf !== mesh || performance.now() - unitsAt > searchedMs;
+  const isSearchDue = table.isSearched && isOld;
+  if (!buses.isOpen && !choice?.isNode && !isSearchDue) return;
+  unitsAt = performance.now();
+  const units = readUnits(await ask("units.json"), status);
+  buses.setUnits(units);
+  setUnits(mesh, units);
+  unitsOf = mesh;
+}
+
+// A node that the address names is shown as soon as it is known.
+function showWanted() {
+  const wanted = serialInAddress();
+  const isKnown = wanted === null || mesh.bySerial.has(wanted);
+  if (!choice && wanted !== null && isKnown) choose(mesh.bySerial.get(wanted));
+  document.getElementById("no-wanted").hidden = isKnown;
+  if (!isKnown) setText(document.getElementById("no-wanted"), `Node ${wanted} is not known here.`);
+}
+
 async function turn() {
-  const status = await ask("status.json");
+  status = await ask("status.json");
   await turnReadings(status);
   if (!mesh || mesh.generation !== status.generation || mesh.instance !== status.instance) {
     const newer = readMesh(await ask("mesh.json"));
@@ -77,22 +135,32 @@ async function turn() {
     mesh = newer;
     setAges(mesh, await ask("ages.json"), status);
     map.setMesh(mesh);
+    leads.setMesh(mesh);
   } else {
     setAges(mesh, await ask("ages.json"), status);
   }
   shade();
   document.getElementById("empty").hidden = mesh.bounds !== null;
   showStatus(status);
-  showBuses(status);
+  if (isOldList(status)) showAlarms(status, await ask("alarms.json"), follow);
+  countEnded(status);
+  if (isOldEnded(status)) showEnded(status, await ask("ended.json"), follow);
+  buses.show(status);
+  await turnUnits();
+  showFleet(status);
+  map.plan.set(status.plan);
+  map.setMembers(coloursOfMembers(status.fleet));
   showEvents(status);
-  const go = (serial) => choose(mesh.bySerial.get(serial) ?? null);
   showMissing(status.missing, go);
-  showQuarantine(status.quarantine, go);
-  countLegend(mesh);
+  showQuarantine(status.quarantine, mesh, go);
+  showUnheard(status.unheard);
+  showFound(mesh, choose);
+  countLegend(mesh, status);
   table.setNodes(mesh.nodes);
   table.setChoice(choice);
   map.choice = choice;
   map.redraw();
+  showWanted();
   showDetails(choice, mesh, readings, choose);
 }
 
@@ -103,7 +171,7 @@ function setLost(isLost) {
   if (!isLost) return;
   showNoAnswer();
   const text = answeredAt
-    ? `The gateway has not answered since ${answeredAt.toLocaleTimeString()}. What you see is from then.`
+    ? `The gateway has not answered since ${momentText(answeredAt)}. What you see is from then.`
     : "The gateway does not answer. Is it running?";
   if (lost.textContent !== text) lost.textContent = text;
 }

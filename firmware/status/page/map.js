@@ -1,5 +1,9 @@
 // Draws the mesh, and knows what is under the pointer.
-import { lengthText, nameOf } from "./model.js";
+import { memberColours } from "./fleet.js";
+import { holeRadius, itemAt, itemsOf, itemText } from "./items.js";
+import { placeLabels } from "./labels.js";
+import { featureText, lengthText, nameOf } from "./model.js";
+import { Plan } from "./plan.js";
 import { isFresh, valueText } from "./readings.js";
 import { bandColours, rampNames } from "./shading.js";
 import { diamond, isOutline, nodeShape } from "./shapes.js";
@@ -7,13 +11,14 @@ import { View } from "./view.js";
 
 // What can be shown or not, bottom first.
 export const layers = [
+  { name: "plan", text: "Plan", on: true },
   { name: "holes", text: "Coverage holes", on: true },
   { name: "edges", text: "Edges", on: true },
   { name: "links", text: "Links too long", on: true },
   { name: "features", text: "Feature edges", on: true },
   { name: "gaps", text: "Barrier gaps", on: true },
   { name: "refused", text: "Features refused", on: true },
-  { name: "steiner", text: "Relay proposals", on: true },
+  { name: "steiner", text: "Proposed relays", on: true },
   { name: "fresh", text: "Fresh", on: true },
   { name: "ageing", text: "Ageing", on: true },
   { name: "stale", text: "Stale", on: true },
@@ -22,6 +27,8 @@ export const layers = [
 ];
 
 const hitDistance = 14;       // pixels
+const lineHitDistance = 7;
+const paperRatio = 3;         // of the points of paper to those of the screen
 const labelledNodesMax = 150;
 const labelSpacing = 46;      // pixels between nodes from which serials are legible
 const areaPart = 0.62;        // of the colour of a value where it fills an area below lines
@@ -33,13 +40,15 @@ export class MeshMap {
     this.context = canvas.getContext("2d");
     this.mesh = null;
     this.shading = null;
+    this.members = new Map();
+    this.plan = new Plan(() => this.redraw());
     this.choice = null;
     this.hover = null;
     this.tip = document.getElementById("tip");
     this.scaleBar = document.getElementById("scale");
     this.view = new View(canvas, {
       changed: () => this.redraw(),
-      clicked: (at) => chosen(this.pointAt(at)),
+      clicked: (at) => chosen(this.foundAt(at)),
       hovered: (at) => this.setHover(at),
     });
     this.readColours();
@@ -65,10 +74,25 @@ export class MeshMap {
     this.redraw();
   }
 
+  // The colour of the fresh nodes of each gateway by its name, that of our own under "".
+  setMembers(colours) { this.members = colours; }
+
   setChoice(point) {
     this.choice = point;
     if (point?.hasPlace) this.view.show(point);
     this.redraw();
+  }
+
+  // Paper has the colours of the day, and a size of its own; it does not wait for the next picture.
+  setPaper(isOnPaper) {
+    const { view } = this;
+    if (isOnPaper) this.onScreen = { scale: view.scale, center: view.center, width: view.width };
+    this.isOnPaper = isOnPaper;
+    this.readColours();
+    this.resize();
+    if (isOnPaper && !view.followsBounds) view.scale *= view.width / this.onScreen.width;
+    if (!isOnPaper && !view.followsBounds) Object.assign(view, { scale: this.onScreen.scale, center: this.onScreen.center });
+    this.draw();
   }
 
   // At most once for each picture the screen shows.
@@ -82,7 +106,7 @@ export class MeshMap {
   }
 
   resize() {
-    const ratio = window.devicePixelRatio || 1;
+    const ratio = this.isOnPaper ? paperRatio : window.devicePixelRatio || 1;
     this.canvas.width = Math.round(this.canvas.clientWidth * ratio);
     this.canvas.height = Math.round(this.canvas.clientHeight * ratio);
     if (this.view.followsBounds) this.view.fit();
@@ -90,6 +114,7 @@ export class MeshMap {
   }
 
   readColours() {
+    this.isNight = !this.isOnPaper && matchMedia("(prefers-color-scheme: dark)").matches;
     // As the colour of an element, which is that of the day or of the night; the property is both.
     const colour = (name) => {
       this.canvas.style.color = `var(--${name})`;
@@ -102,6 +127,7 @@ export class MeshMap {
       this.colours[name] = colour(`map-${name}`);
     }
     this.ramp = rampNames().map(colour);
+    this.ownColours = memberColours.map(colour);
   }
 
   // Of the bands of values.
@@ -115,6 +141,7 @@ export class MeshMap {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, view.width, view.height);
     if (!mesh) return;
+    if (this.isOn("plan")) this.plan.draw(context, view, this.isNight);
     const radius = Math.min(6.5, Math.max(1.6, (this.spacing * view.scale) / 5));
     this.shading?.draw(context, (lines) => this.trace(lines),
       this.areaColours(this.shading.bandCount), colours.text);
@@ -136,6 +163,7 @@ export class MeshMap {
     }
     this.drawRing(this.choice, radius + 5, 3);
     if (this.hover !== this.choice) this.drawRing(this.hover, radius + 4, 1.5);
+    if (this.hover?.line) this.strokeLines([this.hover.line], colours.accent, 2);
     this.drawLabels(radius);
     this.drawScale();
   }
@@ -166,7 +194,7 @@ export class MeshMap {
     const { context, view, mesh } = this;
     context.beginPath();
     for (const hole of mesh.holes) {
-      const radius = Math.max(5, (hole.distance - mesh.sensingRange) * view.scale);
+      const radius = Math.max(5, holeRadius(mesh, hole) * view.scale);
       const x = view.screenX(hole.x);
       context.moveTo(x + radius, view.screenY(hole.y));
       context.arc(x, view.screenY(hole.y), radius, 0, 2 * Math.PI);
@@ -178,24 +206,15 @@ export class MeshMap {
   }
 
   drawRefused() {
-    const lines = [];
-    // An end is the serial of a node or the place of an anchor.
-    const placeOf = (end) => {
-      if (Array.isArray(end)) return end;
-      const node = this.mesh.bySerial.get(end);
-      return node?.hasPlace ? [node.x, node.y] : null;
-    };
-    for (const feature of this.mesh.inactive) {
-      const from = placeOf(feature.from);
-      const to = placeOf(feature.to);
-      if (feature.refused && from && to) lines.push([from, to]);
-    }
-    this.strokeLines(lines, this.colours.quarantined, 2, [7, 5]);
+    this.strokeLines(itemsOf(this.mesh, "refused").map((item) => item.line), this.colours.quarantined, 2,
+      [7, 5]);
   }
 
   drawChoiceLinks() {
     const { choice, mesh } = this;
-    if (!choice?.hasPlace) return;
+    if (choice?.kind === "refused") return this.strokeLines([choice.line], this.colours.quarantined, 4, [7, 7]);
+    if (choice?.line) return this.strokeLines([choice.line], this.colours.accent, 4);
+    if (!choice?.hasPlace || !choice.neighbours) return;
     const lines = choice.neighbours.map((id) => mesh.points.get(id)).filter(Boolean)
       .map((other) => [[choice.x, choice.y], [other.x, other.y]]);
     this.strokeLines(lines, this.colours.accent, 2.5);
@@ -209,20 +228,30 @@ export class MeshMap {
   }
 
   drawNodes(nodes, state, radius) {
+    const those = nodes.filter((node) => node.state === state && node.hasPlace);
+    if (state !== "fresh" || this.members.size === 0) {
+      return this.drawAlike(those, state, radius, this.colours[state]);
+    }
+    for (const [name, colour] of this.members) {
+      const its = those.filter((node) => (node.owner ?? "") === name);
+      this.drawAlike(its, state, radius, this.ownColours[colour]);
+    }
+  }
+
+  drawAlike(nodes, state, radius, colour) {
     const { context, view, colours } = this;
     context.beginPath();
     for (const node of nodes) {
-      if (node.state !== state || !node.hasPlace) continue;
       nodeShape(context, state, view.screenX(node.x), view.screenY(node.y), radius);
     }
     if (isOutline(state)) {
       context.fillStyle = colours.back;
       context.fill();
-      context.strokeStyle = colours[state];
+      context.strokeStyle = colour;
       context.lineWidth = Math.max(1.5, radius / 2.5);
       context.stroke();
     } else {
-      this.paint(colours[state]);
+      this.paint(colour);
     }
   }
 
@@ -254,34 +283,46 @@ export class MeshMap {
   }
 
   drawRing(point, radius, width) {
-    if (!point?.hasPlace) return;
+    if (!point?.hasPlace || point.line) return;
     const { context, view } = this;
+    const wide = point.kind === "hole" ? Math.max(radius, holeRadius(this.mesh, point) * view.scale) : radius;
     context.beginPath();
-    context.arc(view.screenX(point.x), view.screenY(point.y), radius, 0, 2 * Math.PI);
+    context.arc(view.screenX(point.x), view.screenY(point.y), wide, 0, 2 * Math.PI);
     context.strokeStyle = this.colours.accent;
     context.lineWidth = width;
     context.stroke();
   }
 
-  // Serials, or what is measured.
+  // Names or serials, or what is measured.
   drawLabels(radius) {
     const { context, view, mesh } = this;
     if (this.spacing * view.scale < labelSpacing) return;
     const seen = mesh.nodes.filter((node) => node.hasPlace && this.isSeen(node));
     if (seen.length > labelledNodesMax) return;
     context.font = "12px system-ui, 'DejaVu Sans', sans-serif";
-    context.textBaseline = "bottom";
+    context.textBaseline = "top";
     context.strokeStyle = this.colours.back;
     context.fillStyle = this.colours.text;
     context.lineWidth = 3;
     context.lineJoin = "round";
-    for (const node of seen) {
-      const x = view.screenX(node.x) + radius + 2;
-      const y = view.screenY(node.y) - radius;
-      const text = this.shading ? this.shownValue(node) : String(node.serial);
-      context.strokeText(text, x, y);
-      context.fillText(text, x, y);
+    // What was chosen is named before all others.
+    seen.sort((a, b) => (b === this.choice) - (a === this.choice));
+    const labels = seen.map((node) => ({ x: view.screenX(node.x), y: view.screenY(node.y), radius,
+      text: this.shading ? this.shownValue(node) : node.name ?? String(node.serial) }));
+    const placed = placeLabels(labels, this.coveredBoxes(), view.width, view.height,
+      (text) => context.measureText(text).width);
+    for (const { text, left, top } of placed) {
+      context.strokeText(text, left, top + 1);
+      context.fillText(text, left, top + 1);
     }
+  }
+
+  // Of what lies on the map.
+  coveredBoxes() {
+    return [...this.canvas.parentElement.querySelectorAll(".tools, #measured, #scale")]
+      .filter((part) => part.offsetWidth > 0)
+      .map((part) => ({ left: part.offsetLeft, top: part.offsetTop,
+        right: part.offsetLeft + part.offsetWidth, bottom: part.offsetTop + part.offsetHeight }));
   }
 
   // What a node measures of the quantity that is shown; "" where it is not known to.
@@ -312,21 +353,35 @@ export class MeshMap {
   }
 
   setHover(at) {
-    const point = at && this.pointAt(at);
-    this.canvas.classList.toggle("over", Boolean(point));
-    this.tip.hidden = !point;
-    if (point) {
-      const value = point.isNode && this.shownValue(point);
-      this.tip.textContent = point.isNode
-        ? `${nameOf(point)}, ${point.state}${value ? `, ${value}` : ""}`
-        : `Relay proposal on feature ${point.feature}`;
+    const found = at && this.foundAt(at);
+    this.canvas.classList.toggle("over", Boolean(found));
+    this.tip.hidden = !found;
+    if (found) {
+      this.tip.textContent = this.tipText(found);
       const x = Math.min(at.x + 14, this.view.width - this.tip.offsetWidth - 4);
-      this.tip.style.left = `${x}px`;
-      this.tip.style.top = `${Math.max(4, at.y - 34)}px`;
+      this.tip.style.left = `${Math.max(4, x)}px`;
+      this.tip.style.top = `${Math.max(4, at.y - 10 - this.tip.offsetHeight)}px`;
     }
-    if (point === this.hover) return;
-    this.hover = point;
+    if (found === this.hover) return;
+    this.hover = found;
     this.redraw();
+  }
+
+  tipText(found) {
+    if (found.isItem) return itemText(this.mesh, found);
+    if (!found.isNode) return `Proposed relay on feature ${featureText(found)}`;
+    const value = this.shownValue(found);
+    return `${nameOf(found)}, ${found.state}${value ? `, ${value}` : ""}`;
+  }
+
+  // A point before a line or an area.
+  foundAt(at) {
+    if (!this.mesh) return null;
+    const point = this.pointAt(at);
+    if (point) return point;
+    const { view } = this;
+    const place = { x: view.worldX(at.x), y: view.worldY(at.y) };
+    return itemAt(this.mesh, place, lineHitDistance / view.scale, (name) => this.isOn(name));
   }
 
   // The nearest point that is shown, if it is near; a node rather than a Steiner vertex.
@@ -339,7 +394,6 @@ export class MeshMap {
         Math.hypot(this.view.screenX(point.x) - x, this.view.screenY(point.y) - y) + handicap;
       if (distance < bestDistance) [best, bestDistance] = [point, distance];
     };
-    if (!this.mesh) return null;
     for (const node of this.mesh.nodes) {
       if (node.state !== "waiting" && this.isOn(node.state)) look(node, 0);
     }
@@ -358,7 +412,11 @@ export class MeshMap {
       refused: "quarantined" }[name] ?? name;
     context.strokeStyle = context.fillStyle = this.colours[colour];
     context.lineCap = "round";
-    if (name === "holes") {
+    if (name === "plan") {
+      context.strokeStyle = this.colours.edge;
+      context.strokeRect(3.5, 2.5, 19, 11);
+      context.strokeRect(7.5, 5.5, 6, 5);
+    } else if (name === "holes") {
       context.globalAlpha = 0.5;
       context.beginPath();
       context.arc(13, 8, 7, 0, 2 * Math.PI);

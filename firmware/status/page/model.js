@@ -11,6 +11,8 @@ export function readMesh(geojson) {
     instance: geojson.instance,
     points: new Map(),    // by id
     bySerial: new Map(),
+    byPlace: new Map(),   // points by "x,y"
+    items: {},            // by kind (items.js)
     nodes: [],
     steiner: [],
     edges: [],            // pairs of places
@@ -19,6 +21,7 @@ export function readMesh(geojson) {
     gaps: [],             // segments of features that no node senses
     relays: [],           // beside the Steiner vertices
     holes: [],            // places out of the sensing range
+    radioRange: geojson.radio_range,
     sensingRange: geojson.sensing_range,
     metresPerUnit: geojson.metres_per_unit,   // undefined where nobody has said
     inactive: [],         // features that are not in the mesh
@@ -65,6 +68,7 @@ function addPoint(mesh, feature) {
     mesh.steiner.push(point);
   }
   if (point.hasPlace) {
+    if (point.id !== undefined) mesh.byPlace.set(`${point.x},${point.y}`, point);
     const b = (mesh.bounds ??= { left: point.x, right: point.x, bottom: point.y, top: point.y });
     b.left = Math.min(b.left, point.x);
     b.right = Math.max(b.right, point.x);
@@ -90,6 +94,8 @@ function stateOf(node, staleAfterMs) {
   if (node.missing) return "missing";
   if (node.refused) return "quarantined";
   if (!node.in_mesh) return "waiting";
+  // The gateway that hears a node knows best, and tells others seldom that nothing is new.
+  if (node.owner !== undefined) return node.stale ? "stale" : "fresh";
   if (node.stale || node.ageMs > staleAfterMs) return "stale";
   return node.ageMs > staleAfterMs / 2 ? "ageing" : "fresh";
 }
@@ -104,20 +110,17 @@ export function ageText(ageMs) {
   return `${Math.round(seconds / 3600)} h`;
 }
 
-const clockTime = new Intl.DateTimeFormat(undefined,
-  { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false });
-const dayAndTime = new Intl.DateTimeFormat(undefined,
-  { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit", hour12: false });
+// Of the page's language, and of the zone of who looks.
+const moment = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "short", year: "numeric",
+  hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false, timeZoneName: "short" });
 
-// The time of so long ago; with the day where it was not today.
-export function timeText(ageMs) {
-  const then = new Date(Date.now() - ageMs);
-  const isToday = then.toDateString() === new Date().toDateString();
-  return (isToday ? clockTime : dayAndTime).format(then);
-}
+// "23 Nov 2026, 14:03:10 CET"
+export function momentText(date) { return moment.format(date); }
 
-// "14:03:10 (4 min)"
-export function sinceText(ageMs) { return `${timeText(ageMs)} (${ageText(ageMs)})`; }
+export function dateOf(ageMs) { return new Date(Date.now() - ageMs); }
+
+// "23 Nov 2026, 14:03:10 CET (4 min)"
+export function sinceText(ageMs) { return `${momentText(dateOf(ageMs))} (${ageText(ageMs)})`; }
 
 export function placeText(point) {
   return point.hasPlace ? `${coordinate(point.x)}, ${coordinate(point.y)}` : "–";
@@ -146,30 +149,61 @@ function coordinate(value) {
 
 // A node whose unit another one has now is somewhere else, if anywhere.
 export function whereText(node) {
+  if (node.owner !== undefined) return `at ${node.owner}`;
   return node.bus === undefined ? "–" : `${node.unit}, ${node.bus}`;
 }
 
-export function nameOf(point) {
-  if (point.isNode) return `Node ${point.serial}`;
-  return point.kind === "anchor" ? `Anchor (${point.x}, ${point.y})` : `Steiner vertex ${point.id}`;
+// "7", or "7 'pump house'": a node, a feature or what is told of one, by its number and its name.
+export function calledText(number, name) { return name ? `${number} '${name}'` : String(number); }
+
+export function featureText(point) { return calledText(point.feature, point.feature_name); }
+
+// Of a feature that is refused for it, another; "" where none is in its way.
+export function blockerText(feature) {
+  if (feature.blocker === undefined) return "";
+  const place = feature.near ? `, near (${feature.near.join(", ")})` : "";
+  return `feature ${calledText(feature.blocker, feature.blocker_name)}${place}`;
 }
 
-// How things stand, as a word for the colour and a sentence.
-export function stateInWords(status) {
-  if (status.trouble) return ["bad", status.trouble];
-  if (status.nodes === 0 && !status.waiting_nodes) return ["warn", "No node in the mesh"];
+export function nameOf(point) {
+  if (point.isNode) return `Node ${calledText(point.serial, point.name)}`;
+  return point.kind === "anchor" ? `Anchor (${point.x}, ${point.y})` : `Proposed relay ${point.id}`;
+}
+
+function fleetTroubles(fleet) {
+  if (!fleet.connected) return ["no connection to the fleet"];
+  const troubles = fleet.site_trouble ? ["something is wrong with the site of the fleet"] : [];
+  const isOdd = fleet.agreeing < fleet.members.length;
+  if (isOdd) troubles.push(`${fleet.agreeing} of ${fleet.members.length} gateways agree`);
+  return troubles;
+}
+
+// As one sentence; nothing of nothing.
+function upperCased(troubles) {
+  const text = troubles.join(", ");
+  return text ? [text[0].toUpperCase() + text.slice(1)] : [];
+}
+
+// What is wrong and is none of what the gateway itself calls a trouble.
+function smallTroubles(status) {
   const troubles = [];
   if (status.state.budget_hit) troubles.push("room or budget is too small");
   if (status.quarantined > 0) troubles.push(`${status.quarantined} in quarantine`);
   const waiting = status.features_configured - status.features_active;
   if (waiting > 0) troubles.push(`${waiting} of ${status.features_configured} features not in the mesh`);
   if (status.waiting_nodes > 0) troubles.push(`${status.waiting_nodes} without a fix`);
-  if (status.missing_nodes > 0) troubles.push(`${status.missing_nodes} missing`);
-  for (const bus of status.buses) if (bus.silent_ms !== undefined) troubles.push(`bus ${bus.name} silent`);
   const sensors = status.disagreeing_sensors;
   if (sensors > 0) troubles.push(`${sensors} ${sensors === 1 ? "sensor disagrees" : "sensors disagree"} with the nodes around`);
   if (status.stale_nodes > 0) troubles.push(`${status.stale_nodes} stale`);
+  return troubles;
+}
+
+// How things stand, as a word for the colour and a sentence, or a line for each thing.
+export function stateInWords(status) {
+  const troubles = smallTroubles(status);
+  if (status.troubles.length > 0) return ["bad", [...status.troubles, ...upperCased(troubles)].join("\n")];
+  if (status.nodes === 0 && !status.waiting_nodes) return ["warn", "No node in the mesh"];
+  if (status.fleet) troubles.push(...fleetTroubles(status.fleet));
   if (troubles.length === 0) return ["good", "All well"];
-  const text = troubles.join(", ");
-  return [status.state.budget_hit ? "bad" : "warn", text[0].toUpperCase() + text.slice(1)];
+  return [status.state.budget_hit ? "bad" : "warn", ...upperCased(troubles)];
 }

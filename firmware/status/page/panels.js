@@ -1,18 +1,10 @@
-// Everything beside the map and the table: counts, details of a point, events, buses, legend.
-import {
-  ageText, degreesText, nameOf, placeText, sinceText, stateInWords, timeText, whereText,
-} from "./model.js";
+// Counts, lists of what is wrong, events, quantities, legend.
+import { byId, element, setText, showRows } from "./dom.js";
+import { endsText } from "./items.js";
+import { keepLayers, keptLayers } from "./keep.js";
 import { layers } from "./map.js";
-import { decimal, isFresh, quantityText, readingsOf, valueText } from "./readings.js";
-
-const byId = (id) => document.getElementById(id);
-
-function element(tag, text, className) {
-  const made = document.createElement(tag);
-  if (text !== undefined) made.textContent = text;
-  if (className) made.className = className;
-  return made;
-}
+import { ageText, blockerText, calledText, dateOf, momentText, sinceText, stateInWords, whereText } from "./model.js";
+import { decimal, isFresh, quantityText, valueText } from "./readings.js";
 
 function showState(colour, words) {
   const state = byId("state");
@@ -21,16 +13,22 @@ function showState(colour, words) {
   if (state.textContent !== words) state.textContent = words;
 }
 
+// Without a radio range they are the Steiner vertices.
+function relayCount(status) { return status.radio_range > 0 ? status.relays : status.steiner_vertices; }
+
 export function showNoAnswer() {
   showState("bad", "No answer");
 }
 
 export function showStatus(status) {
+  // Of several gateways in several tabs.
+  document.title = status.name ? `${status.name} – ETCM gateway` : "ETCM gateway";
+  document.querySelector("h1").textContent = status.name || "ETCM gateway";
   showState(...stateInWords(status));
   const counts = [
-    ["Generation", status.generation],
+    ["Version (generation)", status.generation],
     ["Nodes", status.nodes],
-    ["Relay proposals", status.steiner_vertices],
+    ["Proposed relays", relayCount(status)],
     ["Edges", status.edges],
     ["Triangles", status.triangles],
     ["Features", status.features_active === status.features_configured ? status.features_active
@@ -44,59 +42,43 @@ export function showStatus(status) {
   byId("version").textContent = `version ${status.version}, up ${ageText(status.uptime_ms)}`;
 }
 
-const meterMs = 10000;   // until then nothing has been measured
-
-export function showBuses(status) {
-  byId("buses").replaceChildren(...status.buses.map((bus) => {
-    const item = element("li");
-    item.append(element("b", bus.name), bus.silent_ms === undefined
-      ? element("span", `${bus.answering} of ${bus.units} units answer`,
-        bus.answering === 0 ? "stale" : undefined)
-      : element("span", `silent since ${sinceText(bus.silent_ms)}`, "stale"));
-    if (status.uptime_ms > meterMs) {
-      item.append(element("span", `in use ${Math.round(bus.utilisation * 100)} %`));
-    }
-    if (bus.efficiency > 0) {
-      item.append(element("span", `efficiency ${Math.round(bus.efficiency * 100)} %`));
-    }
-    return item;
-  }));
-}
-
 // Nodes that fell silent and left the mesh for that; `go` is called with the serial that was clicked.
 export function showMissing(entries, go) {
   byId("missing").hidden = entries.length === 0;
   byId("missing-title").textContent = `Missing (${entries.length})`;
   const list = byId("missed");
-  const key = entries.map((entry) => entry.serial).join();
+  const key = entries.map((entry) => calledText(entry.serial, entry.name)).join();
   // The buttons stay while they are the same, so that a click and the focus outlive the times.
   if (list.dataset.shown !== key) {
     list.dataset.shown = key;
     list.replaceChildren(...entries.map((entry) => {
       const item = element("li");
-      const button = element("button", `Node ${entry.serial}`);
+      const button = element("button", `Node ${calledText(entry.serial, entry.name)}`);
       button.addEventListener("click", () => go(entry.serial));
       item.append(button, element("span"));
       return item;
     }));
   }
-  entries.forEach((entry, at) => {
-    const where = entry.bus === undefined ? "" : `unit ${whereText(entry)}, `;
-    list.children[at].lastChild.textContent = `${where}since ${sinceText(entry.since_ms)}`;
+  entries.forEach((entry, row) => {
+    const at = entry.bus === undefined ? "" : `unit ${whereText(entry)}, `;
+    const where = entry.gateway === undefined ? at : `of gateway ${entry.gateway}, `;
+    list.children[row].lastChild.textContent = `${where}since ${sinceText(entry.since_ms)}`;
   });
 }
 
 // What the mesh does not take, and why; `go` is called with the serial that was clicked.
-export function showQuarantine(entries, go) {
+export function showQuarantine(entries, mesh, go) {
   byId("quarantine").hidden = entries.length === 0;
   byId("quarantine-title").textContent = `In quarantine (${entries.length})`;
-  const key = JSON.stringify(entries.map(({ since_ms, ...rest }) => rest));
+  const key = JSON.stringify([mesh.generation, ...entries.map(({ since_ms, ...rest }) => rest)]);
   const list = byId("refused");
   if (list.dataset.shown === key) return;
   list.dataset.shown = key;
   list.replaceChildren(...entries.map((entry) => {
     const item = element("li");
-    const name = entry.feature ? `Feature ${entry.feature}` : `Node ${entry.serial}`;
+    const feature = mesh.inactive.find((other) => other.feature === entry.feature);
+    const name = entry.feature ? featureName(entry, feature, mesh)
+      : `Node ${calledText(entry.serial, entry.name)}`;
     if (entry.feature) {
       item.append(element("b", name));
     } else {
@@ -105,9 +87,24 @@ export function showQuarantine(entries, go) {
       item.append(button);
     }
     const where = entry.bus === undefined ? "" : `unit ${whereText(entry)}: `;
-    item.append(element("span", where + entry.why));
+    const blocker = feature ? blockerText(feature) : "";
+    item.append(element("span", `${where}${entry.why}${blocker && ` (In its way: ${blocker})`}`));
     return item;
   }));
+}
+
+// "Feature 2 (node 1001 – node 1003)"
+function featureName(entry, feature, mesh) {
+  return `Feature ${calledText(entry.feature, entry.name)}${feature ? ` (${endsText(mesh, feature)})` : ""}`;
+}
+
+// Nodes for which features wait and that nobody has ever heard.
+export function showUnheard(entries) {
+  byId("unheard").hidden = entries.length === 0;
+  byId("unheard-title").textContent = `Waited for (${entries.length})`;
+  const list = byId("never");
+  showRows(list, entries, (entry) => String(entry.serial), () => element("li"));
+  entries.forEach((entry, at) => setText(list.children[at], entry.why));
 }
 
 let newestEvent = 0;
@@ -121,71 +118,11 @@ export function showEvents(status) {
   eventsOf = status.instance;
   byId("events").replaceChildren(...status.events.map((event) => {
     const item = element("li");
-    item.append(element("time", timeText(event.age_ms)),
-      element("span", event.text, event.level));
+    const time = element("time", momentText(dateOf(event.age_ms)));
+    time.dateTime = dateOf(event.age_ms).toISOString();
+    item.append(time, element("span", event.text, event.level));
     return item;
   }));
-}
-
-function whyText(node) {
-  if (node.missing) return `no answer since ${sinceText(node.missingMs ?? 0)}`;
-  if (node.refused) return node.refused;
-  return node.no_fix ? "it answers, but has no fix" : "";
-}
-
-function readingText({ unit }, reading) {
-  const age = reading.isStale ? `stale, ${ageText(reading.ageMs)} old` : `${ageText(reading.ageMs)} ago`;
-  const content = element("span");
-  content.append(element("span", `${valueText(reading.value, unit)}, ${age}`, reading.isStale ? "stale" : undefined));
-  if (reading.expected !== null) {
-    const expected = `expected ${valueText(Number(reading.expected.toPrecision(5)), unit)}`;
-    content.append(element("br"), element("span", expected, reading.disagrees ? "quarantined" : undefined));
-  }
-  return content;
-}
-
-// The details of a point; null closes them. `go` is called with a neighbour that was clicked.
-export function showDetails(point, mesh, readings, go) {
-  byId("details").hidden = !point;
-  if (!point) return;
-  byId("details-title").textContent = nameOf(point);
-  const facts = [["Place", placeText(point)], ["Neighbours", point.neighbours.length]];
-  const degrees = degreesText(point);
-  if (degrees) facts.splice(1, 0, ["Degrees", degrees]);
-  if (point.isNode) {
-    const state = element("span", point.state, `mark ${point.state}`);
-    facts.unshift(["State", state],
-      ["Last position", point.ageMs === undefined ? "none" : `${ageText(point.ageMs)} ago`],
-      ["Unit, bus", whereText(point)]);
-    const why = whyText(point);
-    if (why) facts.splice(1, 0, ["Why", why]);
-    for (const [quantity, reading] of readingsOf(readings, point.serial)) {
-      facts.push([quantity.name, readingText(quantity, reading)]);
-    }
-  } else {
-    facts.unshift(["What", "a place for a relay"], ["On feature", point.feature]);
-  }
-  byId("facts").replaceChildren(...facts.flatMap(([name, value]) => {
-    const content = element("dd");
-    content.append(value);
-    return [element("dt", name), content];
-  }));
-  byId("neighbours-title").hidden = point.neighbours.length === 0;
-  const shown = point.neighbours.join();
-  const list = byId("neighbours");
-  // Left alone while it is the same, so that a button keeps the focus.
-  if (list.dataset.shown === `${mesh.generation}:${point.id}:${shown}`) return;
-  list.dataset.shown = `${mesh.generation}:${point.id}:${shown}`;
-  list.replaceChildren(...point.neighbours.map((id) => mesh.points.get(id)).filter(Boolean)
-    .map((other) => {
-      const item = element("li");
-      const text = other.kind === "anchor" ? `anchor (${other.x}, ${other.y})` : `relay ${other.id}`;
-      const button = element("button", other.isNode ? other.serial : text,
-        other.kind === "steiner" ? "steiner" : "");
-      button.addEventListener("click", () => go(other));
-      item.append(button);
-      return item;
-    }));
 }
 
 // What can be shown on the map; the choice stays where it can.
@@ -237,13 +174,16 @@ function countText(shading) {
 }
 
 export function makeLegend(map) {
+  const kept = keptLayers();
   for (const layer of layers) {
     const label = element("label");
     const box = element("input");
     box.type = "checkbox";
+    layer.on = kept[layer.name] ?? layer.on;
     box.checked = layer.on;
     box.addEventListener("change", () => {
       layer.on = box.checked;
+      keepLayers(layers);
       map.redraw();
     });
     layer.sample = element("canvas");
@@ -256,19 +196,20 @@ export function makeLegend(map) {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawLegend(map));
 }
 
-function drawLegend(map) {
+export function drawLegend(map) {
   for (const layer of layers) map.drawSample(layer.sample, layer.name);
 }
 
-export function countLegend(mesh) {
+export function countLegend(mesh, status) {
   const count = {
+    plan: status.plan ? 1 : 0,
     holes: mesh.holes.length,
     edges: mesh.edges.length + mesh.features.length,
     links: mesh.longLinks.length,
     features: mesh.features.length,
     gaps: mesh.gaps.length,
     refused: mesh.inactive.filter((feature) => feature.refused).length,
-    steiner: mesh.steiner.length + mesh.relays.length,
+    steiner: relayCount(status),
   };
   for (const node of mesh.nodes) count[node.state] = (count[node.state] ?? 0) + 1;
   for (const layer of layers) {

@@ -116,7 +116,7 @@ function betweenNodes(mesh, point, atNodes) {
 
 // Where one comes from a Steiner vertex by way of one of its neighbours on the feature, and how far
 // that is.
-function endOf(mesh, start, next) {
+export function endOf(mesh, start, next) {
   let length = 0;
   let before = start;
   for (let steps = 0; steps <= mesh.steiner.length; ++steps) {

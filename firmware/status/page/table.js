@@ -1,19 +1,21 @@
 // The table of nodes: sorted, searched, and only the rows that are seen are made. A row stays the
 // same element while its node is seen, and is moved only where the order changed: a click, the focus
 // and a selection outlive what changes in the row.
-import { ageText, nodeStates, placeText, whereText } from "./model.js";
+import { byId, setText } from "./dom.js";
+import { ageText, calledText, nameOf, nodeStates, placeText, whereText } from "./model.js";
+import { conditionsOfNode } from "./units.js";
 
 const rowHeight = 31;   // of style.css, with its line
 const spareRows = 8;
 
 const columns = [
-  { name: "serial", text: "Serial", value: (node) => node.serial },
+  { name: "serial", text: "Serial", isLong: true, value: (node) => node.serial },
   { name: "state", text: "State", value: (node) => nodeStates.indexOf(node.state) },
   { name: "age", text: "Age", number: true, value: (node) => node.ageMs ?? Infinity },
   { name: "where", text: "Unit, bus", isLong: true, value: (node) => node.bus ?? "", then: (node) => node.unit },
   { name: "place", text: "Place", optional: true, value: (node) => node.x ?? Infinity,
     then: (node) => node.y },
-  { name: "neighbours", text: "Neighbours", number: true, value: (node) => node.neighbours.length },
+  { name: "neighbours", text: "Neighbours", number: true, optional: true, value: (node) => node.neighbours.length },
 ];
 
 export class NodeTable {
@@ -37,6 +39,9 @@ export class NodeTable {
       this.area.scrollTop = 0;
       this.update();
     });
+    this.search.addEventListener("keydown", (event) => {
+      if (event.key === "Enter" && this.found.length > 0) this.chosen(this.found[0]);
+    });
     this.body.addEventListener("click", (event) => {
       const row = event.target.closest("tr.row");
       if (row) this.chosen(this.found[Number(row.dataset.index)]);
@@ -44,9 +49,18 @@ export class NodeTable {
     new ResizeObserver(() => this.draw()).observe(this.area);
   }
 
+  // Somebody looks for nodes, perhaps by what they say of themselves.
+  get isSearched() { return this.search.value.trim() !== ""; }
+
   setNodes(nodes) {
     this.nodes = nodes;
     this.update();
+  }
+
+  // All rows are made, as paper wants them, not only those that are seen.
+  setWhole(isWhole) {
+    this.isWhole = isWhole;
+    this.draw();
   }
 
   setChoice(point) {
@@ -83,13 +97,17 @@ export class NodeTable {
     column.head.setAttribute("aria-sort", isUp ? "ascending" : "descending");
     this.title.textContent = words.length === 0 ? `Nodes (${this.nodes.length})`
       : `Nodes (${this.found.length} of ${this.nodes.length})`;
+    byId("no-node").hidden = words.length === 0 || this.found.length > 0;
+    // Rows that are not made count too, for who hears the table.
+    this.body.closest("table").setAttribute("aria-rowcount", this.found.length + 1);
     this.draw();
   }
 
   draw() {
-    const first = Math.max(0, Math.floor(this.area.scrollTop / rowHeight) - spareRows);
+    const above = Math.max(0, Math.floor(this.area.scrollTop / rowHeight) - spareRows);
+    const first = this.isWhole ? 0 : above;
     const shown = Math.ceil(this.area.clientHeight / rowHeight) + 2 * spareRows;
-    const last = Math.min(this.found.length, first + shown);
+    const last = this.isWhole ? this.found.length : Math.min(this.found.length, first + shown);
     const seen = this.found.slice(first, last);
     const serials = new Set(seen.map((node) => node.serial));
     for (const [serial, row] of this.rows) {
@@ -125,7 +143,6 @@ export class NodeTable {
       row.append(cell);
     }
     const button = document.createElement("button");
-    button.textContent = serial;
     row.cells[0].append(button);
     row.cells[1].append(document.createElement("span"));
     this.rows.set(serial, row);
@@ -135,28 +152,30 @@ export class NodeTable {
   fill(row, node, index) {
     row.className = node === this.choice ? "row chosen" : "row";
     row.dataset.index = index;
+    row.setAttribute("aria-rowindex", index + 2);
+    setText(row.cells[0].firstChild, calledText(node.serial, node.name));
+    row.cells[0].title = calledText(node.serial, node.name);
     const state = row.cells[1].firstChild;
     state.className = `mark ${node.state}`;
     setText(state, node.state);
     setText(row.cells[2], ageText(node.ageMs));
     setText(row.cells[3], whereText(node));
+    row.cells[3].title = whereText(node);
     setText(row.cells[4], placeText(node));
     setText(row.cells[5], String(node.neighbours.length));
   }
 }
 
-// A number is looked for in serials alone: units and addresses are full of them.
+// A number is a part of a serial or a name, or a whole unit: addresses of buses are full of numbers.
 function matches(node, word) {
-  if (/^\d+$/.test(word)) return String(node.serial).includes(word);
-  return node.state.startsWith(word) || whereText(node).toLowerCase().includes(word);
+  if (calledText(node.serial, node.name).toLowerCase().includes(word)) return true;
+  if (/^\d+$/.test(word)) return String(node.unit) === word;
+  return node.state.startsWith(word) || [nameOf(node), whereText(node), ...conditionsOfNode(node)]
+    .some((text) => text.toLowerCase().includes(word));
 }
 
 function classOf(column) {
   return [column.number && "number", column.optional && "optional", column.isLong && "long"].filter(Boolean).join(" ");
-}
-
-function setText(element, text) {
-  if (element.textContent !== text) element.textContent = text;
 }
 
 // Stands for the rows that are not made.

@@ -9,7 +9,11 @@ export class View {
   // screen (hovered with null when the pointer has left).
   constructor(canvas, { changed, clicked, hovered }) {
     this.canvas = canvas;
-    this.changed = changed;
+    this.changed = () => {
+      // What says that not everything is shown goes when it is.
+      canvas.parentElement.classList.toggle("zoomed", !this.followsBounds);
+      changed();
+    };
     this.clicked = clicked;
     this.hovered = hovered;
     this.scale = 1;                 // pixels for one unit
@@ -54,10 +58,12 @@ export class View {
     this.followsBounds = true;
     if (!this.bounds) return;
     const { left, right, bottom, top } = this.bounds;
-    const margin = 48;
+    // The buttons are at the left, and on a small screen at the top.
+    const [beside, above] = this.width > 600 ? [74, 48] : [30, 74];
     const across = Math.max(right - left, 1e-3);
     const up = Math.max(top - bottom, 1e-3);
-    const fitting = Math.min((this.width - this.covered - 2 * margin) / across, (this.height - 2 * margin) / up);
+    const fitting = Math.min((this.width - this.covered - 2 * beside) / across,
+      (this.height - 2 * above) / up);
     // A single node, or a canvas that has no size yet.
     this.scale = right === left && top === bottom ? 1 : Math.max(fitting, 1e-6);
     const aside = this.covered / 2 / this.scale;

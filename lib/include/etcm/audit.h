@@ -18,7 +18,8 @@ enum class Rule : std::uint8_t {
   delaunay,     // no vertex strictly inside a neighbouring circumcircle
   canonical,    // ties are broken by features first, then by the perturbation
   on_feature,   // each Steiner vertex lies exactly on its feature, on that feature's grid
-  conforming,   // each feature is a union of edges, and only its edges are marked
+  conforming,  // each feature is a union of edges, but for what Mesh::unresolved() counts, and only
+               // its edges are marked
 };
 
 struct Audit {

@@ -6,6 +6,11 @@
 // would take the same memory for different things.
 #pragma once
 
+// 2020, as compilers that had not all of it yet count it.
+#if defined(__cplusplus) && __cplusplus < 201709L
+#error "the C++ headers of etcm need C++20 (-std=c++20); etcm/etcm.h does with C11 and with C++11"
+#endif
+
 // The build says it (CMake: ETCM_ID_BITS), for the library and, through its target, for programs.
 #ifndef ETCM_ID_BITS
 #define ETCM_ID_BITS 32

@@ -5,14 +5,17 @@
 // The library then calls etcm_illegal_argument(), which must not return. Its own traps; a program
 // that wants to log or to reset first defines a function of that name, and the linker takes it:
 //
-//   extern "C" void etcm_illegal_argument(etcm::Call call, etcm::Fault fault) {
+//   extern "C" [[noreturn]] void etcm_illegal_argument(etcm::Call call, etcm::Fault fault) {
 //     log(to_string(call), to_string(fault));  // "point", "no such vertex"
-//     reset();
+//     for (;;) reset();
 //   }
 //
 // A function, not a pointer to one: it takes no memory, is there before anything is initialised,
 // and nothing that writes where it should not can redirect it. Two small numbers, not two strings:
 // they fit in a register that survives a reset, and the names are linked only where they are used.
+//
+// Arguments are checked before anything is changed, so a mesh is as it was; but in_callback and
+// outside come in the middle of a change, and that mesh is none any more.
 //
 // A library built with the CMake option ETCM_CHECK_ARGUMENTS=OFF checks nothing: what such a call
 // does is undefined then.
@@ -25,9 +28,10 @@
 namespace etcm {
 inline namespace ETCM_IDS {
 
-// The public calls that check, by name. New ones are added at the end: the numbers are in logs.
+// The public calls that check, by name. New ones are added at the end: the numbers are in logs, and
+// etcm/c/types.h has them as numbers.
 enum class Call : std::uint8_t {
-  open,
+  open = 0,
   clear,
   build,
   restore,
@@ -76,7 +80,16 @@ enum class Call : std::uint8_t {
   feature_between,
   optimise,
   least_steiner,
-  work_done,
+  work_needed,
+  handles,
+  dry_run,
+  work_used,
+  seal,
+  attach,
+  saved_bytes,
+  save,
+  load,
+  policy,  // no call: a split policy of one's own, of what it has answered
 };
 
 enum class Fault : std::uint8_t {
@@ -88,6 +101,8 @@ enum class Fault : std::uint8_t {
   zero_range,    // ranges are at least 1
   no_region,     // fewer regions than triangles
   has_features,  // it must be a mesh of nodes alone
+  in_callback,  // a policy, a hook or another function that a change calls must not change the mesh
+  outside,      // a policy answered no parameter in (head, tail) of its site
 };
 
 // The name of the call, such as "join", and a few words for a person. Never null.
@@ -98,3 +113,7 @@ enum class Fault : std::uint8_t {
 }  // namespace etcm
 
 extern "C" [[noreturn]] void etcm_illegal_argument(etcm::Call call, etcm::Fault fault);
+
+// The same for what is no mistake of the program: the library has made one, or its storage was
+// written to by somebody else. `what` says what does not hold, and where.
+extern "C" [[noreturn]] void etcm_check_failed(const char* what, const char* file, int line);

@@ -3,7 +3,8 @@
 // What always holds between calls
 // - The triangulation is THE canonical one of its vertices and subsegments: strict Delaunay, then
 //   features win ties, then the lexicographic symbolic perturbation. It does not depend on the
-//   order in which anything was given, on the compiler or on the machine.
+//   order in which anything was given, on the compiler or on the machine. Which Steiner vertices
+//   there are does depend on the order of changes, until canonicalize().
 // - Each feature is a union of mesh edges, exactly; each Steiner vertex lies exactly on its
 // feature.
 //   (After build() answered steiner_budget or grid_exhausted: but for the segments that
@@ -11,20 +12,37 @@
 // - 0, 1, 2 and collinear nodes are meshes too: they have no finite triangle.
 //
 // Guarantee of every call that changes the mesh: it succeeds whole, or the mesh, its hash included,
-// is as it was, and Status says why (build() alone may leave a partly conforming mesh, and says
-// so). As it was: the same ids name the same vertices and features, and no other ids are in use.
-// Triangles may have other numbers, neighbours() may begin with another, and ids that are free may
-// be given out in another order.
+// is as it was, and Status says why. (build() may leave a partly conforming mesh, and says so;
+// canonicalize() and optimise() keep what they have done, each step of it whole.) As it was: the
+// same ids name the same vertices and features, and no other ids are in use. Triangles may have
+// other numbers, and neighbours() may begin with another.
+//
+// Ids: the least free id is given out first. A node that joins gets the least id above 0 that no
+// vertex has, a feature the least that no feature has, and no segment of one behind its first:
+// those take ids of the same kind. So which id comes next can be told from those in use, whatever
+// the history, and the same calls on the same mesh give the same ids on every machine. A Steiner
+// vertex takes the least id too, when it comes; while a change is going on, what it has taken out
+// keeps its own.
 //
 // Work: each of these calls takes a limit (work.h). One that would need more answers work_limit,
 // and what it has done until then, going back included, was within the limit. That holds for work
-// that is counted; work_done() tells of it. Without a limit a call always ends, too.
+// that is counted; work_used() and work_needed() tell of it. Without a limit a call always ends,
+// too.
 //
 // Room: what a change takes out, Steiner vertices and segments of features that turn to another
 // line, keeps its place until the change ends. So a full mesh may answer out_of_vertices or
 // out_of_features where there would have been room in the end.
 //
-// Threads: none inside; one thread at a time, or any number of readers.
+// Errors: while unresolved() is not 0 each change but clear() answers mesh_unresolved, save() too
+// (build(), restore() and load() mesh_not_empty). The room-and-bounds codes are out_of_vertices,
+// out_of_features, steiner_budget, work_limit and grid_exhausted.
+//
+// Threads: none inside; one thread at a time, or any number of readers: what is const writes
+// nothing. Two meshes share nothing, so two threads may change one each; handles (handles.h) belong
+// to their mesh. What reads in the middle of a change, as an interrupt may, gets answers of no
+// mesh, and may be stopped for it (etcm_check_failed); docs/readers.md has ways to read and
+// write at once. Storage need not be zeroed, and what was in it is forgotten by open(); what a mesh
+// was is taken up again by attach() (storage.h) or load().
 #pragma once
 
 #include <array>
@@ -106,7 +124,9 @@ class Mesh {
   // O(n log n). Errors in the input leave the mesh empty, with error_detail() naming the culprit;
   // so does work_limit. steiner_budget, grid_exhausted and out_of_vertices during conforming leave
   // the valid Delaunay mesh of what is done; unresolved() counts the rest, at least one, and
-  // changes are refused until clear(). So a mesh is whole, and may be changed, exactly while
+  // changes are refused until clear(); it may be read. Built again after that it needs more
+  // steiner_max or vertices_max, or after grid_exhausted not that feature, or nodes farther apart
+  // (error_detail()). So a mesh is whole, and may be changed, exactly while
   // unresolved() is 0. Subsegments that were not made are not compared with each other: features
   // that cross or overlap there, and nowhere else, may not be named. `nodes_stand`, where given, is
   // called with `context` between the nodes, which are a Delaunay mesh by then, and the first
@@ -124,6 +144,27 @@ class Mesh {
   // out_of_vertices where they are too many. O(n log n).
   Status restore(std::span<const Position> nodes, std::span<const FeatureEnds> features,
                  std::span<const SteinerPlace> steiner, Work limit = Work::unlimited()) noexcept;
+
+  // The bytes that save() writes: 48, 8 for each vertex id and 16 for each segment of a feature
+  // that has been in use at once.
+  [[nodiscard]] std::size_t saved_bytes() const noexcept;
+
+  // Writes the mesh, for a file, a radio or flash: what cannot be told from the rest is left out,
+  // and every machine writes the same bytes. Every later version of the library loads what this one
+  // saves; an older one may answer wrong_version. The first saved_bytes() of the span are written.
+  // Errors: buffer_too_small, mesh_unresolved; then nothing is. O(n).
+  Status save(std::span<std::byte> out) const noexcept;
+
+  // Makes an empty mesh what save() has written, in this version of the library or any before it
+  // from 0.1 on, on this machine or another, with any width of ids:
+  // the same nodes, features and Steiner vertices with the same ids, the same hash, and the same
+  // ids for who comes next. It need not have the same capacities. Bytes behind what was saved are
+  // not looked at. Nothing in the bytes is believed: whatever they are, the mesh is whole, or empty
+  // as after restore(). Nothing is known of what was canonical. Errors: mesh_not_empty, not_a_mesh,
+  // wrong_version; damaged where they are cut off, altered or contradict themselves;
+  // out_of_vertices and out_of_features where an id is beyond the capacities, steiner_budget,
+  // work_limit. O(n log n).
+  Status load(std::span<const std::byte> saved, Work limit = Work::unlimited()) noexcept;
 
   // Makes the mesh, whatever its history, the one that build() makes of the same nodes and
   // features, bit for bit. Changes keep the mesh conforming at once, with Steiner vertices that
@@ -161,30 +202,40 @@ class Mesh {
   // codes. Expected O(1) for nodes spread evenly, to find the place as well as to change it.
   Status join(Position position, VertexId& id, Work limit = Work::unlimited()) noexcept;
 
-  // A node leaves. Errors: unknown_vertex, endpoint_in_use, crossing_features (two features met
-  // there), and the room-and-bounds codes (the feature that ran through it may need more Steiner
-  // vertices without it).
+  // A node leaves. Expected O(its degree), and what its features need anew. Errors: unknown_vertex,
+  // endpoint_in_use, crossing_features (two features met there), and the room-and-bounds codes (the
+  // feature that ran through it may need more Steiner vertices without it).
   Status leave(VertexId node, Work limit = Work::unlimited()) noexcept;
 
-  // A node moves and keeps its id, and its features follow it. Errors: unknown_vertex, those of
+  // A node moves and keeps its id, and its features follow it. As leave() and join(), and
+  // add_feature() for each feature that follows. Errors: unknown_vertex, those of
   // join() and leave(), and those of add_feature() for the features that follow.
   Status move(VertexId node, Position position, Work limit = Work::unlimited()) noexcept;
 
   // Adds a feature between two nodes and makes it a union of mesh edges. Sets `id` on success only.
+  // O(the edges that it crosses) and an insertion for each Steiner vertex, those of features that
+  // must give way included.
   // Errors: unknown_vertex, zero_length_feature, repeated_feature, overlapping_features,
   // crossing_features, and the room-and-bounds codes.
   Status add_feature(FeatureEnds ends, FeatureId& id, Work limit = Work::unlimited()) noexcept;
 
-  // Removes a feature and its Steiner vertices. Errors: unknown_feature.
+  // Removes a feature and its Steiner vertices. O(their degrees). Errors: unknown_feature,
+  // work_limit.
   Status remove_feature(FeatureId feature, Work limit = Work::unlimited()) noexcept;
 
-  // The work of the last of these calls. Of one that has succeeded the least limit with which it
-  // does: what it has done, and the room that it kept for going back. Of one that was refused what
-  // it has done, going back included.
-  [[nodiscard]] Work work_done() const noexcept;
+  // The function that each of these calls calls from time to time while it goes on (work.h), until
+  // another is given; {} for none. It is the Mesh's, not the storage's: open() keeps it, and it may
+  // be given before.
+  void keep_alive(const KeepAlive& hook) noexcept;
 
-  // Counts. O(1) each.
-  [[nodiscard]] const MeshConfig& config() const noexcept;
+  // What the last of these calls has done, going back included.
+  [[nodiscard]] Work work_used() const noexcept;
+  // The least limit with which it succeeds, where it has: what it has done, and the room that it
+  // kept for going back. Where it was refused the same as work_used().
+  [[nodiscard]] Work work_needed() const noexcept;
+
+  // Counts. O(1), but finite_triangle_count(): O(hull).
+  [[nodiscard]] MeshConfig config() const noexcept;
   [[nodiscard]] std::uint32_t node_count() const noexcept;
   [[nodiscard]] std::uint32_t steiner_count() const noexcept;
   [[nodiscard]] std::uint32_t feature_count() const noexcept;
@@ -199,14 +250,18 @@ class Mesh {
   [[nodiscard]] const ErrorDetail& error_detail() const noexcept;
 
   // Vertices. The id must be below vertex_id_end(), and in use for all but kind(), else it is a
-  // programming error; so with the ids below.
+  // programming error; so with the ids below. O(1) each but neighbours().
   [[nodiscard]] VertexKind kind(VertexId vertex) const noexcept;
   [[nodiscard]] Point point(VertexId vertex) const noexcept;
+  // Where a node stands, in units. Of a Steiner vertex, which stands between units as a rule, what
+  // is behind the point is cut off: of one ask point().
   [[nodiscard]] Position position(VertexId node) const noexcept;
-  // The feature a Steiner vertex stands on, and its parameter there (see policy.h).
+  // The feature a Steiner vertex stands on. Of a node it answers any value, which means nothing
+  // and is no error: see features_at().
   [[nodiscard]] FeatureId feature_of(VertexId steiner) const noexcept;
   // Writes the neighbours counter-clockwise, the vertex at infinity left out, as many as fit, and
-  // returns how many there are. O(degree).
+  // returns how many there are: less than 6 on average, and of one vertex as many as there are
+  // others at the most: a list for vertices_max - 1 is never too short. O(degree).
   [[nodiscard]] std::uint32_t neighbours(VertexId vertex, std::span<Neighbour> out) const noexcept;
 
   // Triangles. The id must be below triangle_count().
@@ -220,12 +275,15 @@ class Mesh {
   [[nodiscard]] std::uint32_t chain(FeatureId feature, std::span<VertexId> out) const noexcept;
 
   // A number of the triangulation alone: the same for the same vertices, edges and subsegments,
-  // whatever the ids, the history and the machine. O(n).
+  // whatever the ids, the history and the machine. O(n). Between versions of the library compare it
+  // only where the changelog's part on formats is silent: the number of a triangulation, or where a
+  // policy of the library splits, may change there.
   [[nodiscard]] std::uint64_t hash() const noexcept;
 
  private:
   friend internal::MeshAccess;
   internal::MeshState* state_ = nullptr;
+  KeepAlive keep_alive_{};
 };
 
 }  // namespace ETCM_IDS

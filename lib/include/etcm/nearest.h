@@ -3,7 +3,8 @@
 // Distances are between points, whatever features lie in between, and exact. Of nodes as far away
 // the lexicographically first (types.h) comes first, so an answer depends on what stands where, not
 // on ids or on how the mesh came about. Steiner vertices are passed over. The coordinates of a
-// place are at most 2^52 in magnitude, as those of a mesh; it may be outside of the hull.
+// place are at most 2^52 in magnitude, as those of a mesh, which is not checked: beyond, the answer
+// may be wrong. It may be outside of the hull.
 //
 // Any mesh will do: of one node, of nodes on one line, or what an unresolved build() has left. An
 // empty one has no nodes, near or far.

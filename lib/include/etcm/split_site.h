@@ -37,6 +37,8 @@ struct SplitSite {
   const Mesh* mesh = nullptr;
   TriangleId head_triangle{};
   TriangleId tail_triangle{};
+  // MeshConfig::policy_context of that mesh.
+  void* context = nullptr;
 
   [[nodiscard]] constexpr Point at(Parameter t) const noexcept {
     return {from.x * subunits_per_unit + t * (static_cast<std::int64_t>(to.x) - from.x),

@@ -4,7 +4,7 @@
 //   if (mesh.join(position, id, Work{20'000}) == Status::work_limit) ...  // nothing has changed
 //
 // A unit is about one triangle, edge, list entry or hint cell that is looked at or changed; what
-// goes with one, a test of a circle or a few links, is in it. lib/docs/work.md has the time of a
+// goes with one, a test of a circle or a few links, is in it. docs/work.md has the time of a
 // unit.
 #pragma once
 
@@ -23,6 +23,27 @@ struct Work {
     return {std::numeric_limits<std::uint64_t>::max()};
   }
   friend constexpr auto operator<=>(const Work&, const Work&) = default;
+};
+
+// Called over and over inside of a call that changes a mesh, so that a watchdog does not bite while
+// it goes on (Mesh::keep_alive()):
+//
+//   mesh.keep_alive({[](void*) noexcept { IWDG->KR = 0xAAAA; }});
+//
+// Between two calls of it, before the first and after the last there are at most units_between
+// units and one walk: once around a vertex, along a line or across the mesh, which is tens of units
+// as a rule and never more than there are triangles, or along a list of segments. That holds for
+// work that no limit knows of too, such as ties (docs/work.md); only the time that a policy of
+// one's own takes adds to it.
+//
+// The mesh is in the middle of a change then: `call` must not use it, nor its storage, nor what the
+// change was given. To change it from there is a programming error (illegal_argument.h). It may do
+// anything else: kick a watchdog, read a clock, let other tasks run, set a flag. It cannot end the
+// change; a limit does that.
+struct KeepAlive {
+  void (*call)(void* context) noexcept = nullptr;  // null: nobody is called
+  void* context = nullptr;
+  static constexpr std::uint32_t units_between = 256;
 };
 
 }  // namespace ETCM_IDS

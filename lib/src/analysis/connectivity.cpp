@@ -62,7 +62,7 @@ class Forest {
   bool choose() noexcept {
     for (IdValue v = 0; v < m_.vertex_end; ++v) scratch_[v].edge = Edge{}.value;
     bool found = false;
-    for_each_edge(m_, [&](Edge e) {
+    for_each_edge(m_, [&](Edge e) noexcept {
       const VertexId one = part_of(m_.topology.origin(e));
       const VertexId other = part_of(m_.topology.target(e));
       if (one == other) return;

@@ -184,7 +184,7 @@ class Coverage {
 
   void visit_hull() noexcept {
     const bool flat = is_flat(m_);
-    for_each_edge(m_, [&](Edge e) {
+    for_each_edge(m_, [&](Edge e) noexcept {
       const bool on_hull = flat || m_.topology.apex(e) == infinite_vertex ||
                            m_.topology.apex(m_.topology.twin(e)) == infinite_vertex;
       if (on_hull) visit_segment(m_.at(m_.topology.origin(e)), m_.at(m_.topology.target(e)));
@@ -202,7 +202,7 @@ class Coverage {
         visit_segment(d.at(d.segment(s).from), d.at(d.segment(s).to));
       }
     }
-    for_each_edge(d, [&](Edge e) {
+    for_each_edge(d, [&](Edge e) noexcept {
       if (d.topology.is_constrained(e) || !bounds(d, e)) return;
       visit_segment(d.at(d.topology.origin(e)), d.at(d.topology.target(e)));
     });

@@ -34,7 +34,7 @@ std::uint32_t hops(const SquaredLength& length, std::uint32_t range) noexcept {
 // least five sub-units off.
 bool rounds_beyond(const Point& from, const Point& to, std::uint32_t n,
                    std::uint32_t range) noexcept {
-  const auto most = [n](std::int64_t way) { return ((way < 0 ? -way : way) + n - 1) / n; };
+  const auto most = [n](std::int64_t way) noexcept { return ((way < 0 ? -way : way) + n - 1) / n; };
   return squared_distance({0, 0}, {most(to.x - from.x), most(to.y - from.y)}) >
          squared_range(range, 0);
 }
@@ -147,7 +147,7 @@ std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_
   demand(radio_range != 0, Call::relays, Fault::zero_range);
   const MeshState& with_device = opened(devices, Call::relays);
   std::uint64_t count = 0;
-  const auto add = [&](const Relay& relay) {
+  const auto add = [&](const Relay& relay) noexcept {
     if (count < out.size()) out[static_cast<std::size_t>(count)] = relay;
     ++count;
   };
@@ -156,7 +156,7 @@ std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_
     if (m.owner(v).role() == Role::free || has_device(with_device, m.at(v))) continue;
     add({m.at(v), feature_at(m, v), v});
   }
-  for_each_subsegment(m, [&](SegmentId s, VertexId head, VertexId tail) {
+  for_each_subsegment(m, [&](SegmentId s, VertexId head, VertexId tail) noexcept {
     const FeatureId feature = internal::feature_of(m, s);
     const Point& from = m.at(head);
     const Point& to = m.at(tail);

@@ -39,7 +39,7 @@ std::uint32_t links(const Mesh& mesh, std::uint32_t longer_than, std::span<Link>
   const MeshState& m = opened(mesh, Call::links);
   const SquaredLength limit = squared_range(longer_than, 0);
   std::uint32_t count = 0;
-  for_each_edge(m, [&](Edge e) {
+  for_each_edge(m, [&](Edge e) noexcept {
     const SquaredLength length =
         squared_distance(m.at(m.topology.origin(e)), m.at(m.topology.target(e)));
     if (length <= limit) return;

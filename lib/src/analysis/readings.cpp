@@ -16,7 +16,7 @@ namespace {
 // In 2^-28 of a reading's unit; at most 2^61.
 std::int64_t value_at(const MeshState& m, VertexId v,
                       std::span<const std::int32_t> readings) noexcept {
-  const auto reading = [&](VertexId node) { return std::int64_t{readings[node.value]}; };
+  const auto reading = [&](VertexId node) noexcept { return std::int64_t{readings[node.value]}; };
   if (m.owner(v).role() == Role::node) return reading(v) * subunits_per_unit;
   const SegmentId s = m.owner(v).segment();
   const std::int64_t from = reading(m.segment(s).from), to = reading(m.segment(s).to);

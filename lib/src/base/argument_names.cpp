@@ -103,8 +103,26 @@ const char* to_string(Call call) noexcept {
       return "features_at";
     case Call::feature_between:
       return "feature_between";
-    case Call::work_done:
-      return "work_done";
+    case Call::work_needed:
+      return "work_needed";
+    case Call::handles:
+      return "handles";
+    case Call::dry_run:
+      return "dry_run";
+    case Call::work_used:
+      return "work_used";
+    case Call::seal:
+      return "seal";
+    case Call::attach:
+      return "attach";
+    case Call::saved_bytes:
+      return "saved_bytes";
+    case Call::save:
+      return "save";
+    case Call::load:
+      return "load";
+    case Call::policy:
+      return "policy";
   }
   return "unknown";
 }
@@ -127,6 +145,10 @@ const char* to_string(Fault fault) noexcept {
       return "a triangle has no region";
     case Fault::has_features:
       return "the mesh has features";
+    case Fault::in_callback:
+      return "called from within a change";
+    case Fault::outside:
+      return "the split is outside of the subsegment";
   }
   return "unknown";
 }

@@ -1,6 +1,7 @@
 // Checks of what a public call is given (etcm/illegal_argument.h).
 #pragma once
 
+#include "base/plain.h"
 #include "etcm/illegal_argument.h"
 
 namespace etcm::internal {
@@ -11,7 +12,9 @@ namespace etcm::internal {
                                           [[maybe_unused]] Call call,
                                           [[maybe_unused]] Fault fault) noexcept {
 #ifdef ETCM_CHECK_ARGUMENTS
-  if (!is_legal) etcm_illegal_argument(call, fault);
+  if (is_legal) return;
+  plain(etcm_illegal_argument)(call, fault);
+  __builtin_unreachable();
 #endif
 }
 

@@ -19,8 +19,11 @@ static_assert(std::numeric_limits<double>::is_iec559 && sizeof(double) == 8 && D
 // x87 keeps intermediate results in 80 bits and rounds twice: same source, other bits.
 static_assert(FLT_EVAL_METHOD == 0, "double arithmetic must round to double (no x87)");
 
-#ifdef __FAST_MATH__
-#error "etcm must not be compiled with -ffast-math: the predicates would lose their proof"
+// Of -ffast-math and -Ofast, and of parts of it where a compiler says so.
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error \
+    "etcm must not be compiled with -ffast-math, -funsafe-math-optimizations, \
+-fassociative-math or -freciprocal-math: the predicates would lose their proof"
 #endif
 
 }  // namespace etcm::internal

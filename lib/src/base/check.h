@@ -8,9 +8,21 @@
 // it.
 #pragma once
 
-extern "C" [[noreturn]] void etcm_check_failed(const char* what, const char* file, int line);
+#include "base/plain.h"
+#include "etcm/illegal_argument.h"
 
-#define ETCM_CHECK(fact) ((fact) ? void(0) : ::etcm_check_failed(#fact, __FILE_NAME__, __LINE__))
+namespace etcm::internal {
+
+[[noreturn, gnu::always_inline]] inline void fail_check(const char* what, const char* file,
+                                                        int line) noexcept {
+  plain(etcm_check_failed)(what, file, line);
+  __builtin_unreachable();
+}
+
+}  // namespace etcm::internal
+
+#define ETCM_CHECK(fact) \
+  ((fact) ? void(0) : ::etcm::internal::fail_check(#fact, __FILE_NAME__, __LINE__))
 
 #ifdef ETCM_VERIFY
 #define ETCM_VERIFY_THAT(fact) ETCM_CHECK(fact)

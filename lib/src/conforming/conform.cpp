@@ -6,6 +6,7 @@
 // that a split breaks make their segments dirty, and these come next, in canonical order.
 #include "conforming/conform.h"
 
+#include "base/arguments.h"
 #include "conforming/feasible_parameter.h"
 #include "conforming/group.h"
 #include "geometry/predicates_inline.h"
@@ -28,10 +29,12 @@ Status fail(MeshState& m, Status status, SegmentId s, const Subsegment& subsegme
   return status;
 }
 
-SplitSite site_of(const MeshState& m, SegmentId s, const Subsegment& subsegment) noexcept {
+// Not inline, or the deepest call would have what it is worked out from on the stack too.
+[[gnu::noinline]] SplitSite site_of(const MeshState& m, SegmentId s,
+                                    const Subsegment& subsegment) noexcept {
   const Topology& topo = m.topology;
   const SegmentRecord& r = m.segment(s);
-  const auto units = [&](VertexId v) {
+  const auto units = [&](VertexId v) noexcept {
     return Position{static_cast<std::int32_t>(m.at(v).x / subunits_per_unit),
                     static_cast<std::int32_t>(m.at(v).y / subunits_per_unit)};
   };
@@ -49,6 +52,7 @@ SplitSite site_of(const MeshState& m, SegmentId s, const Subsegment& subsegment)
   site.feasible_head = feasible_from_head(site);
   site.feasible_tail = feasible_from_tail(site);
   site.mesh = m.mesh;
+  site.context = m.policy_context;
   site.head_triangle = TriangleId{Topology::triangle_of(subsegment.head_edge)};
   site.tail_triangle = TriangleId{Topology::triangle_of(subsegment.tail_edge)};
   return site;
@@ -90,15 +94,19 @@ Status split(Change& change, SegmentId s, const Subsegment& subsegment, const Sp
   const std::uint32_t budget = m.config.steiner_max;
   if (budget != 0 && m.steiner_count >= budget)
     return fail(m, Status::steiner_budget, s, subsegment);
-  const bool is_trial = change.stray != nullptr;
-  if (is_trial && m.steiner_count >= change.steiner_most)
+  const bool is_trial = change.extent == Change::Extent::trial;
+  if (is_trial && m.steiner_count >= change.trial.steiner_most)
     return fail(m, Status::steiner_budget, s, subsegment);
   v = allocate_vertex(m);
   if (v.is_none()) return fail(m, Status::out_of_vertices, s, subsegment);
+  // Where those tests are settled by wide integers they take as long as several times their units.
+  m.work.pass(KeepAlive::units_between);
   if (m.work.spend_whole(work_of_split) && m.work.fits(work_beyond)) {
-    t = m.config.policy(site);
-    if (is_trial) t = change.stray(change, site, t);
+    t = m.work.call_out([&]() noexcept { return m.policy(site); });
+    demand(site.head < t && t < site.tail, Call::policy, Fault::outside);
+    if (is_trial) t = change.trial.stray(change, site, t);
   }
+  // What has strayed, or was not asked for because the work is over.
   if (t <= site.head) t = static_cast<Parameter>(site.head + 1);
   if (t >= site.tail) t = static_cast<Parameter>(site.tail - 1);
   m.points[v.value] = site.at(t);

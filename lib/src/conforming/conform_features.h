@@ -18,4 +18,8 @@ Status lay_segments(Change& change, PendingSegments& pending) noexcept;
 // Makes one segment a union of edges, and those again that it breaks on the way.
 Status lay_segment(Change& change, SegmentId s) noexcept;
 
+// Marks the subsegments of a segment that is linked and whose Steiner vertices all stand. Errors:
+// work_limit, mesh_unresolved where one cannot be an edge, and those of reject_meeting().
+Status constrain_segment(MeshState& m, SegmentId s) noexcept;
+
 }  // namespace etcm::internal

@@ -10,35 +10,36 @@
 
 namespace etcm::internal {
 
-void touch_around(Change& change, VertexId v) noexcept {
-  MeshState& m = change.mesh;
-  if (m.topology.triangle_count() == 0) return;
-  Spokes spokes(m.topology, v);
-  do {
-    const VertexId w = spokes.target();
-    if (w != infinite_vertex && m.owner(w).role() != Role::node) {
-      touch(change, m.owner(w).segment(), w, w);
-    }
-  } while (spokes.turn());
-}
-
 // Around the vertex four turns are made beside the removal; it is found and put back by a short
 // walk, and its edges are looked at twice.
-bool may_remove(Change& change, VertexId v) noexcept {
+bool may_remove(Change& change, std::uint32_t degree) noexcept {
   MeshState& m = change.mesh;
   constexpr std::uint32_t walk = 32;
-  if (m.topology.triangle_count() == 0) return m.work.spend(1);
-  const std::uint32_t degree = m.topology.degree(v, m.work.left());
   if (!m.work.spend(degree)) return false;
   const Units removal = removal_work(degree) + 3 * Units{degree};
   m.work.keep(4 * Units{degree} + walk);
   return m.work.spend_whole(removal);
 }
 
+bool may_remove_touching(Change& change, VertexId v, unsigned& degree) noexcept {
+  MeshState& m = change.mesh;
+  degree = 0;
+  if (m.topology.triangle_count() == 0) return m.work.spend(1);
+  Spokes spokes(m.topology, v, m.work.left());
+  do {
+    const VertexId w = spokes.target();
+    if (w != infinite_vertex && m.owner(w).role() != Role::node) {
+      touch(change, m.owner(w).segment(), w, w);
+    }
+  } while (spokes.turn());
+  degree = spokes.turns();
+  return may_remove(change, degree);
+}
+
 bool detach(Change& change, VertexId steiner) noexcept {
   MeshState& m = change.mesh;
-  if (!may_remove(change, steiner)) return false;
-  touch_around(change, steiner);
+  unsigned degree = 0;
+  if (!may_remove_touching(change, steiner, degree)) return false;
   const Owner owner = m.owner(steiner);
   if (owner.role() == Role::steiner) note_place(change, m.at(steiner));
   remove_steiner(m, steiner);

@@ -5,13 +5,15 @@
 
 namespace etcm::internal {
 
-// The least room a change asks for to take a vertex out and to put it back. False: there is none.
-[[nodiscard]] bool may_remove(Change& change, VertexId v) noexcept;
+// The least room a change asks for to take a vertex of this degree out and to put it back. False:
+// there is none.
+[[nodiscard]] bool may_remove(Change& change, std::uint32_t degree) noexcept;
+// The same, and tells the degree. Touches the segments of Steiner vertices next to v, which may
+// become needless without it.
+[[nodiscard]] bool may_remove_touching(Change& change, VertexId v, unsigned& degree) noexcept;
 // Takes a Steiner vertex out of the mesh, to be put back by restore_detached(). False: the limit of
 // the work does not allow it; so with the others.
 [[nodiscard]] bool detach(Change& change, VertexId steiner) noexcept;
-// The segments of Steiner vertices next to v, which may become needless without it.
-void touch_around(Change& change, VertexId v) noexcept;
 // Detaches all Steiner vertices of a segment (drops the fresh) and takes the marks off its edges.
 [[nodiscard]] bool strip_segment(Change& change, SegmentId s) noexcept;
 // Drops the fresh Steiner vertices of all touched segments, when the change is taken back.

@@ -70,7 +70,7 @@ Parameter feasible_from_head(const SplitSite& site) noexcept {
   const double dy = static_cast<double>(site.to.y) - site.from.y;
   const double guessed = guess(end, dx, dy, site.head_right, site.head_left);
   return static_cast<Parameter>(
-      site.head + last_inside(guessed, site.tail - site.head, [&](Parameter k) {
+      site.head + last_inside(guessed, site.tail - site.head, [&](Parameter k) noexcept {
         return incircle_fast(end, site.head_right, site.head_left, site.at(site.head + k)) >= 0;
       }));
 }
@@ -81,7 +81,7 @@ Parameter feasible_from_tail(const SplitSite& site) noexcept {
   const double dy = static_cast<double>(site.from.y) - site.to.y;
   const double guessed = guess(end, dx, dy, site.tail_left, site.tail_right);
   return static_cast<Parameter>(
-      site.tail - last_inside(guessed, site.tail - site.head, [&](Parameter k) {
+      site.tail - last_inside(guessed, site.tail - site.head, [&](Parameter k) noexcept {
         return incircle_fast(end, site.tail_left, site.tail_right, site.at(site.tail - k)) >= 0;
       }));
 }

@@ -114,7 +114,7 @@ SurveyResult survey(MeshState& m, SegmentId root) noexcept {
     v = subsegment.tail;
     if (v != r.to) ++nodes_between;
   }
-  std::uint32_t room = m.config.features_max - m.segment_end + m.free_segment_count;
+  std::uint32_t room = segments_left(m);
   for (SegmentId s = r.next; !s.is_none() && room < nodes_between; s = m.segment(s).next) ++room;
   if (room < nodes_between) {
     surveyed.status = refuse(m, Status::out_of_features, root, SegmentId::none());

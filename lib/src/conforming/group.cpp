@@ -24,6 +24,12 @@ constexpr std::uint32_t a_fifth_of_all(const MeshState& m) noexcept {
   return m.node_count / 16 + m.steiner_count / 4;
 }
 
+// To look at a segment of usual length, to lay it again, and the same for one that it brings along.
+std::uint32_t work_of_usual_segment(const MeshState& m) noexcept {
+  const std::uint32_t segments = m.config.features_max - segments_left(m);
+  return 2 * (1 + m.steiner_count * (1 + work_to_lay) / segments);
+}
+
 bool is_in_group(const MeshState& m, SegmentId s) noexcept {
   const SegmentId next = m.segment(s).next_in_group;
   return next != not_listed && !next.is_none();
@@ -38,8 +44,9 @@ void add_to_group(Change& change, SegmentId s) noexcept {
     SegmentRecord& r = m.segment(member);
     if (!is_in_group(m, member)) {
       if (r.next_in_group == not_listed) ++m.stale_count;
-      r.next_in_group = change.group;
-      change.group = member;
+      r.next_in_group = change.group.first;
+      change.group.first = member;
+      change.group.work_ahead += change.group.work_of_member;
     }
     member = r.next_dependent;
     if (member == s) return;
@@ -59,14 +66,20 @@ void for_each(const Change& change, SegmentId first, SegmentId end, Visit visit)
 
 // False: laying all would be less.
 bool spend(Change& change, std::uint32_t work) noexcept {
-  change.work_left -= work < change.work_left ? work : change.work_left;
-  return change.work_left != 0;
+  change.group.work_left -= work < change.group.work_left ? work : change.group.work_left;
+  return change.group.work_left != 0;
+}
+
+// The same, where what is known to be ahead is counted.
+bool is_worth_while(const Change& change) noexcept {
+  return change.group.work_ahead < change.group.work_left;
 }
 
 // Finds whom a segment that lies in the mesh has an influence on, and who has on it.
 bool explore(Change& change, SegmentId s) noexcept {
   MeshState& m = change.mesh;
   const VertexId from = m.segment(s).from, to = m.segment(s).to;
+  change.group.work_ahead -= change.group.work_of_member;
   for (VertexId v = from; v != to;) {
     Subsegment subsegment = march(m, v, to, m.work.left());
     m.work.keep(2 * Units{subsegment.steps});
@@ -77,7 +90,8 @@ bool explore(Change& change, SegmentId s) noexcept {
       subsegment = march(m, v, to);
     }
     const VertexId tail = subsegment.tail;
-    if (!spend(change, 1)) return false;
+    if (tail != to) change.group.work_ahead += work_to_lay;
+    if (!spend(change, 1) || !is_worth_while(change)) return false;
     if (!find_influencing(change, subsegment.edge, s, on_member)) return false;
     if (v == from && tail == to && !find_influenced(change, subsegment.edge, s, on_member))
       return false;
@@ -91,12 +105,12 @@ bool explore(Change& change, SegmentId s) noexcept {
 // that are known.
 // Not inline, like strip(), or the deepest call would have the room of this too.
 [[gnu::noinline]] bool close_group(Change& change, SegmentId& explored) noexcept {
-  while (change.group != explored) {
+  while (change.group.first != explored) {
     const SegmentId end = explored;
-    explored = change.group;
+    explored = change.group.first;
     bool is_known = true;
     for_each(change, explored, end,
-             [&](SegmentId s) { is_known = is_known && explore(change, s); });
+             [&](SegmentId s) noexcept { is_known = is_known && explore(change, s); });
     if (!is_known) return false;
   }
   return true;
@@ -104,7 +118,7 @@ bool explore(Change& change, SegmentId s) noexcept {
 
 [[gnu::noinline]] void strip(Change& change, SegmentId first, SegmentId end) noexcept {
   MeshState& m = change.mesh;
-  for_each(change, first, end, [&](SegmentId s) {
+  for_each(change, first, end, [&](SegmentId s) noexcept {
     if (!m.work.is_over()) static_cast<void>(strip_segment(change, s));
     m.segment(s).next_dependent = s;
   });
@@ -112,7 +126,7 @@ bool explore(Change& change, SegmentId s) noexcept {
 
 [[gnu::noinline]] void settle_group(Change& change) noexcept {
   MeshState& m = change.mesh;
-  for_each(change, change.group, end_of_group, [&](SegmentId s) {
+  for_each(change, change.group.first, end_of_group, [&](SegmentId s) noexcept {
     const VertexId to = m.segment(s).to;
     for (VertexId v = march(m, m.segment(s).from, to).tail; v != to; v = march(m, v, to).tail) {
       m.owner(v) = Owner(Role::steiner, s);
@@ -123,8 +137,8 @@ bool explore(Change& change, SegmentId s) noexcept {
 
 void release_group(Change& change) noexcept {
   MeshState& m = change.mesh;
-  for_each(change, change.group, end_of_group,
-           [&](SegmentId s) { m.segment(s).next_in_group = SegmentId::none(); });
+  for_each(change, change.group.first, end_of_group,
+           [&](SegmentId s) noexcept { m.segment(s).next_in_group = SegmentId::none(); });
 }
 
 }  // namespace
@@ -142,22 +156,23 @@ bool stays_in_group(Change& change, VertexId v) noexcept {
     add_to_group(change, s);
   }
   if (!spend(change, work_to_lay) || !find_influenced(change, v, own, on_member)) {
-    change.work_left = 0;
+    change.group.work_left = 0;
   }
-  return !change.has_grown && change.work_left != 0;
+  return !change.has_grown && change.group.work_left != 0;
 }
 
 Status lay_group_again(Change& change, SegmentId stale, bool& is_too_wide) noexcept {
   MeshState& m = change.mesh;
-  change.group = end_of_group;
-  change.work_left = a_fifth_of_all(m) + work_least;
+  change.group.first = end_of_group;
+  change.group.work_left = a_fifth_of_all(m) + work_least;
+  change.group.work_of_member = work_of_usual_segment(m);
   add_to_group(change, stale);
   SegmentId explored = end_of_group;
   Status status = Status::ok;
   bool is_stripped = false;
   for (;;) {
     const SegmentId known = explored;
-    is_too_wide = change.work_left == 0 || !close_group(change, explored);
+    is_too_wide = change.group.work_left == 0 || !close_group(change, explored);
     if (m.work.is_over() || (is_too_wide && !m.work.fits(work_to_lay_all(m)))) {
       is_too_wide = false;
       break;
@@ -168,16 +183,17 @@ Status lay_group_again(Change& change, SegmentId stale, bool& is_too_wide) noexc
       change.extent = Change::Extent::whole;
       return Status::ok;
     }
-    strip(change, change.group, known);
+    strip(change, change.group.first, known);
     is_stripped = true;
     clear_touched(change);
     change.has_grown = false;
     if (m.work.is_over()) break;
     PendingSegments pending;
-    for_each(change, change.group, end_of_group, [&](SegmentId s) { pending.push(m, s); });
+    for_each(change, change.group.first, end_of_group,
+             [&](SegmentId s) noexcept { pending.push(m, s); });
     status = lay_segments(change, pending);
     if (status == Status::ok) status = lay_lone_again(change);
-    if (m.work.is_over() || (change.work_left != 0 && !change.has_grown)) break;
+    if (m.work.is_over() || (change.group.work_left != 0 && !change.has_grown)) break;
     change.dirty.clear(m);
     strip(change, explored, end_of_group);
   }
@@ -187,7 +203,8 @@ Status lay_group_again(Change& change, SegmentId stale, bool& is_too_wide) noexc
     return commit(change);
   }
   if (is_stripped) {
-    for_each(change, change.group, end_of_group, [&](SegmentId s) { touch(change, s); });
+    for_each(change, change.group.first, end_of_group,
+             [&](SegmentId s) noexcept { touch(change, s); });
   }
   begin_going_back(change, status);
   release_group(change);

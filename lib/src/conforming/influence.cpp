@@ -2,6 +2,7 @@
 // touching: too much influence costs time, too little a wrong mesh.
 #include "conforming/influence.h"
 
+#include "geometry/root.h"
 #include "triangulation/hints.h"
 #include "triangulation/insert.h"
 #include "triangulation/locate.h"
@@ -14,13 +15,17 @@ namespace {
 
 // What touches within this part of a circle's size is in doubt, ...
 constexpr double doubt = 1e-8;
-// ... and below this sine of an angle all of a triangle is: its circle is not known well enough.
+// ... and with no angle of a greater sine all of a triangle is: its circle is not known well
+// enough.
 constexpr double least_sine = 1e-5;
 // Wider influence than this many triangles is not followed.
 constexpr unsigned triangles_most = 64;
 constexpr unsigned waiting_most = 16;
 constexpr unsigned seen_most = 40;
 constexpr unsigned hole_most = 64;
+
+// Where doubles are computed in software a unit of this takes as long as several others.
+constexpr Units more_to_pass = 7;
 
 // The circle of a triangle. Seen from one of its corners, so that differences are exact.
 struct Circle {
@@ -30,19 +35,28 @@ struct Circle {
   bool is_in_doubt = false;
 };
 
+// Sets the circle, as it is seen from a corner, and answers whether it is known well enough. Not
+// inline, for it is asked for three times.
+[[gnu::noinline]] bool see_circle(Circle& circle, const Point& corner, const Point& second,
+                                  const Point& third) noexcept {
+  circle.origin = corner;
+  const Offset b = offset(second, corner);
+  const Offset c = offset(third, corner);
+  const double doubled_area = rounded_cross(b, c);
+  circle.is_in_doubt =
+      !(doubled_area * doubled_area > least_sine * least_sine * rounded_lift(b) * rounded_lift(c));
+  if (circle.is_in_doubt) return false;
+  circle.centre = circle_centre(b, c, 0.5 / doubled_area);
+  circle.squared_radius = rounded_lift(circle.centre);
+  return true;
+}
+
+// A needle is flat at one of its corners alone, and its circle is a small one.
 Circle circle_through(const Point& first, const Point& second, const Point& third) noexcept {
-  Circle circle{.origin = first};
-  const Offset b = offset(second, first);
-  const Offset c = offset(third, first);
-  const double bb = lift(b), cc = lift(c);
-  const double doubled_area = b.x * c.y - b.y * c.x;
-  if (!(doubled_area * doubled_area > least_sine * least_sine * bb * cc)) {
-    circle.is_in_doubt = true;
-    return circle;
-  }
-  const double half = 0.5 / doubled_area;
-  circle.centre = {(bb * c.y - cc * b.y) * half, (cc * b.x - bb * c.x) * half};
-  circle.squared_radius = lift(circle.centre);
+  Circle circle;
+  static_cast<void>(see_circle(circle, first, second, third) ||
+                    see_circle(circle, second, third, first) ||
+                    see_circle(circle, third, first, second));
   return circle;
 }
 
@@ -55,7 +69,7 @@ bool has_on_it(const MeshState& m, const Circle& circle, VertexId v) noexcept {
   if (circle.is_in_doubt) return true;
   const Offset at = offset(m.at(v), circle.origin);
   const Offset from{at.x - circle.centre.x, at.y - circle.centre.y};
-  return lift(from) <= circle.squared_radius * (1 + doubt);
+  return rounded_lift(from) <= circle.squared_radius * (1 + doubt);
 }
 
 // Whether the circle comes inside of an edge, which has no end inside of the circle. One that only
@@ -66,10 +80,10 @@ bool touches(const MeshState& m, const Circle& circle, Edge e) noexcept {
   const Offset b = offset(m.at(m.topology.target(e)), circle.origin);
   const Offset along{b.x - a.x, b.y - a.y};
   const Offset from{a.x - circle.centre.x, a.y - circle.centre.y};
-  const double squared_length = lift(along);
-  const double nearest = -(from.x * along.x + from.y * along.y);
+  const double squared_length = rounded_lift(along);
+  const double nearest = -rounded_dot(from, along);
   if (nearest < -doubt * squared_length || nearest > (1 + doubt) * squared_length) return false;
-  const double aside = from.x * along.y - from.y * along.x;
+  const double aside = rounded_cross(from, along);
   return aside * aside <= circle.squared_radius * squared_length * (1 + doubt);
 }
 
@@ -93,6 +107,7 @@ bool follow(Change& change, const Circle& circle, Edge first, SegmentId about,
   waiting[0] = first.value;
   unsigned count = 1;
   for (unsigned triangles = 0; count != 0; ++triangles) {
+    change.mesh.work.pass(more_to_pass);
     if (triangles == triangles_most || !change.mesh.work.spend_whole(1)) return false;
     const Edge e{waiting[--count]};
     if (topo.is_constrained(e)) {
@@ -133,6 +148,7 @@ bool look_left(Change& change, Edge e, SegmentId about, OnSegment found) noexcep
   if (topo.is_ghost(seen[0])) return true;
   unsigned count = 1;
   for (unsigned i = 0; i < count; ++i) {
+    change.mesh.work.pass(3 * more_to_pass);
     if (!change.mesh.work.spend_whole(3)) return false;
     for (unsigned side = 0; side < 3; ++side) {
       const Edge f = Topology::edge(seen[i], side);

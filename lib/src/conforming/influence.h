@@ -12,7 +12,7 @@
 namespace etcm::internal {
 
 // Called for each segment that is found, perhaps more than once; never for `about` itself.
-using OnSegment = void (*)(Change& change, SegmentId found, SegmentId about);
+using OnSegment = void (*)(Change& change, SegmentId found, SegmentId about) noexcept;
 
 // The segments on which the vertex has an influence: circles of its star touch their lines. False:
 // there is too much to look at. O(the triangles that those circles touch), at most a bound for each

@@ -54,13 +54,15 @@ void note_dependents(Change& change, SegmentId s) noexcept {
 // In canonical order.
 void list_lone(Change& change, PendingSegments& lone) noexcept {
   MeshState& m = change.mesh;
-  const auto list = [&](SegmentId s) {
+  const auto list = [&](SegmentId s) noexcept {
     if (is_lone(m, s)) lone.push(m, s);
   };
   if (change.extent == Change::Extent::group) {
-    for (SegmentId s = change.group; s != end_of_group; s = m.segment(s).next_in_group) list(s);
+    for (SegmentId s = change.group.first; s != end_of_group; s = m.segment(s).next_in_group)
+      list(s);
   } else {
     for (IdValue i = 0; i < m.segment_end; ++i) {
+      m.work.pass_entry(i);
       if (is_linked(m, SegmentId{i})) list(SegmentId{i});
     }
   }

@@ -117,7 +117,7 @@ bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
       v = after;
       continue;
     }
-    if (!may_remove(change, v)) return false;
+    if (!may_remove(change, m.topology.degree(v, m.work.left()))) return false;
     note_taken_out(change, s, v);
     queue_around(change, queue, v);
     if (m.work.is_over()) return false;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "geometry/predicates_inline.h"
+#include "geometry/root.h"
 #include "triangulation/locate.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/relative.h"
@@ -39,7 +40,7 @@ class SidePath {
 // or how the triangles are stored.
 Edge first_side(const MeshState& m, const Found& found) noexcept {
   const Topology& topo = m.topology;
-  const auto precedes = [&](Edge e, Edge other) {
+  const auto precedes = [&](Edge e, Edge other) noexcept {
     return m.at(topo.origin(e)) < m.at(topo.origin(other));
   };
   const Edge e = found.edge;
@@ -68,6 +69,7 @@ Surroundings::Surroundings(const SplitSite& site) noexcept
       head_(site.at(site.head)),
       dx_(static_cast<double>(site.to.x) - site.from.x),
       dy_(static_cast<double>(site.to.y) - site.from.y),
+      // Exact but for the division: the differences have 25 bits.
       per_squared_length_(1.0 / (dx_ * dx_ + dy_ * dy_)),
       head_edge_(edge_before(site.head_triangle, head_)),
       tail_edge_(edge_before(site.tail_triangle, site.at(site.tail))) {}
@@ -151,8 +153,8 @@ void Surroundings::see(VertexId v, Beside& out) const noexcept {
   out.vertex = v;
   out.is_node = mesh_.owner(v).role() == Role::node;
   out.point = mesh_.at(v);
-  out.along = (at.x * dx_ + at.y * dy_) * per_squared_length_;
-  out.aside = std::fabs(cross_value({dx_, dy_}, at)) * per_squared_length_;
+  out.along = product(rounded_dot(at, {dx_, dy_}), per_squared_length_);
+  out.aside = product(std::fabs(rounded_cross({dx_, dy_}, at)), per_squared_length_);
 }
 
 // Where the line of the subsegment runs inside the circle of the edge's triangle. False: nowhere.
@@ -165,15 +167,13 @@ bool Surroundings::chord(EdgeWord word, Span& span) const noexcept {
   const Offset b = offset(mesh_.at(topo.target(edge)), a);
   const Offset c = offset(mesh_.at(topo.apex(edge)), a);
   const Offset head = offset(head_, a);
-  const double bb = lift(b), cc = lift(c);
-  const double half = 0.5 / (b.x * c.y - b.y * c.x);
-  const Offset centre{(bb * c.y - cc * b.y) * half, (cc * b.x - bb * c.x) * half};
+  const Offset centre = circle_centre(b, c, 0.5 / rounded_cross(b, c));
   const double middle =
-      ((centre.x - head.x) * dx_ + (centre.y - head.y) * dy_) * per_squared_length_;
-  const double power = lift(head) - 2 * (head.x * centre.x + head.y * centre.y);
-  const double squared = middle * middle - power * per_squared_length_;
+      product(rounded_dot({centre.x - head.x, centre.y - head.y}, {dx_, dy_}), per_squared_length_);
+  const double power = rounded_lift(head) - 2 * rounded_dot(head, centre);
+  const double squared = product(middle, middle) - product(power, per_squared_length_);
   if (!(squared > 0)) return false;
-  const double half_length = std::sqrt(squared);
+  const double half_length = root_of(squared);
   span = {middle - half_length, middle + half_length};
   return true;
 }

@@ -7,6 +7,7 @@
 #include "conforming/conform.h"
 #include "conforming/detach.h"
 #include "conforming/prune.h"
+#include "etcm/dry_run.h"
 #include "triangulation/change.h"
 #include "triangulation/insert.h"
 #include "triangulation/locate.h"
@@ -22,9 +23,11 @@ void end_change(Change& change) noexcept {
   ETCM_VERIFY_THAT(change.dirty.is_empty() && change.detached.is_none());
   if (change.extent == Change::Extent::whole) {
     for (IdValue i = 0; i < m.segment_end; ++i) {
+      m.work.pass_entry(i);
       if (m.segment(SegmentId{i}).from.is_none()) touch(change, SegmentId{i});
     }
     for (IdValue i = 1; i < m.vertex_end; ++i) {
+      m.work.pass_entry(i);
       Owner& owner = m.owners[i];
       if (owner.role() == Role::fresh) owner = Owner(Role::steiner, owner.segment());
     }
@@ -67,7 +70,8 @@ void restore_marks(MeshState& m, SegmentId s) noexcept {
 
 // Once nothing can fail: what is fresh has come to stay. It is in the part of its segment that is
 // touched.
-void settle_fresh(Change& change) noexcept {
+// Not inline: most changes have none.
+[[gnu::noinline]] void settle_fresh(Change& change) noexcept {
   MeshState& m = change.mesh;
   for (SegmentId s = change.touched; !s.is_none() && change.fresh_count != 0;
        s = m.segment(s).next_touched) {
@@ -129,7 +133,8 @@ void settle(Change& change) noexcept {
     change.detached = VertexId{m.vertex_edges[v.value].value};
     free_vertex(m, v);
   }
-  if (change.extent == Change::Extent::local || change.extent == Change::Extent::trial) {
+  if (change.fresh_count != 0 &&
+      (change.extent == Change::Extent::local || change.extent == Change::Extent::trial)) {
     settle_fresh(change);
   }
   if (change.extent == Change::Extent::local) {
@@ -140,7 +145,14 @@ void settle(Change& change) noexcept {
 }
 
 Status commit(Change& change) noexcept {
-  if (!prune(change)) return change.mesh.error_detail.status = Status::work_limit;
+  MeshState& m = change.mesh;
+  if (!prune(change)) return m.error_detail.status = Status::work_limit;
+  if (m.outcome != nullptr) {
+    m.outcome->status = Status::ok;
+    m.outcome->steiner += static_cast<std::int32_t>(m.steiner_count);
+    m.outcome->work = m.work.needed();
+    return Status::work_limit;
+  }
   settle(change);
   return Status::ok;
 }

@@ -17,7 +17,7 @@ void forget_new_ids(Change& change) noexcept;
 // Once the change is pruned: all of it stays, and is ended.
 void settle(Change& change) noexcept;
 // Prunes needless Steiner vertices of the touched segments, and ends the change. Error: work_limit,
-// and the change has to be taken back.
+// and the change has to be taken back; so has a dry run, whose outcome is known then.
 [[nodiscard]] Status commit(Change& change) noexcept;
 // Forgets the change: what came has come, what was retired and not used again becomes free.
 // Whatever a change ends with ends with this, or the next one would take back what was this one's.

@@ -81,7 +81,7 @@ Parameter stray(Change& change, const SplitSite& site, Parameter t) noexcept {
 
 // Xorshift (Marsaglia 2003): its state is not 0.
 std::uint32_t draw(Change& change, std::uint32_t end) noexcept {
-  std::uint64_t& state = change.random;
+  std::uint64_t& state = change.trial.random;
   state ^= state << 13;
   state ^= state >> 7;
   state ^= state << 17;
@@ -91,8 +91,8 @@ std::uint32_t draw(Change& change, std::uint32_t end) noexcept {
 bool try_without(Change& change, std::span<IdValue> vertices) noexcept {
   MeshState& m = change.mesh;
   const std::uint32_t before = m.steiner_count;
-  change.stray = stray;
-  change.steiner_most = before + surplus_most;
+  change.trial.stray = stray;
+  change.trial.steiner_most = before + surplus_most;
   Status status = lay_in_drawn_order(change, take_out(change, vertices));
   if (m.work.is_over() || (status == Status::ok && !prune(change))) status = Status::work_limit;
   if (status == Status::ok && m.steiner_count <= before) {

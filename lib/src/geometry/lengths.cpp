@@ -14,7 +14,7 @@ namespace {
 template <class Int>
 SquaredLength to_length(const Int& square) noexcept {
   if constexpr (std::is_same_v<Int, LimbArithmetic::Int128>) {
-    const auto word = [&square](unsigned i) {
+    const auto word = [&square](unsigned i) noexcept {
       return (std::uint64_t{square.limb[i + 1]} << 32) | square.limb[i];
     };
     return {word(2), word(0)};

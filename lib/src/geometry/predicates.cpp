@@ -1,18 +1,26 @@
 #include "etcm/predicates.h"
 
 #include "base/check.h"
+#include "geometry/narrow_filter.h"
 #include "geometry/predicates_inline.h"
 #include "geometry/predicates_internal.h"
 
 namespace etcm::internal {
 
 int orient2d_settle(const Point& a, const Point& b, const Point& c) noexcept {
+  if constexpr (!has_double_unit) {
+    if (const int sign = orient2d_narrow(a, b, c); sign != undecided) return sign;
+  }
   return orient2d_exact<ExactArithmetic>(a, b, c);
 }
 
 int incircle_settle(const Point& a, const Point& b, const Point& c, const Point& d) noexcept {
-  const int sign = incircle_filter(a, b, c, d);
-  return sign != 0 ? sign : incircle_exact<ExactArithmetic>(a, b, c, d);
+  if constexpr (has_double_unit) {
+    if (const int sign = incircle_filter(a, b, c, d); sign != 0) return sign;
+  } else {
+    if (const int sign = incircle_narrow(a, b, c, d); sign != undecided) return sign;
+  }
+  return incircle_exact<ExactArithmetic>(a, b, c, d);
 }
 
 }  // namespace etcm::internal

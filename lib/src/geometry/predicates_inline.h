@@ -7,10 +7,13 @@
 // roundings after that, and are tighter than those for rounded differences (Shewchuk, Adaptive
 // Precision Floating-Point Arithmetic, 1997, needs 3u and 10u). Nothing can overflow (values stay
 // below 2^216) or underflow (every product is an integer). Where doubles are computed in software
-// the filters decide nothing: asking the integers at once is faster there, and smaller.
+// these filters decide nothing, and those of narrow_filter.h do.
+//
+// A compiler may fuse a product and the sum it goes into (-ffp-contract): that takes one of the
+// roundings counted here away, and changes no other. So the bounds hold as they are, fused or not;
+// the value may be another one, but only its sign beyond the bound is ever looked at.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/assumptions.h"
@@ -24,11 +27,15 @@ int orient2d_settle(const Point& a, const Point& b, const Point& c) noexcept;
 int incircle_settle(const Point& a, const Point& b, const Point& c, const Point& d) noexcept;
 
 // Compilers say so of the machines that may lack them: ARM's bit 3 of __ARM_FP is double precision.
-#if (defined(__arm__) && !(defined(__ARM_FP) && (__ARM_FP & 8))) || \
+// Who wants limbs wants what goes with them.
+#if defined(ETCM_FORCE_LIMBS) || (defined(__arm__) && !(defined(__ARM_FP) && (__ARM_FP & 8))) || \
     (defined(__riscv) && !(defined(__riscv_flen) && __riscv_flen >= 64))
 inline constexpr bool has_double_unit = false;
+// A call is nothing beside what it computes there, and spares text.
+#define ETCM_IN_DOUBLES [[gnu::noinline]] inline
 #else
 inline constexpr bool has_double_unit = true;
+#define ETCM_IN_DOUBLES inline
 #endif
 
 inline constexpr double filter_unit = 0x1p-53;
@@ -104,7 +111,8 @@ inline int incircle_coarse(double a_lift, double bc, double b_lift, double ca, d
                            double ab) noexcept {
   if constexpr (!has_double_unit) return 0;
   const double determinant = a_lift * bc + b_lift * ca + c_lift * ab;
-  const double greatest = std::max(a_lift, std::max(b_lift, c_lift));
+  const double greater = a_lift < b_lift ? b_lift : a_lift;
+  const double greatest = greater < c_lift ? c_lift : greater;
   const double bound = incircle_coarse_error * (greatest * greatest);
   return (determinant > bound) - (determinant < -bound);
 }

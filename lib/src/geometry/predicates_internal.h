@@ -1,6 +1,8 @@
 // The exact stage of the predicates, over either integer arithmetic. For predicates.cpp and tests.
 #pragma once
 
+#include <cstddef>
+
 #include "etcm/types.h"
 #include "geometry/wide_int.h"
 
@@ -24,18 +26,19 @@ int incircle_exact(const Point& a, const Point& b, const Point& c, const Point& 
     std::int64_t x;
     std::int64_t y;
   };
-  const auto lift = [](const Difference& p) -> Int128 {
+  const auto lift = [](const Difference& p) noexcept -> Int128 {
     return Arithmetic::product(p.x, p.x) + Arithmetic::product(p.y, p.y);
   };
-  const auto cross = [](const Difference& p, const Difference& q) -> Int128 {
+  const auto cross = [](const Difference& p, const Difference& q) noexcept -> Int128 {
     return Arithmetic::product(p.x, q.y) - Arithmetic::product(p.y, q.x);
   };
-  const Difference ad{a.x - d.x, a.y - d.y};
-  const Difference bd{b.x - d.x, b.y - d.y};
-  const Difference cd{c.x - d.x, c.y - d.y};
-  return Arithmetic::sign(Arithmetic::product(lift(ad), cross(bd, cd)) +
-                          Arithmetic::product(lift(bd), cross(cd, ad)) +
-                          Arithmetic::product(lift(cd), cross(ad, bd)));
+  const Difference p[] = {{a.x - d.x, a.y - d.y}, {b.x - d.x, b.y - d.y}, {c.x - d.x, c.y - d.y}};
+  // One after the other, so that the limbs of one alone are on the stack.
+  auto sum = Arithmetic::product(lift(p[0]), cross(p[1], p[2]));
+  for (std::size_t i = 1; i < 3; ++i) {
+    sum = sum + Arithmetic::product(lift(p[i]), cross(p[(i + 1) % 3], p[(i + 2) % 3]));
+  }
+  return Arithmetic::sign(sum);
 }
 
 }  // namespace etcm::internal

@@ -67,7 +67,7 @@ class Auditor {
   }
 
   Audit links() const noexcept {
-    return each_edge([this](Edge e) {
+    return each_edge([this](Edge e) noexcept {
       const Edge f = topo_.twin(e);
       const bool good = Topology::triangle_of(f) < topo_.triangle_count() &&
                         Topology::side_of(f) < 3 && topo_.twin(f) == e &&
@@ -108,7 +108,7 @@ class Auditor {
   Audit hull() const noexcept {
     if (topo_.triangle_count() == 0) return {};
     const bool flat = is_flat(m_);
-    return each_edge([this, flat](Edge e) {
+    return each_edge([this, flat](Edge e) noexcept {
       if (topo_.apex(e) != infinite_vertex) return Audit{};
       const Edge onward = Topology::next(topo_.twin(Topology::next(e)));
       const Point& u = m_.at(topo_.origin(e));
@@ -125,7 +125,7 @@ class Auditor {
 
   Audit circles() const noexcept {
     for (const Rule rule : {Rule::delaunay, Rule::canonical}) {
-      const Audit result = each_edge([this, rule](Edge e) {
+      const Audit result = each_edge([this, rule](Edge e) noexcept {
         const Edge f = topo_.twin(e);
         const VertexId a = topo_.apex(e), b = topo_.origin(e), c = topo_.target(e);
         const VertexId d = topo_.apex(f);
@@ -184,7 +184,7 @@ class Auditor {
       }
     }
     std::uint64_t marks = 0;
-    each_edge([&](Edge e) {
+    each_edge([&](Edge e) noexcept {
       marks += topo_.is_constrained(e);
       return Audit{};
     });

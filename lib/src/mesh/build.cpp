@@ -43,12 +43,16 @@ bool leaves_nothing(Status status) noexcept {
          status == Status::out_of_features;
 }
 
+// Not noexcept: GCC thinks that its own prefetch throws, and would provide for it.
+[[gnu::nothrow]] inline void prefetch(const void* place) { __builtin_prefetch(place); }
+
 // While they are inserted nodes go by their place along the curve, so that what lies together is
 // stored together: a large mesh is built out of caches. Each one's owner holds its own id.
 void number_along_curve(MeshState& m, std::span<const Position> nodes) noexcept {
   const OrderEntry* order = hilbert_order(m);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (i + 8 < nodes.size()) __builtin_prefetch(&nodes[order[i + 8].vertex - 1]);
+    m.work.pass_entry(i);
+    if (i + 8 < nodes.size()) prefetch(&nodes[order[i + 8].vertex - 1]);
     m.points[i + 1] = to_point(nodes[order[i].vertex - 1]);
     m.owners[i + 1] = Owner(Role::node, SegmentId{static_cast<IdValue>(order[i].vertex)});
   }
@@ -60,6 +64,7 @@ VertexId own_id(const MeshState& m, VertexId v) noexcept {
 
 void set_nodes(MeshState& m, std::span<const Position> nodes) noexcept {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
+    m.work.pass_entry(i);
     m.points[i + 1] = to_point(nodes[i]);
     m.owners[i + 1] = Owner(Role::node, SegmentId::none());
   }
@@ -68,7 +73,11 @@ void set_nodes(MeshState& m, std::span<const Position> nodes) noexcept {
 }
 
 void number_as_given(MeshState& m, std::span<const Position> nodes) noexcept {
-  m.topology.rename_vertices([&m](VertexId v) { return own_id(m, v); });
+  std::size_t renamed = 0;
+  m.topology.rename_vertices([&](VertexId v) noexcept {
+    m.work.pass_entry(renamed++);
+    return own_id(m, v);
+  });
   if (!m.only_vertex.is_none()) m.only_vertex = own_id(m, m.only_vertex);
   set_nodes(m, nodes);
 }
@@ -103,6 +112,7 @@ Status enter_features(MeshState& m, std::span<const FeatureEnds> features,
   for (const FeatureEnds& ends : features) {
     const SegmentId root = allocate_segment(m);
     if (root.is_none()) return Status::out_of_features;
+    m.work.pass_entry(root.value);
     m.error_detail.feature = FeatureId{root.value};
     for (const VertexId v : {ends.from, ends.to}) {
       if (v == infinite_vertex || !m.is_node(v)) {
@@ -128,6 +138,7 @@ Status enter(Mesh& mesh, Change& change, std::span<const Position> nodes,
   if (features.size() > m.config.features_max)
     return m.error_detail.status = Status::out_of_features;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
+    m.work.pass_entry(i);
     if (in_range(nodes[i])) continue;
     m.error_detail.vertex = VertexId{static_cast<IdValue>(i + 1)};
     return m.error_detail.status = Status::bad_coordinate;
@@ -216,21 +227,6 @@ Status insert_steiner(Change& change, const SteinerPlace& place) noexcept {
   return Status::ok;
 }
 
-// Marks the subsegments of a segment whose Steiner vertices all stand.
-Status constrain_segment(MeshState& m, SegmentId s) noexcept {
-  const VertexId end = m.segment(s).to;
-  for (VertexId v = m.segment(s).from; v != end;) {
-    const Subsegment subsegment = march(m, v, end, m.work.left());
-    if (!m.work.spend(subsegment.steps)) return Status::work_limit;
-    const SegmentId other = met_by(m, s, subsegment);
-    if (!other.is_none()) return reject_meeting(m, s, other);
-    if (!can_be_edge(m, subsegment)) return Status::mesh_unresolved;
-    constrain_subsegment(m, subsegment);
-    v = subsegment.tail;
-  }
-  return Status::ok;
-}
-
 // A build ends early: what it has not come to is dirty.
 // Not inline, or the deepest call, a build that goes on, would have the room of this too.
 [[gnu::noinline]] Status keep_what_stands(Change& change, Status status) noexcept {
@@ -248,13 +244,13 @@ Status constrain_segment(MeshState& m, SegmentId s) noexcept {
 Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds> features,
                    Work limit, void (*nodes_stand)(void* context) noexcept,
                    void* context) noexcept {
-  MeshState& m = opened(*this, Call::build);
-  m.work.start_anew(limit);
+  MeshState& m = about_to_change(*this, Call::build);
+  m.work.start_anew(limit, keep_alive_);
   Change change(m, Change::Extent::whole);
   FeatureList pending;
   Status status = enter(*this, change, nodes, features, pending);
   if (status != Status::ok) return status;
-  if (nodes_stand != nullptr) nodes_stand(context);
+  if (nodes_stand != nullptr) m.work.call_out([&]() noexcept { nodes_stand(context); });
   status = conform_features(change, pending);
   if (status == Status::ok) status = lay_lone_again(change);
   if (leaves_nothing(status)) return reject(*this, change, status);
@@ -265,8 +261,8 @@ Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds>
 
 Status Mesh::restore(std::span<const Position> nodes, std::span<const FeatureEnds> features,
                      std::span<const SteinerPlace> steiner, Work limit) noexcept {
-  MeshState& m = opened(*this, Call::restore);
-  m.work.start_anew(limit);
+  MeshState& m = about_to_change(*this, Call::restore);
+  m.work.start_anew(limit, keep_alive_);
   Change change(m);
   FeatureList list;
   Status status = enter(*this, change, nodes, features, list);

@@ -45,6 +45,7 @@ bool triangulate(Change& change) noexcept {
 void detach_steiner(Change& change) noexcept {
   MeshState& m = change.mesh;
   for (IdValue i = 1; i < m.vertex_end; ++i) {
+    m.work.pass_entry(i);
     const VertexId v{i};
     if (m.owner(v).role() != Role::steiner) continue;
     m.owner(v) = Owner(Role::detached, m.owner(v).segment());
@@ -58,6 +59,7 @@ void attach_steiner(Change& change) noexcept {
   MeshState& m = change.mesh;
   while (!change.detached.is_none()) {
     const VertexId v = change.detached;
+    m.work.pass_entry(v.value);
     change.detached = VertexId{m.vertex_edges[v.value].value};
     m.owner(v) = Owner(Role::steiner, m.owner(v).segment());
     ++m.steiner_count;
@@ -66,6 +68,7 @@ void attach_steiner(Change& change) noexcept {
 
 void free_fresh(MeshState& m) noexcept {
   for (IdValue i = 1; i < m.vertex_end; ++i) {
+    m.work.pass_entry(i);
     if (m.owners[i].role() == Role::fresh) free_vertex(m, VertexId{i});
   }
   m.steiner_count = 0;
@@ -79,6 +82,7 @@ Status lay_all(Change& change) noexcept {
   if (!triangulate(change)) return m.error_detail.status = Status::work_limit;
   PendingSegments pending;
   for (IdValue i = 0; i < m.segment_end; ++i) {
+    m.work.pass_entry(i);
     const SegmentId s{i};
     if (!is_linked(m, s)) continue;
     m.segment(s).next_dependent = s;
@@ -95,7 +99,10 @@ Status lay_all_again(Change& change) noexcept {
   m.work.keep(work_to_lay_all(m));
   const Status status = lay_all(change);
   if (status == Status::ok) {
-    for (IdValue i = 0; i < m.segment_end; ++i) make_canonical(m, SegmentId{i});
+    for (IdValue i = 0; i < m.segment_end; ++i) {
+      m.work.pass_entry(i);
+      make_canonical(m, SegmentId{i});
+    }
     m.is_all_stale = false;
     m.place_count = 0;
     return commit(change);
@@ -107,6 +114,7 @@ Status lay_all_again(Change& change) noexcept {
   attach_steiner(change);
   static_cast<void>(triangulate(change));
   for (IdValue i = 0; i < m.segment_end; ++i) {
+    m.work.pass_entry(i);
     if (is_linked(m, SegmentId{i})) touch(change, SegmentId{i});
   }
   restore_detached(change);
@@ -124,7 +132,7 @@ bool looks_around_only(SplitPolicy policy) noexcept {
 [[gnu::noinline]] Status find_stale(MeshState& m) noexcept {
   Change change(m);
   const bool is_changed = m.stale_count != 0 || m.place_count != 0;
-  if (is_changed && !looks_around_only(m.config.policy)) make_all_stale(m);
+  if (is_changed && !looks_around_only(m.policy)) make_all_stale(m);
   if (!look_at_places(change)) return m.error_detail.status = Status::work_limit;
   if (m.feature_count == 0) m.is_all_stale = false;
   return Status::ok;
@@ -132,6 +140,7 @@ bool looks_around_only(SplitPolicy policy) noexcept {
 
 Status lay_stale_again(MeshState& m) noexcept {
   for (IdValue i = 0; i < m.segment_end && (m.is_all_stale || m.stale_count != 0); ++i) {
+    m.work.pass_entry(i);
     const SegmentId s{i};
     if (!is_linked(m, s) || !is_stale(m, s)) continue;
     Change change(m, m.is_all_stale ? Change::Extent::whole : Change::Extent::group);
@@ -148,16 +157,16 @@ Status lay_stale_again(MeshState& m) noexcept {
 }  // namespace
 
 Status Mesh::rebuild(Work limit) noexcept {
-  MeshState& m = opened(*this, Call::rebuild);
-  m.work.start(limit);
+  MeshState& m = about_to_change(*this, Call::rebuild);
+  m.work.start(limit, keep_alive_);
   Change change(m, Change::Extent::whole);
   if (m.unresolved != 0) return m.error_detail.status = Status::mesh_unresolved;
   return is_canonical() ? Status::ok : lay_all_again(change);
 }
 
 Status Mesh::canonicalize(Work limit) noexcept {
-  MeshState& m = opened(*this, Call::canonicalize);
-  m.work.start(limit);
+  MeshState& m = about_to_change(*this, Call::canonicalize);
+  m.work.start(limit, keep_alive_);
   m.error_detail = ErrorDetail{};
   if (m.unresolved != 0) return m.error_detail.status = Status::mesh_unresolved;
   const Status status = find_stale(m);

@@ -5,11 +5,10 @@
 #include "conforming/conform_features.h"
 #include "conforming/detach.h"
 #include "conforming/features.h"
+#include "conforming/nodes.h"
 #include "conforming/transaction.h"
 #include "triangulation/change.h"
 #include "triangulation/hints.h"
-#include "triangulation/insert.h"
-#include "triangulation/locate.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/remove.h"
 #include "triangulation/segment_store.h"
@@ -21,178 +20,8 @@ using namespace internal;
 
 namespace {
 
-// The segment that p stands on: on one of its Steiner vertices or subsegments. None: on neither.
-SegmentId section_under(const MeshState& m, const Found& found) noexcept {
-  if (found.type == LocateType::on_vertex && m.owner(found.vertex).role() != Role::node) {
-    return m.owner(found.vertex).segment();
-  }
-  if (found.type == LocateType::on_edge && m.topology.is_constrained(found.edge)) {
-    return segment_of_edge(m, m.topology.origin(found.edge), m.topology.target(found.edge));
-  }
-  return SegmentId::none();
-}
-
 // What any change takes.
 constexpr Units work_least = 16;
-// To link a segment at its ends, or to find it there.
-constexpr Units work_of_link = 4;
-
-Status report(MeshState& m, Status status, VertexId vertex) noexcept {
-  m.error_detail.status = status;
-  m.error_detail.vertex = vertex;
-  return status;
-}
-
-// Puts node v, whose point is set, into the mesh, on its segment if it stands on one. `cut` is that
-// segment and `rest` its new other part, for remove_node(). `rest` may come with a segment to take.
-// Where the answer is not ok, it is not in, and the segment is at most stripped.
-Status insert_node(Change& change, VertexId v, SegmentId& cut, SegmentId& rest) noexcept {
-  MeshState& m = change.mesh;
-  Found found = find(m, m.at(v), edge_near(m, m.at(v)), m.work.left());
-  if (!m.work.spend(found.steps)) return report(m, Status::work_limit, VertexId::none());
-  if (found.type == LocateType::on_vertex && m.owner(found.vertex).role() == Role::node) {
-    return report(m, Status::duplicate_vertex, found.vertex);
-  }
-  cut = section_under(m, found);
-  if (!cut.is_none()) {
-    if (rest.is_none()) rest = allocate_segment(m);
-    if (rest.is_none()) {
-      m.error_detail.feature = feature_of(m, cut);
-      return report(m, Status::out_of_features, VertexId::none());
-    }
-    touch(change, rest);
-    if (strip_segment(change, cut)) {
-      found = find(m, m.at(v), m.walk_start, m.work.left());
-      static_cast<void>(m.work.spend(found.steps));
-    }
-  }
-  m.owner(v) = Owner(Role::node, SegmentId::none());
-  if (m.work.is_over() || !insert_vertex(change, v, found)) {
-    return report(m, Status::work_limit, VertexId::none());
-  }
-  if (!cut.is_none()) {
-    cut_segment(m, cut, v, rest);
-    touch(change, cut);
-    note_incidence(change, cut);
-    note_incidence(change, rest);
-    make_dirty(change, cut);
-    make_dirty(change, rest);
-  }
-  return Status::ok;
-}
-
-// When the change is taken back.
-void remove_node(Change& change, VertexId v, SegmentId cut, SegmentId rest) noexcept {
-  MeshState& m = change.mesh;
-  if (!cut.is_none()) {
-    static_cast<void>(strip_segment(change, cut));
-    static_cast<void>(strip_segment(change, rest));
-    rejoin_segments(m, cut, rest);
-    m.segment(rest).from = VertexId::none();
-  }
-  static_cast<void>(may_remove(change, v));
-  touch_around(change, v);
-  remove_vertex(m, v);
-}
-
-// The part of a feature that goes on at v where s ends; none where the feature ends there.
-SegmentId continuation(const MeshState& m, SegmentId s, VertexId v) noexcept {
-  return m.segment(s).to == v ? m.segment(s).next : SegmentId::none();
-}
-
-// True where a feature starts or ends at v.
-bool is_endpoint(const MeshState& m, VertexId v) noexcept {
-  for (SegmentId s = m.owner(v).segment(); !s.is_none(); s = next_at(m, s, v)) {
-    const bool starts = m.segment(s).from == v && feature_of(m, s).value == s.value;
-    if (starts || (m.segment(s).to == v && m.segment(s).next.is_none())) return true;
-  }
-  return false;
-}
-
-// Takes the Steiner vertices off the features that run through v, on both sides. False: there is no
-// room for the work.
-bool strip_segments_at(Change& change, VertexId v) noexcept {
-  MeshState& m = change.mesh;
-  for (SegmentId s = m.owner(v).segment(); !s.is_none(); s = next_at(m, s, v)) {
-    const SegmentId rest = continuation(m, s, v);
-    if (rest.is_none()) continue;
-    if (!strip_segment(change, s) || !strip_segment(change, rest)) return false;
-    note_incidence(change, s);
-    note_incidence(change, rest);
-    m.work.keep(2 * work_of_link);
-    if (!m.work.spend_whole(2 * work_of_link)) return false;
-  }
-  return true;
-}
-
-// Makes those features pass it by: both parts of each become one. The second parts are returned as
-// a list, linked by `next`, for split_segments_at().
-SegmentId merge_segments_at(Change& change, VertexId v) noexcept {
-  MeshState& m = change.mesh;
-  SegmentId parts{};
-  for (SegmentId s = m.owner(v).segment(); !s.is_none();) {
-    const SegmentId rest = continuation(m, s, v);
-    if (rest.is_none()) {
-      s = next_at(m, s, v);
-      continue;
-    }
-    rejoin_segments(m, s, rest);
-    touch(change, s);
-    make_dirty(change, s);
-    m.segment(rest).from = VertexId::none();
-    m.segment(rest).next = parts;
-    parts = rest;
-    s = m.owner(v).segment();
-  }
-  return parts;
-}
-
-// The segment that stands where a part of that list was joined to another.
-SegmentId joined_section(const MeshState& m, SegmentId part) noexcept {
-  const VertexId end = m.segment(part).to;
-  SegmentId s = m.owner(end).segment();
-  while (m.segment(s).to != end || m.segment(s).root != m.segment(part).root) {
-    s = next_at(m, s, end);
-  }
-  return s;
-}
-
-// Puts v back where it stood, the segments that passed it by stripped.
-void put_node_back(Change& change, VertexId v, SegmentId parts) noexcept {
-  MeshState& m = change.mesh;
-  for (SegmentId part = parts; !part.is_none(); part = m.segment(part).next) {
-    static_cast<void>(strip_segment(change, joined_section(m, part)));
-  }
-  put_back(change, v);
-}
-
-// Makes the features run through it again.
-void split_segments_at(MeshState& m, VertexId v, SegmentId parts) noexcept {
-  while (!parts.is_none()) {
-    const SegmentId part = parts;
-    parts = m.segment(part).next;
-    cut_segment(m, joined_section(m, part), v, part);
-  }
-}
-
-// Unlinks all features that start or end at v. Ends early where there is no room for the work.
-FeatureList unlink_features_of(Change& change, VertexId v) noexcept {
-  MeshState& m = change.mesh;
-  FeatureList list;
-  for (SegmentId s = m.owner(v).segment(); !s.is_none();) {
-    const SegmentId root{feature_of(m, s).value};
-    const FeatureEnds ends = ends_of(m, root);
-    if (ends.from != v && ends.to != v) {
-      s = next_at(m, s, v);
-      continue;
-    }
-    m.work.keep(2 * work_of_link);
-    if (!m.work.spend_whole(2 * work_of_link) || !unlink_feature(change, root)) break;
-    list.push(m, root);
-    s = m.owner(v).segment();
-  }
-  return list;
-}
 
 // A feature's ends after one of them has moved: the canonical direction may have turned.
 void turn_features(MeshState& m, FeatureList& list) noexcept {
@@ -206,8 +35,8 @@ void turn_features(MeshState& m, FeatureList& list) noexcept {
 }  // namespace
 
 Status Mesh::join(Position position, VertexId& id, Work limit) noexcept {
-  MeshState& m = opened(*this, Call::join);
-  m.work.start(limit);
+  MeshState& m = about_to_change(*this, Call::join);
+  m.work.start(limit, keep_alive_);
   Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!in_range(position)) return report(m, Status::bad_coordinate, VertexId::none());
@@ -226,6 +55,7 @@ Status Mesh::join(Position position, VertexId& id, Work limit) noexcept {
   if (status == Status::ok) {
     note_place(change, m.at(v));
     add_hint(m, v);
+    m.handles = nullptr;
     id = v;
     return status;
   }
@@ -240,8 +70,8 @@ Status Mesh::join(Position position, VertexId& id, Work limit) noexcept {
 }
 
 Status Mesh::leave(VertexId node, Work limit) noexcept {
-  MeshState& m = opened(*this, Call::leave);
-  m.work.start(limit);
+  MeshState& m = about_to_change(*this, Call::leave);
+  m.work.start(limit, keep_alive_);
   Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!m.is_node(node) || node == infinite_vertex) {
@@ -249,15 +79,15 @@ Status Mesh::leave(VertexId node, Work limit) noexcept {
   }
   if (is_endpoint(m, node)) return report(m, Status::endpoint_in_use, node);
   if (!m.work.spend_whole(work_least)) return report(m, Status::work_limit, node);
-  const bool is_out = strip_segments_at(change, node) && may_remove(change, node);
+  unsigned degree = 0;
+  const bool is_out = strip_segments_at(change, node) && may_remove_touching(change, node, degree);
   Status status = is_out ? Status::ok : report(m, Status::work_limit, node);
   SegmentId parts{};
   if (is_out) {
     parts = merge_segments_at(change, node);
-    touch_around(change, node);
     note_place(change, m.at(node));
     remove_hint(m, node);
-    remove_vertex(m, node);
+    remove_vertex(m, node, degree);
     status = conform(change);
   }
   if (status == Status::ok) status = commit(change);
@@ -295,19 +125,21 @@ Status take_node_out(Change& change, Moving& moving) noexcept {
   if (!strip_segments_at(change, node)) return report(m, Status::work_limit, node);
   moving.parts = merge_segments_at(change, node);
   moving.features = unlink_features_of(change, node);
-  if (m.work.is_over() || !may_remove(change, node)) return report(m, Status::work_limit, node);
-  touch_around(change, node);
+  unsigned degree = 0;
+  if (m.work.is_over() || !may_remove_touching(change, node, degree)) {
+    return report(m, Status::work_limit, node);
+  }
   note_place(change, m.at(node));
   remove_hint(m, node);
-  remove_vertex(m, node);
+  remove_vertex(m, node, degree);
   moving.is_out = true;
   return conform(change);  // of what ran through the node
 }
 
 }  // namespace
 Status Mesh::move(VertexId node, Position position, Work limit) noexcept {
-  MeshState& m = opened(*this, Call::move);
-  m.work.start(limit);
+  MeshState& m = about_to_change(*this, Call::move);
+  m.work.start(limit, keep_alive_);
   Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!m.is_node(node) || node == infinite_vertex) {
@@ -366,8 +198,8 @@ Status Mesh::move(VertexId node, Position position, Work limit) noexcept {
 }
 
 Status Mesh::add_feature(FeatureEnds ends, FeatureId& id, Work limit) noexcept {
-  MeshState& m = opened(*this, Call::add_feature);
-  m.work.start(limit);
+  MeshState& m = about_to_change(*this, Call::add_feature);
+  m.work.start(limit, keep_alive_);
   Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   for (const VertexId v : {ends.from, ends.to}) {
@@ -385,6 +217,7 @@ Status Mesh::add_feature(FeatureEnds ends, FeatureId& id, Work limit) noexcept {
     ++m.feature_count;
     status = commit(change);
     if (status == Status::ok) {
+      m.handles = nullptr;
       id = FeatureId{root.value};
       return status;
     }
@@ -401,8 +234,8 @@ Status Mesh::add_feature(FeatureEnds ends, FeatureId& id, Work limit) noexcept {
 }
 
 Status Mesh::remove_feature(FeatureId feature, Work limit) noexcept {
-  MeshState& m = opened(*this, Call::remove_feature);
-  m.work.start(limit);
+  MeshState& m = about_to_change(*this, Call::remove_feature);
+  m.work.start(limit, keep_alive_);
   Change change(m);
   if (m.unresolved != 0) return report(m, Status::mesh_unresolved, VertexId::none());
   if (!is_feature(feature)) {
@@ -430,7 +263,10 @@ Status Mesh::remove_feature(FeatureId feature, Work limit) noexcept {
   return status;
 }
 
-Work Mesh::work_done() const noexcept { return opened(*this, Call::work_done).work.result(); }
+void Mesh::keep_alive(const KeepAlive& hook) noexcept { keep_alive_ = hook; }
+
+Work Mesh::work_used() const noexcept { return opened(*this, Call::work_used).work.used(); }
+Work Mesh::work_needed() const noexcept { return opened(*this, Call::work_needed).work.needed(); }
 
 }  // namespace ETCM_IDS
 }  // namespace etcm

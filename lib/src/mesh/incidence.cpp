@@ -16,8 +16,8 @@ std::uint32_t features_at(const Mesh& mesh, VertexId vertex, std::span<FeatureAt
     if (!out.empty()) out[0] = {internal::feature_of(m, m.owner(vertex).segment()), false};
     return 1;
   }
-  LeastEntries found(out,
-                     [](const FeatureAt& a, const FeatureAt& b) { return a.feature < b.feature; });
+  LeastEntries found(
+      out, [](const FeatureAt& a, const FeatureAt& b) noexcept { return a.feature < b.feature; });
   std::uint32_t count = 0;
   StepBound bound(m.segment_end);
   for (SegmentId s = m.owner(vertex).segment(); !s.is_none(); s = next_at(m, s, vertex)) {

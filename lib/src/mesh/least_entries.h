@@ -1,13 +1,14 @@
 // Of entries that come in any order the least, as many as the caller has room for, in order.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <span>
 
 namespace etcm::internal {
 
 // The span is a heap with the greatest entry on top until sort(). `precedes` is a strict order.
+// Not the heap of <algorithm>, which a compiler takes for something that throws: a C program would
+// need a run-time of C++.
 template <class Entry, class Precedes>
 class LeastEntries {
  public:
@@ -16,14 +17,10 @@ class LeastEntries {
   // O(log n).
   void offer(const Entry& entry) noexcept {
     if (!is_full()) {
-      out_[count_++] = entry;
-    } else {
-      if (out_.empty() || !precedes_(entry, out_.front())) return;
-      std::pop_heap(out_.begin(), out_.end(), precedes_);
-      out_.back() = entry;
+      rise(entry);
+    } else if (!out_.empty() && precedes_(entry, out_.front())) {
+      sink(entry, count_);
     }
-    const auto kept = out_.first(count_);
-    std::push_heap(kept.begin(), kept.end(), precedes_);
   }
 
   bool is_full() const noexcept { return count_ == out_.size(); }
@@ -32,11 +29,35 @@ class LeastEntries {
 
   // After the last one is offered. O(n log n).
   void sort() noexcept {
-    const auto kept = out_.first(count_);
-    std::sort_heap(kept.begin(), kept.end(), precedes_);
+    for (std::size_t left = count_; left > 1; --left) {
+      const Entry last = out_[left - 1];
+      out_[left - 1] = out_[0];
+      sink(last, left - 1);
+    }
   }
 
  private:
+  // One more, from the end upwards.
+  void rise(const Entry& entry) noexcept {
+    std::size_t at = count_++;
+    for (; at != 0 && precedes_(out_[(at - 1) / 2], entry); at = (at - 1) / 2) {
+      out_[at] = out_[(at - 1) / 2];
+    }
+    out_[at] = entry;
+  }
+
+  // In place of the greatest of the first `count`, from the top downwards.
+  void sink(const Entry& entry, std::size_t count) noexcept {
+    std::size_t at = 0;
+    for (std::size_t below = 1; below < count; below = 2 * at + 1) {
+      if (below + 1 < count && precedes_(out_[below], out_[below + 1])) ++below;
+      if (!precedes_(entry, out_[below])) break;
+      out_[at] = out_[below];
+      at = below;
+    }
+    out_[at] = entry;
+  }
+
   std::span<Entry> out_;
   Precedes precedes_;
   std::size_t count_ = 0;

@@ -7,6 +7,7 @@
 
 #include "conforming/features.h"
 #include "triangulation/march.h"
+#include "triangulation/mesh_arrays.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 
@@ -15,7 +16,8 @@ inline namespace ETCM_IDS {
 
 using namespace internal;
 
-static_assert(sizeof(MeshState) + sizeof(Point) + sizeof(Owner) + sizeof(Edge) + 32 <= bytes_fixed);
+static_assert(sizeof(MeshState) <= bytes_head && bytes_head % alignof(MeshState) == 0);
+static_assert(bytes_head + sizeof(Point) + sizeof(Owner) + sizeof(Edge) <= bytes_fixed);
 static_assert(sizeof(Point) + 2 * sizeof(TriangleRecord) + sizeof(Owner) + sizeof(Edge) ==
               bytes_per_vertex_capacity);
 static_assert(sizeof(SegmentRecord) == bytes_per_feature_capacity);
@@ -54,39 +56,36 @@ Status Mesh::open(std::span<std::byte> storage, const MeshConfig& config) noexce
              reinterpret_cast<std::uintptr_t>(storage.data()) % alignof(MeshState) == 0,
          Call::open, Fault::bad_storage);
   state_ = ::new (storage.data()) MeshState;
-  state_->config = config;
+  state_->config = {config.vertices_max, config.features_max, config.steiner_max};
+  state_->policy = config.policy;
+  state_->policy_context = config.policy_context;
   clear();
   return Status::ok;
 }
 
 void Mesh::clear() noexcept {
-  MeshState& m = opened(*this, Call::clear);
-  const MeshConfig config = m.config;
-  const WorkMeter work = m.work;
+  MeshState& m = about_to_change(*this, Call::clear);
+  const KeptConfig config = m.config;
+  const OwnState own = m;
   m = MeshState{};
   m.config = config;
-  m.work = work;
+  m.policy = own.policy;
+  m.policy_context = own.policy_context;
+  m.work = own.work;
   m.mesh = this;
-  std::byte* free = reinterpret_cast<std::byte*>(state_) + sizeof(MeshState);
-  // Only addresses: an array element is made when its vertex, triangle or segment is.
-  const auto take = [&free](std::size_t bytes) {
-    std::byte* const here = free;
-    free += bytes;
-    return here;
-  };
-  const std::size_t vertices = config.vertices_max + std::size_t{1};
-  m.points = reinterpret_cast<Point*>(take(vertices * sizeof(Point)));
-  m.triangle_memory = take(config.vertices_max * bytes_per_vertex_triangles);
-  m.vertex_edges = reinterpret_cast<Edge*>(take(vertices * sizeof(Edge)));
-  m.owners = reinterpret_cast<Owner*>(take(vertices * sizeof(Owner)));
-  m.segments = reinterpret_cast<SegmentRecord*>(take(config.features_max * sizeof(SegmentRecord)));
+  m.seal.bytes = storage_bytes_as<std::uint64_t>(config.vertices_max, config.features_max);
   m.hints.side_bits_most = hint_side_bits(config.vertices_max);
-  m.hints.nodes =
-      reinterpret_cast<VertexId*>(take(sizeof(VertexId) << (2 * m.hints.side_bits_most)));
-  m.topology = Topology(reinterpret_cast<TriangleRecord*>(m.triangle_memory), m.vertex_edges);
+  static_cast<MeshArrays&>(m) = arrays_of(m, reinterpret_cast<std::byte*>(&m));
 }
 
-const MeshConfig& Mesh::config() const noexcept { return opened(*this, Call::config).config; }
+MeshConfig Mesh::config() const noexcept {
+  const MeshState& m = opened(*this, Call::config);
+  return {.vertices_max = m.config.vertices_max,
+          .features_max = m.config.features_max,
+          .steiner_max = m.config.steiner_max,
+          .policy = m.policy,
+          .policy_context = m.policy_context};
+}
 std::uint32_t Mesh::node_count() const noexcept {
   return opened(*this, Call::node_count).node_count;
 }
@@ -200,7 +199,7 @@ FeatureEnds Mesh::ends(FeatureId feature) const noexcept {
 std::uint32_t Mesh::chain(FeatureId feature, std::span<VertexId> out) const noexcept {
   const MeshState& m = opened(*this, Call::chain);
   demand(internal::is_feature(m, feature), Call::chain, Fault::no_feature);
-  const auto for_each = [&](auto visit) {
+  const auto for_each = [&](auto visit) noexcept {
     std::uint32_t index = 0;
     StepBound bound(m.segment_end);
     for (SegmentId s{feature.value}; !s.is_none(); s = m.segment(s).next) {
@@ -212,8 +211,8 @@ std::uint32_t Mesh::chain(FeatureId feature, std::span<VertexId> out) const noex
     return index;
   };
   const bool reversed = (m.segment(SegmentId{feature.value}).root & reversed_bit) != 0;
-  const std::uint32_t last = reversed ? for_each([](std::uint32_t, VertexId) {}) - 1 : 0;
-  return for_each([&](std::uint32_t index, VertexId v) {
+  const std::uint32_t last = reversed ? for_each([](std::uint32_t, VertexId) noexcept {}) - 1 : 0;
+  return for_each([&](std::uint32_t index, VertexId v) noexcept {
     const std::uint32_t place = reversed ? last - index : index;
     if (place < out.size()) out[place] = v;
   });

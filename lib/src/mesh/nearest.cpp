@@ -1,7 +1,5 @@
 #include "etcm/nearest.h"
 
-#include <algorithm>
-
 #include "geometry/lengths.h"
 #include "mesh/least_entries.h"
 #include "triangulation/circle_walk.h"
@@ -15,7 +13,7 @@ using namespace internal;
 namespace {
 
 auto nearest_first(const MeshState& m) noexcept {
-  return [&m](const NearNode& a, const NearNode& b) { return is_nearer(m, a, b); };
+  return [&m](const NearNode& a, const NearNode& b) noexcept { return is_nearer(m, a, b); };
 }
 
 SquaredLength four_times(const SquaredLength& length) noexcept {
@@ -27,7 +25,8 @@ SquaredLength four_times(const SquaredLength& length) noexcept {
 // makes it smaller again.
 std::uint32_t write_nearest(const MeshState& m, const Point& place,
                             std::span<NearNode> out) noexcept {
-  const std::span<NearNode> wanted = out.first(std::min<std::size_t>(out.size(), m.node_count));
+  const std::span<NearNode> wanted =
+      out.first(out.size() < m.node_count ? out.size() : m.node_count);
   if (wanted.empty()) return 0;
   const NearVertex nearest = nearest_vertex(m, place);
   SquaredLength limit = nearest.distance;
@@ -44,7 +43,8 @@ std::uint32_t write_nearest(const MeshState& m, const Point& place,
       found.sort();
       return static_cast<std::uint32_t>(wanted.size());
     }
-    limit = std::max(four_times(limit), walk.beyond());
+    limit = four_times(limit);
+    if (limit < walk.beyond()) limit = walk.beyond();
   }
 }
 

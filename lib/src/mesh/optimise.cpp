@@ -101,7 +101,7 @@ void unlist_segments(MeshState& m) noexcept {
 
 bool make_trial(MeshState& m, SegmentId s, std::uint32_t number) noexcept {
   Change change(m, Change::Extent::trial);
-  change.random = scattered(number);
+  change.trial = {.random = scattered(number), .stray = nullptr, .steiner_most = 0};
   IdValue vertices[trial_most];
   const VertexId drawn = draw_vertex(change, s);
   if (drawn.is_none()) return false;
@@ -113,9 +113,9 @@ bool make_trial(MeshState& m, SegmentId s, std::uint32_t number) noexcept {
 }  // namespace
 
 Status Mesh::optimise(std::uint32_t trials, std::uint32_t first_trial, Work limit) noexcept {
-  MeshState& m = opened(*this, Call::optimise);
+  MeshState& m = about_to_change(*this, Call::optimise);
   m.error_detail = ErrorDetail{};
-  m.work.start(limit);
+  m.work.start(limit, keep_alive_);
   if (m.unresolved != 0) return m.error_detail.status = Status::mesh_unresolved;
   bool is_changed = !is_canonical();
   const SegmentId first = list_segments(m);

@@ -33,6 +33,10 @@ Text text_of(Status status) noexcept {
       return {"unknown_vertex", "The id names no node of this mesh; it may have left."};
     case Status::unknown_feature:
       return {"unknown_feature", "The id names no feature of this mesh; it may have been removed."};
+    case Status::stale_handle:
+      return {"stale_handle",
+              "The node or feature of the handle has gone, or the mesh was made anew; ask for a "
+              "handle of what stands."};
     case Status::zero_length_feature:
       return {"zero_length_feature",
               "Both endpoints of the feature are one node; a feature needs two."};
@@ -50,16 +54,35 @@ Text text_of(Status status) noexcept {
       return {"endpoint_in_use",
               "The node is the endpoint of a feature and cannot leave; remove the feature first."};
     case Status::mesh_not_empty:
-      return {"mesh_not_empty", "Building needs an empty mesh; clear it first."};
+      return {"mesh_not_empty",
+              "Building, restoring and loading need an empty mesh; clear it first."};
     case Status::buffer_too_small:
       return {"buffer_too_small",
               "The output buffer is shorter than the needed count that was returned; pass a longer "
               "one."};
     case Status::mesh_unresolved:
+      return {"mesh_unresolved",
+              "Not every feature is a union of edges: after a build that had too little room, "
+              "clear the "
+              "mesh and give it more; where a mesh is restored, give all its Steiner vertices."};
+    case Status::not_a_mesh:
+      return {"not_a_mesh",
+              "The bytes do not begin as those of a mesh do; look where they come from."};
+    case Status::wrong_version:
+      return {"wrong_version",
+              "Another version of the library made the bytes: what is loaded needs one that is not "
+              "older; what is attached needs the same, so save the mesh there, and load it here."};
+    case Status::wrong_byte_order:
       return {
-          "mesh_unresolved",
-          "A build ended before every feature conformed, so the mesh takes no changes; clear it "
-          "and build with more room."};
+          "wrong_byte_order",
+          "The machine that made them has another order of bytes; save the mesh there, and load "
+          "it here."};
+    case Status::wrong_id_width:
+      return {"wrong_id_width",
+              "The ids in the bytes have another width; save the mesh there, and load it here."};
+    case Status::damaged:
+      return {"damaged",
+              "The bytes are not as they were written; take another copy of a mesh at rest."};
     case Status::out_of_vertices:
       return {"out_of_vertices",
               "The vertex capacity is used up by nodes and Steiner vertices; raise vertices_max."};
@@ -67,6 +90,9 @@ Text text_of(Status status) noexcept {
       return {"out_of_features",
               "The feature capacity is used up, each segment from node to node taking one; raise "
               "features_max."};
+    case Status::out_of_handles:
+      return {"out_of_handles",
+              "Each number of a handle has been given once; drop all handles and open them anew."};
     case Status::steiner_budget:
       return {"steiner_budget",
               "The features need more Steiner vertices than steiner_max allows; raise it or "

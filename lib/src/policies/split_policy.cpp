@@ -18,6 +18,16 @@ Parameter within(const SplitSite& site, Parameter t) noexcept {
   return t;
 }
 
+// The whole numbers beside a parameter; where it is beyond the ends of the segment, something that
+// is too.
+double whole_below(double t) noexcept {
+  return t >= 0 && t < parameter_end ? static_cast<Parameter>(t) : t;
+}
+double whole_above(double t) noexcept {
+  const double below = whole_below(t);
+  return below < t ? below + 1 : below;
+}
+
 // Where a split aims at another vertex, it leaves that vertex's feature a neighbour at its side
 // instead of one in the way: worth so many times the length it finishes.
 constexpr double aimed_worth = 1.7;
@@ -26,6 +36,9 @@ constexpr double aimed_worth = 1.7;
 // them, so one that is there is better than a new one; but no better than to break a subsegment.
 constexpr double aligned_worth = 2.0;
 constexpr double beside = 0.03;
+// A vertex that is nearer at the side than so many steps of the grid is missed by too much to be
+// aimed at: two features that run beside each other so near would split each other step by step.
+constexpr double steps_aside = 16.0;
 // The same where both features leave a node at an angle below `narrow`, and both vertices stand at
 // one distance from it. In a fan every distance at which one feature has a vertex returns on its
 // neighbours; so the fewer the distances, the fewer the vertices, whatever this split breaks.
@@ -37,12 +50,12 @@ constexpr double middle_bonus = 0.1;
 // node.
 constexpr double nearest_to_node = 0.003;
 // From each end of the subsegment, the vertices of this many triangles at most, ...
-constexpr int triangles_most = 6;
+constexpr int looks_most = 6;
 // ... and of this many at least, even where they stand beside nothing that can be finished.
-constexpr int triangles_least = 2;
+constexpr int looks_least = 2;
 
 // The candidates for one split and what each is worth, in units of the longest part that one split
-// can finish. In double: a choice, not a test, and + - * / sqrt give the same bits everywhere.
+// can finish. In double: a choice, not a test, and the same bits everywhere (policy.h).
 class Choice {
  public:
   explicit Choice(const SplitSite& site) noexcept
@@ -106,7 +119,7 @@ void Choice::add(Parameter t, double worth) noexcept {
     return;
   }
   places_[count_] = t;
-  gains_[count_] = gain * worth;
+  gains_[count_] = product(gain, worth);
   ++count_;
 }
 
@@ -157,27 +170,28 @@ void Choice::aim_along(double along, bool is_node, double worth) noexcept {
 double Choice::distance(const Point& a, const Position& node) const noexcept {
   const Point b = to_point(node);
   const auto dx = static_cast<double>(a.x - b.x), dy = static_cast<double>(a.y - b.y);
-  return std::sqrt((dx * dx + dy * dy) * surroundings_.per_squared_length());
+  return root(product(product(dx, dx) + product(dy, dy), surroundings_.per_squared_length()));
 }
 
 void Choice::aim_at(const Beside& seen) noexcept {
   // On a feature that shares a node with this one, the same distance from there: the two vertices
   // and the node are isosceles, so neither is in the other's way.
-  const auto worth = [&](double away) {
+  const auto worth = [&](double away) noexcept {
     return seen.aside < narrow * away ? ring_worth : aimed_worth;
   };
   if (!from_.is_none() && surroundings_.is_on_segment_from(from_, seen.vertex)) {
     const double away = distance(seen.point, site_.from);
-    aim_along(std::floor(away + 0.5) - site_.head, seen.is_node, worth(away));
+    aim_along(whole_below(away + 0.5) - site_.head, seen.is_node, worth(away));
   }
   if (!to_.is_none() && surroundings_.is_on_segment_from(to_, seen.vertex)) {
     const double away = distance(seen.point, site_.to);
-    aim_along(std::ceil(parameter_end - away - 0.5) - site_.head, seen.is_node, worth(away));
+    aim_along(whole_above(parameter_end - away - 0.5) - site_.head, seen.is_node, worth(away));
   }
   // Else straight beside it, where the subsegment's two parts see it under no more than a right
   // angle.
   const bool is_aligned = seen.aside * per_longest_ < beside && !seen.is_node;
-  aim_along(seen.along, seen.is_node, is_aligned ? aligned_worth : aimed_worth);
+  const double worth_aside = is_aligned ? aligned_worth : aimed_worth;
+  aim_along(seen.along, seen.is_node, seen.aside < steps_aside ? 1.0 : worth_aside);
 }
 
 // Aims at the vertices of the triangles that the subsegment crosses, from one end on.
@@ -185,11 +199,11 @@ void Choice::look_from(End end) noexcept {
   surroundings_.start(end);
   Beside seen;
   // The first two are the ends of the edge that is crossed first.
-  for (int triangles = -1; triangles <= triangles_most && surroundings_.next(seen); ++triangles) {
+  for (int triangles = -1; triangles <= looks_most && surroundings_.next(seen); ++triangles) {
     aim_at(seen);
     const bool is_past = end == End::head ? seen.along > site_.feasible_head - site_.head
                                           : seen.along < site_.feasible_tail - site_.head;
-    if (is_past && triangles >= triangles_least) break;
+    if (is_past && triangles >= looks_least) break;
   }
 }
 

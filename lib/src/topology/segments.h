@@ -14,10 +14,12 @@ using SegmentId = Id<struct SegmentTag>;
 struct SegmentRecord {
   VertexId from;  // lexicographically before `to`; none: the place is free
   VertexId to;
-  SegmentId next_at_from;  // the incidence list of each end
+  // The incidence list of each end, and the next segment of the feature, from -> to. In a free
+  // place these three words hold what FreeIds needs.
+  SegmentId next_at_from;
   SegmentId next_at_to;
-  SegmentId next;  // the next segment of the feature, from -> to; free places: the next one
-  IdValue root;    // the feature's first segment, with reversed_bit
+  SegmentId next;
+  IdValue root;  // the feature's first segment, with reversed_bit
   // For the change that is going on: the list the segment is in (segment_list.h) and that of those
   // it has touched, or not_listed; and the vertices between which it has, or none for everywhere.
   SegmentId next_listed;

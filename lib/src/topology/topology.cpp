@@ -5,7 +5,7 @@
 namespace etcm::internal {
 
 void stop_lost_walk() noexcept {
-  etcm_check_failed("a walk through the mesh ends", __FILE_NAME__, __LINE__);
+  fail_check("a walk through the mesh ends", __FILE_NAME__, __LINE__);
 }
 
 bool Topology::find_edge(VertexId u, VertexId v, Edge& e) const noexcept {

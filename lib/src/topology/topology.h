@@ -49,9 +49,11 @@ class StepBound {
 class Topology {
  public:
   Topology() noexcept = default;
-  Topology(TriangleRecord* triangles, Edge* vertex_edges) noexcept
-      : triangles_(triangles), vertex_edges_(vertex_edges) {}
+  Topology(TriangleRecord* triangles, Edge* vertex_edges, IdValue triangle_count) noexcept
+      : triangles_(triangles), vertex_edges_(vertex_edges), triangle_count_(triangle_count) {}
 
+  // Of all the triangles that there is room for.
+  TriangleRecord* triangle_memory() const noexcept { return triangles_; }
   IdValue triangle_count() const noexcept { return triangle_count_; }
   const TriangleRecord& triangle(IdValue t) const noexcept { return triangles_[t]; }
 
@@ -158,7 +160,10 @@ class Topology {
 class Spokes {
  public:
   Spokes(const Topology& topo, VertexId v, std::uint32_t most = 0xffff'ffffu) noexcept
-      : topo_(topo), first_(topo.edge_at(v)), edge_(first_), most_(most) {
+      : topo_(topo),
+        first_(topo.edge_at(v)),
+        edge_(first_),
+        bound_(most < topo.triangle_count() ? most : topo.triangle_count()) {
     if (Topology::triangle_of(first_) >= topo.triangle_count() || topo.origin(first_) != v) {
       stop_lost_walk();
     }
@@ -167,10 +172,12 @@ class Spokes {
   VertexId target() const noexcept { return topo_.target(edge_); }
   // On to the next one; false where that is the first again, or there have been too many.
   bool turn() noexcept {
-    if (turns_ == topo_.triangle_count()) stop_lost_walk();
     ++turns_;
     edge_ = topo_.rotate_ccw(edge_);
-    return edge_ != first_ && turns_ <= most_;
+    if (edge_ == first_) return false;
+    if (turns_ <= bound_) return true;
+    if (bound_ == topo_.triangle_count()) stop_lost_walk();
+    return false;
   }
   // How many there have been; more than `most` where it was given up.
   std::uint32_t turns() const noexcept { return turns_; }
@@ -179,7 +186,7 @@ class Spokes {
   const Topology& topo_;
   Edge first_;
   Edge edge_;
-  std::uint32_t most_;
+  std::uint32_t bound_;
   std::uint32_t turns_ = 0;
 };
 

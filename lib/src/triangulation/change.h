@@ -52,15 +52,27 @@ struct Change {
   // The segment that is laid is lone (lone.h).
   SegmentId lone{};
 
-  // Extent::trial: where it splits instead, what it draws from, and how many Steiner vertices are
-  // too many to go on. By a pointer, so that only who makes trials links them.
-  Parameter (*stray)(Change& change, const SplitSite& site, Parameter t) = nullptr;
-  std::uint64_t random = 0;
-  std::uint32_t steiner_most = 0;
-
-  // Extent::group: the segments that are laid, linked by next_in_group up to end_of_group.
-  SegmentId group{};
-  std::uint32_t work_left = 0;  // on the group, before laying all segments is less
+  // Where it splits instead, what it draws from, and how many Steiner vertices are too many to go
+  // on. By a pointer, so that only who makes trials links them.
+  struct Trial {
+    std::uint64_t random;
+    Parameter (*stray)(Change& change, const SplitSite& site, Parameter t) noexcept;
+    std::uint32_t steiner_most;
+  };
+  // The segments that are laid, linked by next_in_group up to end_of_group. Of the work on them,
+  // before laying all segments is less: what is left, what of that is known to be needed, and what
+  // is for a segment nothing is known of yet.
+  struct Group {
+    SegmentId first{};
+    std::uint32_t work_left = 0;
+    std::uint32_t work_ahead = 0;
+    std::uint32_t work_of_member = 0;
+  };
+  // Of the extent of this name, and begun by it: the stack is deep.
+  union {
+    Trial trial;
+    Group group{};
+  };
 };
 
 // The change may have to put the segment back: all of it, or from u to v.

@@ -14,7 +14,9 @@
 namespace etcm::internal {
 
 NearVertex nearest_vertex(const MeshState& m, const Point& place) noexcept {
-  const auto seen = [&](VertexId v) { return NearVertex{v, squared_distance(place, m.at(v))}; };
+  const auto seen = [&](VertexId v) noexcept {
+    return NearVertex{v, squared_distance(place, m.at(v))};
+  };
   if (m.topology.triangle_count() == 0) {
     return m.vertex_count() == 0 ? NearVertex{} : seen(m.only_vertex);
   }

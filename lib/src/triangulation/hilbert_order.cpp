@@ -1,7 +1,6 @@
 #include "triangulation/hilbert_order.h"
 
-#include <new>
-
+#include "base/begin_array.h"
 #include "geometry/wide_int.h"
 #include "triangulation/mesh_state.h"
 
@@ -43,11 +42,15 @@ std::uint32_t round_of(std::uint32_t index) noexcept {
 
 // Least significant digit first, in two or four stable passes from one buffer to the other and
 // back.
-void radix_sort(OrderEntry* entries, OrderEntry* buffer, std::size_t count, int bits) noexcept {
+void radix_sort(MeshState& m, OrderEntry* entries, OrderEntry* buffer, std::size_t count,
+                int bits) noexcept {
   const unsigned passes = bits <= 16 ? 2 : 4;
   for (unsigned shift = 0; shift < 8 * passes; shift += 8) {
     std::uint32_t start[256] = {};
-    for (std::size_t i = 0; i < count; ++i) ++start[(entries[i].key >> shift) & 255u];
+    for (std::size_t i = 0; i < count; ++i) {
+      m.work.pass_entry(i);
+      ++start[(entries[i].key >> shift) & 255u];
+    }
     std::uint32_t sum = 0;
     for (std::uint32_t& s : start) {
       const std::uint32_t here = s;
@@ -55,6 +58,7 @@ void radix_sort(OrderEntry* entries, OrderEntry* buffer, std::size_t count, int 
       sum += here;
     }
     for (std::size_t i = 0; i < count; ++i) {
+      m.work.pass_entry(i);
       buffer[start[(entries[i].key >> shift) & 255u]++] = entries[i];
     }
     OrderEntry* const swapped = entries;
@@ -69,10 +73,11 @@ Position unit_position(const MeshState& m, IdValue i) noexcept {
 }
 
 // Sorts entries along the curve through their own bounding box, by rounds first where asked.
-void sort_along_curve(const MeshState& m, OrderEntry* entries, OrderEntry* buffer,
-                      std::size_t count, bool by_rounds) noexcept {
+void sort_along_curve(MeshState& m, OrderEntry* entries, OrderEntry* buffer, std::size_t count,
+                      bool by_rounds) noexcept {
   Position low{position_max, position_max}, high{-position_max, -position_max};
   for (std::size_t i = 0; i < count; ++i) {
+    m.work.pass_entry(i);
     const Position p = unit_position(m, static_cast<IdValue>(entries[i].vertex));
     if (p.x < low.x) low.x = p.x;
     if (p.y < low.y) low.y = p.y;
@@ -87,13 +92,14 @@ void sort_along_curve(const MeshState& m, OrderEntry* entries, OrderEntry* buffe
   int cell_bits = 0;
   while (((width | height) >> (cell_bits + levels)) != 0) ++cell_bits;
   for (std::size_t i = 0; i < count; ++i) {
+    m.work.pass(2);
     const Position p = unit_position(m, static_cast<IdValue>(entries[i].vertex));
     const auto x = static_cast<std::uint32_t>(p.x - low.x);
     const auto y = static_cast<std::uint32_t>(p.y - low.y);
     const std::uint32_t round = by_rounds ? round_of(entries[i].vertex) : 0;
     entries[i].key = (round << (2 * levels)) | hilbert_key(x >> cell_bits, y >> cell_bits, levels);
   }
-  radix_sort(entries, buffer, count, 2 * levels + 2);
+  radix_sort(m, entries, buffer, count, 2 * levels + 2);
 }
 
 // Half as many of one cell need no order.
@@ -103,10 +109,11 @@ constexpr int turns_most = 8;
 
 // Where many stand in one cell of the curve, as all but a few may where those are far away, each
 // such crowd is sorted along a curve of its own. Returns whether there was one.
-bool sort_crowds(const MeshState& m, OrderEntry* entries, OrderEntry* buffer,
+bool sort_crowds(MeshState& m, OrderEntry* entries, OrderEntry* buffer,
                  std::size_t count) noexcept {
   bool found = false;
   for (std::size_t i = crowd / 2; i < count; i += crowd / 2) {
+    m.work.pass(1);
     std::size_t first = i - crowd / 2;
     const std::uint32_t key = entries[first].key;
     if (entries[i].key != key) continue;
@@ -121,13 +128,15 @@ bool sort_crowds(const MeshState& m, OrderEntry* entries, OrderEntry* buffer,
 
 }  // namespace
 
-OrderEntry* hilbert_order(const MeshState& m) noexcept {
+OrderEntry* hilbert_order(MeshState& m) noexcept {
   const std::size_t count = m.vertex_count();
-  std::byte* const end = m.triangle_memory + m.config.vertices_max * bytes_per_vertex_triangles;
-  auto* const entries = ::new (end - count * sizeof(OrderEntry)) OrderEntry[count];
-  auto* const buffer = ::new (end - 2 * count * sizeof(OrderEntry)) OrderEntry[count];
+  auto* const triangle_memory = reinterpret_cast<std::byte*>(m.topology.triangle_memory());
+  std::byte* const end = triangle_memory + m.config.vertices_max * bytes_per_vertex_triangles;
+  auto* const entries = begin_array<OrderEntry>(end - count * sizeof(OrderEntry), count);
+  auto* const buffer = begin_array<OrderEntry>(end - 2 * count * sizeof(OrderEntry), count);
   std::size_t found = 0;
   for (IdValue i = 1; i < m.vertex_end; ++i) {
+    m.work.pass_entry(i);
     if (is_in_mesh(m.owners[i].role())) entries[found++].vertex = i;
   }
   sort_along_curve(m, entries, buffer, count, true);

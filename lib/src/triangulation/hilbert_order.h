@@ -14,6 +14,6 @@ struct OrderEntry {
   std::uint32_t key;
   std::uint32_t vertex;
 };
-OrderEntry* hilbert_order(const MeshState& m) noexcept;
+OrderEntry* hilbert_order(MeshState& m) noexcept;
 
 }  // namespace etcm::internal

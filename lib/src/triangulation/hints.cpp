@@ -5,8 +5,7 @@
 // mesh.
 #include "triangulation/hints.h"
 
-#include <new>
-
+#include "base/begin_array.h"
 #include "triangulation/mesh_state.h"
 
 namespace etcm::internal {
@@ -39,8 +38,10 @@ std::size_t place_on(const Hints& h, const HintAxis& axis, std::int32_t at) noex
   return ((std::size_t{eighth} << step_bits(h)) | step) >> (3 + step_bits(h) - h.side_bits);
 }
 
-VertexId& cell_of(const Hints& h, const Point& p) noexcept {
-  return h.nodes[(place_on(h, h.y, unit_of(p.y)) << h.side_bits) | place_on(h, h.x, unit_of(p.x))];
+VertexId& cell_of(const MeshState& m, const Point& p) noexcept {
+  const Hints& h = m.hints;
+  return m
+      .hint_cells[(place_on(h, h.y, unit_of(p.y)) << h.side_bits) | place_on(h, h.x, unit_of(p.x))];
 }
 
 bool is_outside(const HintAxis& axis, std::int32_t at) noexcept {
@@ -49,10 +50,11 @@ bool is_outside(const HintAxis& axis, std::int32_t at) noexcept {
 
 // Visits every k-th node, `most` at most and about half as many at least, or all.
 template <class Visit>
-void for_some_nodes(const MeshState& m, std::size_t most, Visit visit) noexcept {
+void for_some_nodes(MeshState& m, std::size_t most, Visit visit) noexcept {
   const auto stride = static_cast<std::uint32_t>(m.node_count / (most + 1) + 1);
   std::uint32_t wait = stride;
   for (IdValue i = 1; i < m.vertex_end; ++i) {
+    m.work.pass_entry(i);
     if (m.owners[i].role() != Role::node || --wait != 0) continue;
     wait = stride;
     visit(VertexId{i});
@@ -66,10 +68,11 @@ void cut(MeshState& m, HintAxis& axis, std::int64_t Point::*coordinate) noexcept
   // Half of what there is room for with ids of 16 bits: the same walks whatever the width.
   std::size_t most = cell_count(h) / 4;
   if (most > sample_most) most = sample_most;
-  auto* const sample = ::new (static_cast<void*>(h.nodes)) std::int32_t[most];
+  auto* const sample = begin_array<std::int32_t>(m.hint_cells, most);
   std::size_t count = 0;
-  for_some_nodes(m, most, [&](VertexId v) {
+  for_some_nodes(m, most, [&](VertexId v) noexcept {
     const std::int32_t at = unit_of(m.at(v).*coordinate);
+    m.work.pass(count / 8);  // it comes before as many as that at the most, in eight moves a unit
     std::size_t k = count++;
     for (; k != 0 && at < sample[k - 1]; --k) sample[k] = sample[k - 1];
     sample[k] = at;
@@ -98,9 +101,12 @@ void spread_hints(MeshState& m) noexcept {
   cut(m, h.x, &Point::x);
   cut(m, h.y, &Point::y);
   h.patience = 2 * m.node_count + 16;
-  for (std::size_t i = 0; i < cell_count(h); ++i) h.nodes[i] = VertexId::none();
+  for (std::size_t i = 0; i < cell_count(h); ++i) {
+    m.work.pass_entry(i);
+    m.hint_cells[i] = VertexId::none();
+  }
   // A few nodes for each cell are enough.
-  for_some_nodes(m, 4 * cell_count(h), [&](VertexId v) { cell_of(h, m.at(v)) = v; });
+  for_some_nodes(m, 4 * cell_count(h), [&](VertexId v) noexcept { cell_of(m, m.at(v)) = v; });
 }
 
 void add_hint(MeshState& m, VertexId node) noexcept {
@@ -110,11 +116,11 @@ void add_hint(MeshState& m, VertexId node) noexcept {
   const std::uint32_t cost = outside ? cost_outside : 1;
   if (m.node_count < 2 || h.patience < cost) spread_hints(m);
   h.patience -= cost;
-  cell_of(h, p) = node;
+  cell_of(m, p) = node;
 }
 
 void remove_hint(MeshState& m, VertexId node) noexcept {
-  VertexId& cell = cell_of(m.hints, m.at(node));
+  VertexId& cell = cell_of(m, m.at(node));
   if (cell != node) return;
   // Another node of the same cell, if one is near: a node is in no cell but its own, so that it can
   // be forgotten as well.
@@ -123,8 +129,7 @@ void remove_hint(MeshState& m, VertexId node) noexcept {
   Spokes spokes(m.topology, node);
   do {
     const VertexId v = spokes.target();
-    if (v != infinite_vertex && m.owner(v).role() == Role::node &&
-        &cell_of(m.hints, m.at(v)) == &cell) {
+    if (v != infinite_vertex && m.owner(v).role() == Role::node && &cell_of(m, m.at(v)) == &cell) {
       cell = v;
       return;
     }
@@ -142,7 +147,7 @@ Edge edge_near(const MeshState& m, const Point& p) noexcept {
     const std::size_t columns[] = {column + away, column - away, column, column};
     for (unsigned i = 0; i < 4; ++i) {
       if (rows[i] >= side || columns[i] >= side) continue;
-      const VertexId v = h.nodes[(rows[i] << h.side_bits) | columns[i]];
+      const VertexId v = m.hint_cells[(rows[i] << h.side_bits) | columns[i]];
       if (!v.is_none()) return m.topology.edge_at(v);
     }
   }

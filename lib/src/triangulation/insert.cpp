@@ -45,6 +45,10 @@ Units work_back(Units flips) noexcept {
   return removal_work(3 + flips) + 24 * flips + 16;
 }
 
+// Of many flips the meter is told while they are made: where ties are settled by wide integers, so
+// many take as long as all that may be between two calls of the hook.
+constexpr std::uint32_t flips_between = 16;
+
 // For what those that break are found to take beforehand and while others flip: each flip may take
 // one of a degree, or put a segment into the list.
 Units work_in_doubt(Units breaks, Units flips) noexcept { return breaks * flips; }
@@ -69,6 +73,7 @@ class Conflicts {
         e = Topology::next(e);
         continue;
       }
+      m_.work.pass(work_of_flips(1));
       // Each edge of the tree twice, there and back.
       if ((++crossed & 1u) != 0) enter(e);
       if (!has_room()) return false;
@@ -93,7 +98,7 @@ class Conflicts {
     kept_ += turns_of_subsegment * degree + work_of_subsegment;
   }
 
-  const MeshState& m_;
+  MeshState& m_;
   const Point p_;
   Units listing_;
   Units flips_ = 0;
@@ -108,8 +113,9 @@ class Conflicts {
   MeshState& m = change.mesh;
   Conflicts conflicts(change, p);
   if (is_flat(m)) {
-    // All the ghosts on one side, or the two of an edge.
-    conflicts.add_flips(found.type == LocateType::on_edge ? 1 : m.topology.triangle_count() / 2u);
+    // All the ghosts on one side but the one that it is in, or the two of an edge.
+    conflicts.add_flips(found.type == LocateType::on_edge ? 1u
+                                                          : m.topology.triangle_count() / 2u - 1u);
     return m.work.fits(conflicts.needed());
   }
   const Edge e = found.edge;
@@ -141,7 +147,7 @@ std::uint32_t legalize_link(MeshState& m, Edge e, VertexId last, const Point& p,
       if (is_kept && change != nullptr) break_subsegment(*change, e);
       if (!is_kept || change != nullptr) {
         topo.flip(e);
-        ++flips;
+        if (++flips % flips_between == 0) m.work.pass(KeepAlive::units_between);
         v = w;
         uv = uw;
         continue;
@@ -209,9 +215,11 @@ bool insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
   const std::uint32_t flips = legalize_link(m, e, topo.origin(e), p, &change);
   m.work.add(work_of_flips(flips));
   m.work.keep(work_back(flips));
-  static_cast<void>(
-      m.work.fits(turns_of_subsegment * work_in_doubt(change.broken_count - broken_before, flips) +
-                  work_in_doubt(change.broken_count - broken_before, 2 * Units{flips})));
+  const std::uint32_t broken = change.broken_count - broken_before;
+  if (broken != 0) {
+    static_cast<void>(m.work.fits(turns_of_subsegment * work_in_doubt(broken, flips) +
+                                  work_in_doubt(broken, 2 * Units{flips})));
+  }
   return true;
 }
 

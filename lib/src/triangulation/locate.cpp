@@ -76,7 +76,7 @@ Found find(const MeshState& m, const Point& p, Edge near, std::uint32_t steps_mo
   Edge e = t == Topology::triangle_of(near) ? near : Topology::edge(t, 0);
   VertexId u = topo.origin(e), v = topo.target(e);
   Offset from_u = offset(m.at(u), p), from_v = offset(m.at(v), p);
-  const auto side_of = [&](const Offset& a, const Offset& b, VertexId from, VertexId to) {
+  const auto side_of = [&](const Offset& a, const Offset& b, VertexId from, VertexId to) noexcept {
     const int side = orient2d_filter(cross(a, b));
     return side != 0 ? side : orient2d_settle(m.at(from), m.at(to), p);
   };
@@ -87,11 +87,13 @@ Found find(const MeshState& m, const Point& p, Edge near, std::uint32_t steps_mo
     std::swap(from_u, from_v);
     s0 = 1;
   }
+  const std::uint32_t all = topo.triangle_count() + 1u;
+  const std::uint32_t bound = steps_most < all ? steps_most : all;
   for (std::uint32_t steps = 1;; ++steps) {
-    if (steps > topo.triangle_count() + 1u) stop_lost_walk();
     // p is on the inner side of e = u -> v (s0 > 0) or, in the first triangle only, on its line.
     const VertexId apex = topo.apex(e);
-    if (apex == infinite_vertex || steps > steps_most) {
+    if (apex == infinite_vertex || steps > bound) {
+      if (steps > all) stop_lost_walk();
       return {LocateType::outside, e, {}, steps};
     }
     const Edge e1 = Topology::next(e), e2 = Topology::prev(e);

@@ -43,7 +43,7 @@ bool leave_within(const MeshState& m, VertexId head, const Point& goal, std::uin
   const Topology& topo = m.topology;
   const Point& origin = m.at(head);
   const bool forward = origin < goal;
-  const auto side_of = [&](VertexId v) {
+  const auto side_of = [&](VertexId v) noexcept {
     return v == infinite_vertex ? 0 : orient2d_fast(origin, goal, m.at(v));
   };
   Edge e = topo.edge_at(head);
@@ -95,21 +95,17 @@ bool leave_backwards(const MeshState& m, VertexId head, VertexId toward, std::ui
   return false;
 }
 
-// Some steps have been taken before.
-Start leave(const MeshState& m, VertexId head, VertexId toward, std::uint32_t steps_most,
-            std::uint32_t steps) noexcept {
+// Where the first few turns have not found it. Some steps have been taken before.
+// Not inline: it is rare.
+[[gnu::noinline]] Start leave_afar(const MeshState& m, VertexId head, VertexId toward,
+                                   std::uint32_t steps_most, std::uint32_t steps) noexcept {
   Start start{};
-  const auto most = [&](std::uint32_t wanted) {
+  const auto most = [&](std::uint32_t wanted) noexcept {
     const std::uint32_t left = steps < steps_most ? steps_most - steps : 0;
     return wanted < left ? wanted : left;
   };
-  std::uint32_t allowed = most(turns_few), left = allowed;
-  bool found = leave_within(m, head, m.at(toward), left, start);
-  if (!found) {
-    steps += allowed;
-    allowed = left = most(steps_back_most);
-    found = leave_backwards(m, head, toward, left, start);
-  }
+  std::uint32_t allowed = most(steps_back_most), left = allowed;
+  bool found = leave_backwards(m, head, toward, left, start);
   if (!found) {
     steps += allowed - left;
     const std::uint32_t all = m.topology.triangle_count();
@@ -119,6 +115,19 @@ Start leave(const MeshState& m, VertexId head, VertexId toward, std::uint32_t st
   }
   start.steps = found ? steps + (allowed - left) + 1 : steps_most + 1;
   if (!found) start = {true, m.topology.edge_at(head), start.steps};
+  return start;
+}
+
+Start leave(const MeshState& m, VertexId head, VertexId toward, std::uint32_t steps_most,
+            std::uint32_t steps) noexcept {
+  const std::uint32_t all = steps < steps_most ? steps_most - steps : 0;
+  const std::uint32_t allowed = all < turns_few ? all : turns_few;
+  std::uint32_t left = allowed;
+  Start start{};
+  if (!leave_within(m, head, m.at(toward), left, start)) {
+    return leave_afar(m, head, toward, steps_most, steps + allowed);
+  }
+  start.steps = steps + (allowed - left) + 1;
   return start;
 }
 

@@ -58,6 +58,10 @@ bool is_ear(const MeshState& m, Edge spoke) noexcept {
   return true;
 }
 
+// Where each test of a circle is settled by wide integers.
+constexpr std::uint32_t tests_to_pass = 8;
+// To put one back: itself, and what it turns.
+constexpr std::uint32_t work_of_ear = 6;
 // So many the tests of ears are quicker for.
 constexpr unsigned few = 8;
 // In each round about half of those that are left; in the last all.
@@ -86,6 +90,7 @@ Edge cut_star(MeshState& m, VertexId v, unsigned& degree) noexcept {
   Edge spoke = topo.edge_at(v);
   for (unsigned round = 0; degree > few; ++round) {
     for (unsigned left = degree; left != 0 && degree > few; --left) {
+      m.work.pass(1);
       const Edge onward = topo.rotate_ccw(spoke);
       if (is_drawn(topo.target(spoke), round) && can_be_cut(m, v, spoke)) {
         last = topo.cut_ear(spoke, last);
@@ -99,7 +104,7 @@ Edge cut_star(MeshState& m, VertexId v, unsigned& degree) noexcept {
 
 }  // namespace
 
-void remove_vertex(MeshState& m, VertexId v) noexcept {
+void remove_vertex(MeshState& m, VertexId v, unsigned degree) noexcept {
   Topology& topo = m.topology;
   if (topo.triangle_count() == 0) {
     m.only_vertex = VertexId::none();
@@ -112,7 +117,6 @@ void remove_vertex(MeshState& m, VertexId v) noexcept {
     topo.clear();
     return;
   }
-  unsigned degree = topo.degree(v);
   if (degree == 2) {
     topo.unsplit_open(v);
     topo.release_left_over(m.walk_start);
@@ -123,6 +127,7 @@ void remove_vertex(MeshState& m, VertexId v) noexcept {
   Edge spoke = topo.edge_at(v);
   for (unsigned tried = 0; degree > 3;) {
     ETCM_CHECK(tried <= degree);
+    m.work.pass(tests_to_pass * Units{degree});
     const Edge onward = topo.rotate_ccw(spoke);
     if (is_ear(m, spoke)) {
       // The spoke's triangle keeps its slot for the corner after the ear; v goes on with the next.
@@ -140,6 +145,7 @@ void remove_vertex(MeshState& m, VertexId v) noexcept {
   m.walk_start = topo.unsplit_triangle(v);
   while (!cut.is_none()) {
     const Edge e = cut;
+    m.work.pass(work_of_ear);
     cut = topo.open_ear(e);
     static_cast<void>(legalize_link(m, e, topo.target(e), m.at(topo.apex(e)), nullptr));
   }
@@ -150,16 +156,18 @@ void remove_steiner(MeshState& m, VertexId v) noexcept {
   // Its subsegments go first: as long as they hold ties on their circles, the triangles there are
   // not those of the vertices alone, and more of them than the star would have to change.
   const Topology& topo = m.topology;
-  for (Edge e = topo.edge_at(v), last = topo.rotate_cw(e);;) {
+  unsigned degree = 1;
+  for (Edge e = topo.edge_at(v), last = topo.rotate_cw(e);; ++degree) {
     if (topo.is_constrained(e)) {
       release_constraint(m, e);
       e = topo.edge_at(v);
       last = topo.rotate_cw(e);
+      degree = 1;
     }
     if (e == last) break;
     e = topo.rotate_ccw(e);
   }
-  remove_vertex(m, v);
+  remove_vertex(m, v, degree);
 }
 
 }  // namespace etcm::internal

@@ -9,8 +9,9 @@ namespace etcm::internal {
 constexpr Units removal_work(Units degree) noexcept {
   return degree < 16 ? 4 * degree + 32 : 16 * degree - 160;
 }
-// Takes the vertex out of the triangulation; its id stays. Edges to it must not be needed.
-void remove_vertex(MeshState& m, VertexId v) noexcept;
+// Takes the vertex out of the triangulation; its id stays. Edges to it must not be needed. The
+// degree is that of the vertex, where there are triangles.
+void remove_vertex(MeshState& m, VertexId v, unsigned degree) noexcept;
 // The same for a Steiner vertex and its subsegments.
 void remove_steiner(MeshState& m, VertexId v) noexcept;
 

@@ -48,7 +48,7 @@ void SegmentList::add(MeshState& m, SegmentId s) noexcept {
 
 void SegmentList::sort(MeshState& m) noexcept {
   // Bottom-up: runs of 1, 2, 4, ... are merged pairwise until one is left. No recursion, no memory.
-  const auto next = [&m](SegmentId s) -> SegmentId& { return m.segment(s).next_listed; };
+  const auto next = [&m](SegmentId s) noexcept -> SegmentId& { return m.segment(s).next_listed; };
   for (std::uint32_t run = 1;; run *= 2) {
     SegmentId rest = first_;
     SegmentId* end = &first_;
@@ -65,6 +65,7 @@ void SegmentList::sort(MeshState& m) noexcept {
       std::uint32_t b_left = run;
       while (a_left > 0 || (b_left > 0 && !b.is_none())) {
         const bool take_b = a_left == 0 || (b_left > 0 && !b.is_none() && precedes(m, b, a));
+        m.work.pass(1);
         SegmentId& taken = take_b ? b : a;
         (take_b ? b_left : a_left) -= 1;
         *end = taken;

@@ -1,6 +1,7 @@
 // The records of features and vertices: allocation, incidence, grids.
 #include "triangulation/segment_store.h"
 
+#include <cstddef>
 #include <utility>
 
 #include "topology/segments.h"
@@ -32,13 +33,22 @@ void link_at(MeshState& m, SegmentId s, VertexId node) noexcept {
   m.owner(node) = Owner(Role::node, s);
 }
 
+FreeRecords vertex_records(const MeshState& m) noexcept {
+  return {reinterpret_cast<std::byte*>(m.points), sizeof(Point)};
+}
+
+// The root of a segment tells that it is free, and stays.
+FreeRecords segment_records(const MeshState& m) noexcept {
+  return {reinterpret_cast<std::byte*>(m.segments) + offsetof(SegmentRecord, next_at_from),
+          sizeof(SegmentRecord)};
+}
+
 }  // namespace
 
 VertexId allocate_vertex(MeshState& m) noexcept {
-  if (!m.free_vertices.is_none()) {
-    const VertexId v = m.free_vertices;
+  if (!m.free_vertices.is_empty()) {
+    const VertexId v{m.free_vertices.take(vertex_records(m))};
     ETCM_VERIFY_THAT(m.owner(v).role() == Role::free);
-    m.free_vertices = VertexId{m.vertex_edges[v.value].value};
     return v;
   }
   if (m.vertex_end > m.config.vertices_max) return VertexId::none();
@@ -49,15 +59,13 @@ VertexId allocate_vertex(MeshState& m) noexcept {
 
 void free_vertex(MeshState& m, VertexId v) noexcept {
   m.owner(v) = Owner{};
-  m.vertex_edges[v.value] = Edge{m.free_vertices.value};
-  m.free_vertices = v;
+  m.free_vertices.add(vertex_records(m), v.value);
 }
 
 SegmentId allocate_segment(MeshState& m) noexcept {
-  SegmentId s = m.free_segments;
-  if (!s.is_none()) {
-    m.free_segments = m.segment(s).next;
-    --m.free_segment_count;
+  SegmentId s{};
+  if (!m.free_segments.is_empty()) {
+    s = SegmentId{m.free_segments.take(segment_records(m))};
   } else {
     if (m.segment_end >= m.config.features_max) return SegmentId::none();
     s = SegmentId{m.segment_end};
@@ -75,33 +83,18 @@ SegmentId allocate_segment(MeshState& m) noexcept {
 void free_segment(MeshState& m, SegmentId s) noexcept {
   m.segment(s).from = VertexId::none();
   m.segment(s).root = free_root;
-  m.segment(s).next = m.free_segments;
-  m.free_segments = s;
-  ++m.free_segment_count;
+  m.free_segments.add(segment_records(m), s.value);
+}
+
+std::uint32_t segments_left(const MeshState& m) noexcept {
+  return m.config.features_max - m.segment_end + m.free_segments.count(segment_records(m));
 }
 
 void lower_ends(MeshState& m, IdValue vertex_end, IdValue segment_end) noexcept {
-  if (m.vertex_end != vertex_end) {
-    VertexId v = m.free_vertices;
-    m.free_vertices = VertexId::none();
-    while (!v.is_none()) {
-      const VertexId next{m.vertex_edges[v.value].value};
-      if (v.value < vertex_end) free_vertex(m, v);
-      v = next;
-    }
-    m.vertex_end = vertex_end;
-  }
-  if (m.segment_end != segment_end) {
-    SegmentId s = m.free_segments;
-    m.free_segments = SegmentId::none();
-    m.free_segment_count = 0;
-    while (!s.is_none()) {
-      const SegmentId next = m.segment(s).next;
-      if (s.value < segment_end) free_segment(m, s);
-      s = next;
-    }
-    m.segment_end = segment_end;
-  }
+  if (m.vertex_end != vertex_end) m.free_vertices.keep_below(vertex_records(m), vertex_end);
+  if (m.segment_end != segment_end) m.free_segments.keep_below(segment_records(m), segment_end);
+  m.vertex_end = vertex_end;
+  m.segment_end = segment_end;
 }
 
 void link_segment(MeshState& m, SegmentId s) noexcept {

@@ -6,11 +6,15 @@
 
 namespace etcm::internal {
 
-VertexId allocate_vertex(MeshState& m) noexcept;  // none: no room
+// The least free one; none: no room.
+VertexId allocate_vertex(MeshState& m) noexcept;
 void free_vertex(MeshState& m, VertexId v) noexcept;
-SegmentId allocate_segment(MeshState& m) noexcept;  // none: no room
+SegmentId allocate_segment(MeshState& m) noexcept;
 void free_segment(MeshState& m, SegmentId s) noexcept;
-// Ids from these on, all of them free, count as never used. O(free ids) where an end changes.
+// For how many there is room.
+std::uint32_t segments_left(const MeshState& m) noexcept;
+// Ids from these on, all of them free, count as never used. O(n log n) of n free ids where an end
+// changes.
 void lower_ends(MeshState& m, IdValue vertex_end, IdValue segment_end) noexcept;
 // Into and out of the incidence lists of its two ends.
 void link_segment(MeshState& m, SegmentId s) noexcept;

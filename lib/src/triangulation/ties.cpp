@@ -9,6 +9,9 @@
 namespace etcm::internal {
 namespace {
 
+// Each is settled by wide integers, twice.
+constexpr Units ties_to_pass = 8;
+
 // An edge that could as well be the other diagonal: both triangles have one circumcircle.
 bool is_tie(const MeshState& m, Edge e) noexcept {
   const Topology& topo = m.topology;
@@ -34,11 +37,15 @@ void canonicalize_cocircular(MeshState& m, Edge e) noexcept {
   unsigned quiet = 0;     // boundary edges since the last turn
   std::uint32_t looked = 0;
   bool first_round = true;
+  const auto look = [&]() noexcept {
+    ++looked;
+    m.work.pass(ties_to_pass);
+  };
   VertexId start{};
   for (;;) {
     // On to the next boundary edge, around the vertex at the end of this one.
     e = Topology::next(e);
-    for (++looked; is_tie(m, e); ++looked) {
+    for (look(); is_tie(m, e); look()) {
       const Edge beyond = topo.twin(e);
       if (incircle_perturbed(m.at(topo.apex(beyond)), m.at(topo.origin(beyond)),
                              m.at(topo.target(beyond)), m.at(topo.apex(e))) > 0) {
@@ -74,6 +81,7 @@ Edge flip_in(MeshState& m, const Subsegment& subsegment) noexcept {
   const Point& goal = m.at(subsegment.tail);
   Edge e = subsegment.head_edge;
   for (std::uint32_t flips = 1;; ++flips) {
+    m.work.pass(ties_to_pass);
     const VertexId apex = topo.apex(topo.twin(e));
     const Edge second = topo.flip(e);
     if (apex == subsegment.tail) {

@@ -18,12 +18,19 @@ using Units = std::size_t;
 // For walks without a limit.
 inline constexpr std::uint32_t any_steps = 0xffff'ffffu;
 
-// Counting is out of line: it is called from many places.
+// It is counted in many places: a small machine has no room for it in each.
+#ifdef __OPTIMIZE_SIZE__
+#define ETCM_COUNTING [[gnu::noinline]]
+#else
+#define ETCM_COUNTING
+#endif
+
 class WorkMeter {
  public:
-  void start(Work limit) noexcept;
+  // The hook must outlive the call.
+  void start(Work limit, const KeepAlive& keep_alive) noexcept;
   // The same of a call that does not go back, but clears the mesh.
-  void start_anew(Work limit) noexcept;
+  void start_anew(Work limit, const KeepAlive& keep_alive) noexcept;
   // From here on what has been changed is taken back, whatever the limit.
   void go_back() noexcept;
 
@@ -35,35 +42,102 @@ class WorkMeter {
   }
 
   // How many steps a walk that changes nothing may take.
-  [[nodiscard]] std::uint32_t left() const noexcept;
+  [[nodiscard]] ETCM_COUNTING std::uint32_t left() const noexcept {
+    if (limit_ <= taken_) return 0;
+    const Units units = limit_ - taken_;
+    return units < any_steps ? static_cast<std::uint32_t>(units) : any_steps - 1;
+  }
   // Whether so much more may be done. Where not, the call is over but for going back; has_room()
   // only asks.
-  [[nodiscard]] bool fits(Units units) noexcept;
+  [[nodiscard]] ETCM_COUNTING bool fits(Units units) noexcept {
+    // What is done while going back is in the room that was kept.
+    if (!is_going_back_ && taken_ + units > peak_) peak_ = taken_ + units;
+    if (has_room(units)) return true;
+    is_over_ = true;
+    return false;
+  }
   [[nodiscard]] bool has_room(Units units) const noexcept {
-    const Units taken = done_ + kept_;
-    return taken <= limit_ && units <= limit_ - taken;
+    return taken_ <= limit_ && units <= limit_ - taken_;
   }
   // Takes note of a walk: of at most left() steps, or of more, and then it was given up.
-  [[nodiscard]] bool spend(std::uint32_t units) noexcept;
-  // The same, and room for going the same way so many times when the change is taken back.
-  [[nodiscard]] bool spend(std::uint32_t units, std::uint32_t times_back) noexcept;
+  [[nodiscard]] ETCM_COUNTING bool spend(std::uint32_t units) noexcept {
+    const bool is_whole = fits(units);
+    taken_ += is_whole ? units : left();
+    look();
+    return is_whole;
+  }
   // The same of what is to be done, all or nothing.
-  [[nodiscard]] bool spend_whole(Units units) noexcept;
+  [[nodiscard]] ETCM_COUNTING bool spend_whole(Units units) noexcept {
+    const bool is_whole = fits(units);
+    if (is_whole) taken_ += units;
+    look();
+    return is_whole;
+  }
   // Of what is done anyway.
-  void add(Units units) noexcept;
+  ETCM_COUNTING void add(Units units) noexcept {
+    taken_ += units;
+    look();
+  }
+  // Takes note of what is done, and is not counted, or has been before or will be after it.
+  ETCM_COUNTING void pass(Units units) noexcept {
+    next_beat_ -= units < next_beat_ ? units : next_beat_;
+    look();
+  }
+  // The same of a long list, an entry of which has this index.
+  ETCM_COUNTING void pass_entry(std::size_t index) noexcept {
+    if (index % entries_between == 0) pass(2 * entries_between);
+  }
   // For going back.
-  void keep(Units units) noexcept;
-  [[nodiscard]] Units to_keep(Units units) const noexcept { return units & keeps_; }
+  ETCM_COUNTING void keep(Units units) noexcept {
+    kept_ += to_keep(units);
+    taken_ += to_keep(units);
+  }
+  [[nodiscard]] Units to_keep(Units units) const noexcept { return keeps_ ? units : 0; }
   // What has been changed stays.
-  void settle() noexcept { kept_ = slack; }
+  void settle() noexcept {
+    // The units that are no longer kept will pass once more.
+    next_beat_ -= kept_ - slack < next_beat_ ? kept_ - slack : next_beat_;
+    taken_ = done() + slack;
+    kept_ = slack;
+  }
   [[nodiscard]] bool is_over() const noexcept { return is_over_; }
 
-  // See Mesh::work_done().
-  [[nodiscard]] Work result() const noexcept {
-    return {is_going_back_ || is_over_ || peak_ < done_ ? done_ : peak_};
+  // While somebody else's function runs, nobody may change the mesh.
+  template <class Function>
+  auto call_out(Function function) noexcept {
+    const Out out(calls_out_);
+    return function();
+  }
+  [[nodiscard]] bool is_calling_out() const noexcept { return calls_out_ != 0; }
+
+  // From here on used() and needed() are these.
+  void tell(Work used, Work needed) noexcept {
+    *this = WorkMeter{};
+    taken_ = units_of(used);
+    peak_ = units_of(needed);
+  }
+  // See Mesh::work_used() and Mesh::work_needed().
+  [[nodiscard]] Work used() const noexcept { return {done()}; }
+  [[nodiscard]] Work needed() const noexcept {
+    return {is_going_back_ || is_over_ || peak_ < done() ? done() : peak_};
   }
 
  private:
+  struct Out {
+    explicit Out(std::uint8_t& c) noexcept : calls(c) { ++calls; }
+    Out(const Out&) = delete;
+    Out& operator=(const Out&) = delete;
+    ~Out() { --calls; }
+    std::uint8_t& calls;
+  };
+
+  void look() noexcept {
+    if (taken_ >= next_beat_) [[unlikely]]
+      beat();
+  }
+  void beat() noexcept;
+
+  Units done() const noexcept { return taken_ - kept_; }
   // A limit that is too much for the machine is none.
   static Units units_of(Work limit) noexcept {
     constexpr Units most = ~Units{0};
@@ -72,14 +146,20 @@ class WorkMeter {
 
   // For what is added to what has been done before it is asked for.
   static constexpr Units slack = 24;
+  static constexpr std::size_t entries_between = 32;
 
   Units limit_ = units_of(Work::unlimited());
-  Units done_ = 0;
+  Units taken_ = 0;  // what has been done, and what is kept
   Units kept_ = 0;
   Units peak_ = 0;
-  Units keeps_ = ~Units{0};
+  Units next_beat_ = ~Units{0};  // the units taken at which the hook is due
+  const KeepAlive* keep_alive_ = nullptr;
+  std::uint8_t calls_out_ = 0;
+  bool keeps_ = true;
   bool is_over_ = false;
   bool is_going_back_ = false;
 };
+
+#undef ETCM_COUNTING
 
 }  // namespace etcm::internal

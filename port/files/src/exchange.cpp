@@ -14,6 +14,11 @@ class GeoJson {
 
   void write() {
     out_ << "{\"type\":\"FeatureCollection\",\n";
+    if (!image_.name.empty()) {
+      out_ << "\"name\":";
+      write_text(image_.name);
+      out_ << ",\n";
+    }
     if (image_.degrees.empty()) {
       out_ << "\"coordinates\":\"planar grid units, not longitude and latitude";
       if (!image_.unit_note.empty()) out_ << "; " << image_.unit_note;
@@ -36,6 +41,15 @@ class GeoJson {
   void close(const char* kind, std::size_t index) {
     out_ << "},\"properties\":{\"kind\":\"" << kind
          << "\",\"id\":" << static_cast<std::int64_t>(index) + image_.index_base;
+  }
+
+  void write_text(const std::string& text) {
+    out_ << '"';
+    for (const char letter : text) {
+      if (letter == '"' || letter == '\\') out_ << '\\';
+      out_ << letter;
+    }
+    out_ << '"';
   }
 
   void place(std::uint32_t vertex) {
@@ -90,12 +104,9 @@ class GeoJson {
     }
     for (; value_ < image_.values.size() && image_.values[value_].vertex == index; ++value_) {
       const ImageValue& value = image_.values[value_];
-      out_ << ",\"";
-      for (const char letter : image_.value_names[value.name]) {
-        if (letter == '"' || letter == '\\') out_ << '\\';
-        out_ << letter;
-      }
-      out_ << "\":";
+      out_ << ',';
+      write_text(image_.value_names[value.name]);
+      out_ << ':';
       value.nano ? write_nano(out_, *value.nano) : void(out_ << "null");
     }
     out_ << "}}";

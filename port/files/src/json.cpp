@@ -13,6 +13,9 @@ namespace {
 
 using Kind = JsonValue::Kind;
 
+// Room for so many values is made at once: of most objects all.
+constexpr std::size_t items_least = 4;
+
 // Counts the lines before the character that was read last. A number ends where the character
 // behind it has been read, which may be the end of its line: that one does not count yet.
 class LineCountingIterator {
@@ -49,7 +52,8 @@ class Builder {
   using string_t = nlohmann::json::string_t;
   using binary_t = nlohmann::json::binary_t;
 
-  Builder(const std::string& path, const std::size_t& line) : path_(path), line_(line) {}
+  Builder(const std::string& path, const JsonBounds& bounds, const std::size_t& line)
+      : path_(path), bounds_(bounds), line_(line) {}
 
   JsonValue result() { return std::move(root_); }
 
@@ -73,8 +77,8 @@ class Builder {
   bool end_array() { return close(); }
   bool key(string_t& name) {
     std::vector<std::string>& keys = open_.back()->keys;
-    if (keys.size() == json_keys_max) {
-      fail("an object with more than " + std::to_string(json_keys_max) +
+    if (keys.size() == bounds_.keys) {
+      fail("an object with more than " + std::to_string(bounds_.keys) +
            " keys; this is no GeoJSON, check the file");
     }
     if (std::find(keys.begin(), keys.end(), name) != keys.end()) {
@@ -105,8 +109,8 @@ class Builder {
   }
 
   JsonValue& add(Kind kind, std::string text) {
-    if (++count_ > json_values_max) {
-      fail("more than " + std::to_string(json_values_max) +
+    if (++count_ > bounds_.values) {
+      fail("more than " + std::to_string(bounds_.values) +
            " values; split the file, or simplify its lines");
     }
     JsonValue value;
@@ -118,14 +122,16 @@ class Builder {
       root_ = std::move(value);
     } else {
       // What is open is the last element of what holds it, so nothing that is open moves.
-      made = &open_.back()->items.emplace_back(std::move(value));
+      std::vector<JsonValue>& items = open_.back()->items;
+      if (items.size() == items.capacity()) items.reserve(std::max(items_least, 2 * items.size()));
+      made = &items.emplace_back(std::move(value));
     }
     return *made;
   }
 
   bool open(Kind kind) {
-    if (open_.size() == json_depth_max) {
-      fail("brackets are nested more than " + std::to_string(json_depth_max) +
+    if (open_.size() == bounds_.depth) {
+      fail("brackets are nested more than " + std::to_string(bounds_.depth) +
            " deep; this is no GeoJSON, check the file");
     }
     open_.push_back(&add(kind, {}));
@@ -142,6 +148,7 @@ class Builder {
   }
 
   const std::string& path_;
+  const JsonBounds& bounds_;
   const std::size_t& line_;
   JsonValue root_;
   std::vector<JsonValue*> open_;
@@ -174,9 +181,12 @@ const char* to_string(JsonValue::Kind kind) {
 }
 
 JsonValue read_json(const std::string& path) {
-  const std::string text = read_bytes(path, json_bytes_max);
+  return parse_json(read_bytes(path, json_bytes_max), path);
+}
+
+JsonValue parse_json(std::string_view text, const std::string& name, const JsonBounds& bounds) {
   std::size_t line = 1;
-  Builder builder(path, line);
+  Builder builder(name, bounds, line);
   nlohmann::json::sax_parse(LineCountingIterator(text.data(), &line),
                             LineCountingIterator(text.data() + text.size(), &line), &builder);
   return builder.result();

@@ -103,6 +103,20 @@ void read_edges(const std::string& path, MeshImage& image) {
   reader.expect_end();
 }
 
+// The files have subsegments alone: a Steiner vertex stands between two of its feature.
+std::uint32_t count_features(const MeshImage& image) {
+  std::vector<std::uint32_t> degrees(image.vertices.size(), 0);
+  for (const ImageSubsegment& each : image.subsegments) {
+    ++degrees[each.from];
+    ++degrees[each.to];
+  }
+  auto count = static_cast<std::uint32_t>(image.subsegments.size());
+  for (std::size_t i = 0; i < degrees.size(); ++i) {
+    if (image.vertices[i].is_steiner && degrees[i] > 1) count -= degrees[i] - 1;
+  }
+  return count;
+}
+
 }  // namespace
 
 MeshImage read_mesh(const std::string& base) {
@@ -115,6 +129,7 @@ MeshImage read_mesh(const std::string& base) {
     const bool is_edge = find_edge(image, feature.from, feature.to) != image.edges.size();
     image.subsegments.push_back({feature.from, feature.to, 0, feature.marker, is_edge});
   }
+  image.feature_count = count_features(image);
   image.holes = graph.holes;
   image.regions = graph.regions;
   return image;

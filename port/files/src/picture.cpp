@@ -63,6 +63,7 @@ TextSink& operator<<(TextSink& out, const Counted& counted) {
 // What the user wrote, as SVG wants it.
 struct Escaped {
   const std::string& text;
+  bool is_utf8 = false;  // without control characters
 };
 TextSink& operator<<(TextSink& out, Escaped escaped) {
   for (const char c : escaped.text) {
@@ -81,7 +82,7 @@ TextSink& operator<<(TextSink& out, Escaped escaped) {
         break;
       default:
         // A file name may hold any bytes; a picture may not.
-        out << (c >= ' ' && c <= '~' ? c : '?');
+        out << (escaped.is_utf8 || (c >= ' ' && c <= '~') ? c : '?');
     }
   }
   return out;
@@ -331,8 +332,9 @@ class Picture {
 
   void add_title() {
     constexpr const char* separator = " \xC2\xB7 ";
-    out_ << "<title>" << Escaped{words_.title} << "</title>\n";
-    open_text(margin, 46, 26, ink, " font-weight=\"bold\"") << Escaped{words_.title} << "</text>\n";
+    const Escaped title{image_.name.empty() ? words_.title : image_.name, !image_.name.empty()};
+    out_ << "<title>" << title << "</title>\n";
+    open_text(margin, 46, 26, ink, " font-weight=\"bold\"") << title << "</text>\n";
     open_text(margin, 73, 16, soft_ink)
         << Counted{image_.node_count, "node", "nodes"} << separator
         << Counted{image_.feature_count, "feature", "features"} << separator
@@ -516,22 +518,31 @@ class Picture {
 
   void add_scale_bar() {
     if (map_.px_per_unit() <= 0) return;
+    const bool is_metric = image_.metres_per_unit > 0;
+    const double px = is_metric ? map_.px_per_unit() / image_.metres_per_unit : map_.px_per_unit();
     // The greatest 1, 2 or 5 times a power of ten that takes at most 240 pixels.
-    const double most = 240 / map_.px_per_unit();
+    const double most = 240 / px;
     const double power = std::pow(10, std::floor(std::log10(most)));
     const double length = most >= 5 * power ? 5 * power : most >= 2 * power ? 2 * power : power;
     const double right = page_width - margin;
-    const double left = right - length * map_.px_per_unit();
+    const double left = right - length * px;
     const double y = footer_y() + 4;
     out_ << "<path d=\"M" << Px{left} << ' ' << Px{y - 7} << "v7H" << Px{right}
          << "v-7\" fill=\"none\" stroke=\"" << ink << "\" stroke-width=\"1.5\"/>\n";
     open_text((left + right) / 2, y - 8, 13, ink, " text-anchor=\"middle\"");
-    if (length >= 1) {
-      out_ << Grouped{static_cast<std::size_t>(std::llround(length))};
+    const bool is_long = is_metric && length >= 1000;
+    const double told = is_long ? length / 1000 : length;
+    if (told >= 1) {
+      out_ << Grouped{static_cast<std::size_t>(std::llround(told))};
     } else {
-      out_ << length;
+      out_ << told;
     }
-    out_ << ' ' << Escaped{words_.unit_name} << "</text>\n";
+    if (is_metric) {
+      out_ << (is_long ? " km" : " m");
+    } else {
+      out_ << ' ' << Escaped{words_.unit_name};
+    }
+    out_ << "</text>\n";
   }
 
   TextSink& out_;

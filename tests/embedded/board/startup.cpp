@@ -16,6 +16,7 @@ extern std::uint32_t etcm_stack_bottom[], etcm_stack_top[];
 using Initializer = void (*)();
 extern const Initializer etcm_init_begin[], etcm_init_end[];
 void etcm_reset();
+void etcm_tick();
 void etcm_check_failed(const char* what, const char* file, int line);
 }
 
@@ -50,10 +51,13 @@ struct Vectors {
 [[gnu::section(".vectors"), gnu::used]] const Vectors vectors = {
     etcm_stack_top,
     {etcm_reset, fault, fault, fault, fault, fault, nullptr, nullptr, nullptr, nullptr, fault,
-     fault, nullptr, fault, fault},
+     fault, nullptr, fault, etcm_tick},
 };
 
 }  // namespace
+
+// The system timer's interrupt, for a program that has one.
+extern "C" [[gnu::weak]] void etcm_tick() { fault(); }
 
 extern "C" void etcm_reset() {
   std::memcpy(etcm_data_begin, etcm_data_source, bytes(etcm_data_begin, etcm_data_end));

@@ -66,6 +66,17 @@ class Scan(BusCase):
             self.assertIn("4 answer, 3 of them position nodes", done.stderr)
             self.assertIn("by a profile: etcm-bus probe --profile NAME -a UNIT", done.stderr)
 
+    def test_hosts_have_names_at_both_ends(self):
+        nodes = self.start_nodes(THREE, "--listen", "localhost:0")
+        port = re.search(r"listens on \S+:(\d+)", nodes.log()).group(1)
+        self.assertIn("70001", self.bus("scan", *PATIENT, "-a", "1", f"localhost:{port}").stdout)
+        for place, what in (("no-such-host.invalid:1502", "give a name of this machine"),
+                            ("nonsense", "no address; write it as 127.0.0.1:1502")):
+            done = subprocess.run([NODES, "--listen", place, "--nodes", self.folder / "nodes.csv"],
+                                  capture_output=True, text=True, timeout=PATIENCE_S)
+            self.assertEqual((done.returncode, done.stdout), (2, ""))
+            self.assertIn(what, done.stderr)
+
     def test_tells_a_program_in_json(self):
         found = json.loads(self.bus("scan", *PATIENT, "-a", "1:5", "--json", *self.start_line(THREE)).stdout)
         self.assertEqual([unit["unit"] for unit in found], [1, 2, 3])
@@ -150,9 +161,10 @@ class Read(BusCase):
 
     def test_reads_what_mbpoll_reads(self):
         device = self.start_line(THREE)
-        ours = self.values("-t", "3:hex", "-r", "0", "-c", "12", "-a", "2", *device)
-        done = subprocess.run(["mbpoll", "-m", "rtu", "-a", "2", "-b", "115200", "-P", "even", "-t",
-                               "3:hex", "-0", "-r", "0", "-c", "12", "-1", device[-1]],
+        options = ["-t", "3:hex", "-0", "-r", "0", "-c", "12", "-1", "-q", "-B", "-a", "2"]
+        ours = self.values(*options, *device)
+        done = subprocess.run(["mbpoll", "-m", "rtu", "-b", "115200", "-P", "even", *options,
+                               device[-1]],
                               capture_output=True, text=True, timeout=PATIENCE_S)
         self.assertEqual(ours, re.findall(r"^\[\d+\]:\s+(\S+)", done.stdout, re.M), done.stdout)
 
@@ -166,6 +178,34 @@ class Read(BusCase):
                          ["-3", "4", "100", "0"])
         self.assertEqual(self.values("-t", "3:u32", "-r", "2", "-a", "1", "-w", "CDAB", device),
                          [str((70001 & 0xFFFF) << 16 | 70001 >> 16)])
+
+    def test_frames_are_shown_as_mbpoll_shows_them(self):
+        for start in (self.start_line, self.start_tcp):
+            device = start(THREE)
+            done = self.bus("read", "-v", "-a", "2", "-t", "3", "-r", "2", "-c", "2", *device)
+            self.assertRegex(done.stderr, r"\A(\[00\]\[01\](\[00\]){3}\[06\])?"
+                                          r"\[02\]\[04\]\[00\]\[02\]\[00\]\[02\]\S*\n"
+                                          r"\S*<02><04><04><00><01><11><72>\S*\n\Z")
+            self.assertEqual(self.bus("read", "-a", "2", *device).stderr, "")
+
+    def test_coils_and_inputs_are_those_of_mbpoll(self):
+        port = free_port()
+        self.start("peer", [sys.executable, PEER, port, "70001,-3,4"])
+        device = f"127.0.0.1:{port}"
+        wait_for("the peer", lambda: subprocess.run([BUS, "read", device],
+                                                    capture_output=True).returncode == 0)
+        bits = ["1", "0", "0", "1", "1", "1", "0", "0", "0", "1"]
+        said = self.bus("write", "-t", "0", "-r", "7", device, *bits).stdout
+        self.assertTrue(said.startswith("unit 1\n    7  was 0, is 1\n"), said)
+        self.bus("write", "-t", "0", "-r", "17", device, "1")
+        self.assertEqual(self.values("-t", "0", "-r", "6", "-c", "13", device), ["0", *bits, "1", "0"])
+        done = subprocess.run(["mbpoll", "-m", "tcp", "-p", str(port), "-t", "0", "-0", "-r", "6", "-c",
+                               "13", "-1", "127.0.0.1"],
+                              capture_output=True, text=True, timeout=PATIENCE_S)
+        self.assertEqual(re.findall(r"^\[\d+\]:\s+(\S+)", done.stdout, re.M), ["0", *bits, "1", "0"])
+        self.assertEqual(set(self.values("-t", "1", "-c", "3000", device)), {"0"})
+        self.assertIn("a coil is 0 or 1", self.complaint("write", "-t", "0", device, "2", code=2))
+        self.assertIn("cannot be written", self.complaint("write", "-t", "1", device, "1", code=2))
 
     def test_types_change_what_stands_there(self):
         device = self.start_tcp(["0,1,join,-2,16256"])
@@ -243,7 +283,10 @@ class Refusals(BusCase):
 
     def test_ports_that_cannot_be_had_come_with_the_cure(self):
         self.assertIn("ls /dev/serial/by-path", self.complaint("scan", "/dev/no such port"))
-        self.assertIn("no serial port", self.complaint("scan", "/dev/null"))
+        for path, what in (("/dev/null", "is a device, and no serial port; ls /dev/serial"),
+                           ("/etc/passwd", "is a file, and no serial port; ls /dev/serial"),
+                           ("/etc", "is a folder, and no serial port; ls /dev/serial")):
+            self.assertIn(what, self.complaint("scan", "-m", "rtu", path))
         device = self.start_line(THREE)
         busy = self.start("busy", [BUS, "poll", *PATIENT, *device])
         busy.wait_for_line("70001")

@@ -1,4 +1,5 @@
-// The time of day, to tell how long a program did not run. It may be wrong, and jump either way.
+// The time of day: how long a program did not run, and when something was measured, for others. It
+// may be wrong, and jump either way.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +8,9 @@ namespace etcm::port {
 
 class WallClock {
  public:
-  // Seconds since the beginning of 1970, UTC.
-  virtual std::int64_t seconds() const = 0;
+  // Since the beginning of 1970, UTC.
+  virtual std::int64_t milliseconds() const = 0;
+  std::int64_t seconds() const { return milliseconds() / 1000; }
 
  protected:
   ~WallClock() = default;

@@ -15,6 +15,7 @@ namespace etcm::port {
 namespace web_status {
 inline constexpr std::uint16_t ok = 200;
 inline constexpr std::uint16_t not_found = 404;
+inline constexpr std::uint16_t misdirected = 421;
 inline constexpr std::uint16_t unavailable = 503;
 }  // namespace web_status
 

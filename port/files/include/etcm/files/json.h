@@ -12,9 +12,11 @@ namespace etcm::files {
 
 // Bounds on what a hostile or mistaken file can cost.
 inline constexpr std::size_t json_bytes_max = std::size_t{16} << 20;
-inline constexpr std::size_t json_values_max = 1'000'000;
-inline constexpr std::size_t json_keys_max = 1000;  // of one object
-inline constexpr std::size_t json_depth_max = 64;
+struct JsonBounds {
+  std::size_t values = 1'000'000;
+  std::size_t keys = 1000;  // of one object
+  std::size_t depth = 64;
+};
 
 struct JsonValue {
   enum class Kind : unsigned char { null, boolean, number, text, array, object };
@@ -36,5 +38,8 @@ const char* to_string(JsonValue::Kind kind);
 // Reads the file. Throws InputError with the line for what is no JSON, for a key that stands twice,
 // and for what exceeds the bounds above.
 JsonValue read_json(const std::string& path);
+
+// The same of a text, which the message calls `name`. O(size).
+JsonValue parse_json(std::string_view text, const std::string& name, const JsonBounds& bounds = {});
 
 }  // namespace etcm::files

@@ -13,8 +13,8 @@
 namespace etcm::files {
 
 struct PictureText {
-  std::string title;
-  std::string unit_name = "units";  // what the scale bar counts
+  std::string title;                // of a mesh without a name of its own
+  std::string unit_name = "units";  // what the scale bar counts where metres are not known
   bool are_features_dashed = false;
 };
 

@@ -1,0 +1,360 @@
+#include "firmware/alarms/alarm_watch.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "firmware/alarms/alarm_subject.h"
+#include "firmware/logging/text_line.h"
+#include "firmware/nodes/silence_cause.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+// A subject: what is saved with the state has a disk writer of its own.
+constexpr std::uint64_t alarms_of_state = 1;
+
+// Sentences are "what is wrong; what to do about it".
+struct Sentence {
+  std::string_view what;
+  std::string_view cure;
+};
+Sentence parts_of(std::string_view sentence) {
+  for (const std::string_view separator : {"; ", ": "}) {
+    const std::size_t at = sentence.find(separator);
+    if (at == std::string_view::npos) continue;
+    return {sentence.substr(0, at), sentence.substr(at + separator.size())};
+  }
+  return {sentence, {}};
+}
+
+}  // namespace
+
+void AlarmWatch::step(port::Instant now) {
+  if (now < look_due_) return;
+  look_due_ = now + look_interval;
+  book_.begin_look(now);
+  find_waiting_features();
+  look_at_services(now);
+  look_at_disks();
+  look_at_buses(now);
+  look_at_nodes();
+  look_at_expected(now);
+  look_at_quarantine();
+  look_at_unheard();
+  look_at_sensors();
+  look_at_fleet(now);
+  book_.end_look([&](const Alarm& alarm) { return is_judged(alarm, now); },
+                 [&](const Alarm& alarm) { return why_ended(alarm); });
+}
+
+bool AlarmWatch::is_judged(const Alarm& alarm, port::Instant now) const {
+  const Gateway& gateway = sources_.gateway;
+  // All has had the time to answer.
+  if (now - sources_.started_at > 2 * gateway.settings().poll.leave_after + 1min) return true;
+  switch (alarm.key.kind) {
+    case AlarmKind::not_served:
+    case AlarmKind::no_page:
+    case AlarmKind::late_mesh:
+    case AlarmKind::refused_configuration:
+      return true;
+    case AlarmKind::missing_node:
+    case AlarmKind::no_fix:
+    case AlarmKind::low_battery:
+    case AlarmKind::refused_node:
+      return is_node_judged(alarm);
+    case AlarmKind::refused_feature:
+      return std::any_of(
+          gateway.features().begin(), gateway.features().end(), [&](const FeatureRecord& feature) {
+            return feature.is_active() && subject_of(feature.settings) == alarm.key.subject;
+          });
+    case AlarmKind::disk_of_files:
+      return gateway.disk_of_files() == nullptr || gateway.disk_of_files()->works();
+    case AlarmKind::disk_of_state: {
+      const bool is_own = alarm.key.subject == alarms_of_state;
+      const DiskWriter* const disk = is_own ? disk_of_alarms_ : gateway.disk_of_state();
+      return disk == nullptr || disk->works();
+    }
+    default:
+      return false;
+  }
+}
+
+// Who was missing is known from the start; one that is not any more was dismissed.
+bool AlarmWatch::is_node_judged(const Alarm& alarm) const {
+  const Serial serial{static_cast<std::uint32_t>(alarm.key.subject)};
+  const NodeRecord* const node = sources_.gateway.nodes().find(serial);
+  if (node == nullptr) return alarm.key.kind == AlarmKind::missing_node;
+  return node->answered_at != port::Instant{} || node->is_foreign();
+}
+
+AlarmEnd AlarmWatch::why_ended(const Alarm& alarm) const {
+  const bool is_page_removed = alarm.key.kind == AlarmKind::no_page && sources_.readers == nullptr;
+  return is_page_removed || !is_there(sources_.gateway, alarm.key) ? AlarmEnd::removed
+                                                                   : AlarmEnd::by_itself;
+}
+
+void AlarmWatch::find_waiting_features() {
+  const std::span<const FeatureRecord> features = sources_.gateway.features();
+  waiting_.clear();
+  waiting_.reserve(2 * features.size());
+  for (std::uint32_t number = 0; number < features.size(); ++number) {
+    const FeatureRecord& feature = features[number];
+    if (feature.is_active() || feature.rejection != Status::ok) continue;
+    for (const FeatureEnd& end : {feature.settings.from, feature.settings.to}) {
+      if (!end.is_anchor) waiting_.push_back({.serial = end.serial, .feature = number});
+    }
+  }
+  std::sort(waiting_.begin(), waiting_.end(), [](const WaitingEnd& a, const WaitingEnd& b) {
+    return std::pair(a.serial, a.feature) < std::pair(b.serial, b.feature);
+  });
+}
+
+void AlarmWatch::add_waiting_feature(TextLine& text, Serial serial) const {
+  const auto found =
+      std::lower_bound(waiting_.begin(), waiting_.end(), serial,
+                       [](const WaitingEnd& end, Serial wanted) { return end.serial < wanted; });
+  if (found == waiting_.end() || found->serial != serial) return;
+  const FeatureSettings& feature = sources_.gateway.features()[found->feature].settings;
+  text << "; " << CalledFeature{found->feature + 1, feature.name} << " waits for it";
+}
+
+void AlarmWatch::look_at_services(port::Instant now) {
+  if (!sources_.masters.is_listening) {
+    book_.hold({AlarmKind::not_served}, {}, "nobody can read the mesh: its port cannot be had",
+               "the log says why");
+  }
+  if (sources_.readers != nullptr && !sources_.readers->is_listening) {
+    book_.hold({AlarmKind::no_page}, {}, "there is no status page: its port cannot be had",
+               "the log says why");
+  }
+  if (!sources_.refusal.empty()) {
+    book_.hold({AlarmKind::refused_configuration}, {}, "the changed configuration is refused",
+               sources_.refusal);
+  }
+  const Gateway& gateway = sources_.gateway;
+  if (gateway.is_late(now, publish_patience)) {
+    book_.hold({AlarmKind::late_mesh}, {}, "a change of the mesh waits to be published",
+               "restart the gateway, and report it");
+  }
+}
+
+void AlarmWatch::look_at_disks() {
+  const auto look = [this](const DiskWriter* disk, AlarmKey key, std::string_view what) {
+    if (disk != nullptr && disk->is_in_trouble()) book_.hold(key, {}, what, disk->trouble());
+  };
+  look(sources_.gateway.disk_of_files(), {AlarmKind::disk_of_files},
+       "the files of the mesh cannot be written");
+  look(sources_.gateway.disk_of_state(), {AlarmKind::disk_of_state},
+       "the state is not saved: a restart finds an old one");
+  look(disk_of_alarms_, {AlarmKind::disk_of_state, alarms_of_state},
+       "the alarms are not saved: a restart finds those of an earlier moment");
+}
+
+void AlarmWatch::look_at_buses(port::Instant now) {
+  const Gateway& gateway = sources_.gateway;
+  const Poller& poller = gateway.poller();
+  for (BusIndex bus{0}; bus.value < poller.bus_count(); ++bus.value) {
+    if (!gateway.presence().is_silent(bus)) continue;
+    const port::Instant since =
+        std::max(gateway.presence().clock().heard_at(bus), sources_.started_at);
+    book_.hold({AlarmKind::silent_bus, subject_of(poller.bus(bus).name)}, since,
+               TextLine() << "bus " << poller.bus(bus).name << " is silent: no unit answers",
+               silence_cause(poller, bus, now, gateway.settings().poll.stale_after));
+  }
+}
+
+void AlarmWatch::look_at_nodes() {
+  for (const NodeRecord& node : sources_.gateway.nodes().records()) {
+    if (node.is_known()) look_at_node(node);
+  }
+}
+
+void AlarmWatch::look_at_node(const NodeRecord& node) {
+  const Gateway& gateway = sources_.gateway;
+  const std::uint64_t subject = node.serial.value;
+  if (node.is_missing) {
+    if (is_with_its_gateway(gateway, node)) return;
+    TextLine text;
+    write_node(text, gateway, node);
+    text << " is missing";
+    add_waiting_feature(text, node.serial);
+    TextLine cure;
+    write_missing_cure(cure, gateway, node);
+    return book_.hold({AlarmKind::missing_node, subject}, node.heard_at, text, cure);
+  }
+  // Those of others are told by their own gateways.
+  if (node.is_foreign()) return;
+  if (node.lacks_fix) {
+    TextLine text;
+    write_node(text, gateway, node);
+    book_.hold({AlarmKind::no_fix, subject},
+               node.has_position() ? node.positioned_at : node.known_since,
+               text << " answers, and tells no position",
+               "look at the sky above its antenna, and its cable");
+  }
+  if ((node.status & node_status::low_battery) != 0) {
+    TextLine text;
+    write_node(text, gateway, node);
+    book_.hold({AlarmKind::low_battery, subject}, {}, text << " has a low battery",
+               "change it, or look at what charges it");
+  }
+}
+
+// Devices with an entry of their own in the settings; the others of `units` may be there or not.
+void AlarmWatch::look_at_expected(port::Instant now) {
+  const Gateway& gateway = sources_.gateway;
+  if (now - sources_.started_at <= gateway.settings().poll.leave_after) return;
+  const Poller& poller = gateway.poller();
+  for (BusIndex bus{0}; bus.value < poller.bus_count(); ++bus.value) {
+    if (gateway.presence().is_silent(bus)) continue;
+    for (const DeviceSettings& device : poller.bus(bus).devices) {
+      for (const UnitRange& range : device.units) {
+        for (std::uint32_t unit = range.first; unit <= range.last; ++unit) {
+          expect(bus, ModbusAddress{static_cast<std::uint8_t>(unit)});
+        }
+      }
+    }
+    for (const NodeSettings& node : gateway.settings().nodes) {
+      if (node.bus == poller.bus(bus).name) {
+        expect(bus, ModbusAddress{static_cast<std::uint8_t>(node.address)});
+      }
+    }
+    for (const NodeName& node : gateway.settings().node_names) {
+      if (node.serial.is_none() && node.bus == poller.bus(bus).name) {
+        expect(bus, ModbusAddress{static_cast<std::uint8_t>(node.address)});
+      }
+    }
+  }
+}
+
+void AlarmWatch::expect(BusIndex bus, ModbusAddress address) {
+  const Gateway& gateway = sources_.gateway;
+  const Poller& poller = gateway.poller();
+  const UnitIndex unit = poller.unit_at(bus, address);
+  if (unit.is_none() || poller.counters(unit).has_answered()) return;
+  // One that is known from an earlier run is missing.
+  const Serial serial = device_serial(gateway.settings(), bus.value, address);
+  if (gateway.nodes().find(serial) != nullptr) return;
+  book_.hold({AlarmKind::never_answered, subject_of(poller.bus(bus).name, address.value)},
+             sources_.started_at,
+             TextLine() << poller.name(unit).view() << " has not answered since the start",
+             "look at its supply, its cable, its address and its profile; if it is not to be "
+             "there, take it out of the settings");
+}
+
+void AlarmWatch::look_at_quarantine() {
+  for (const QuarantineEntry& entry : sources_.gateway.quarantine()) look_at_refused(entry);
+}
+
+void AlarmWatch::look_at_refused(const QuarantineEntry& entry) {
+  const Gateway& gateway = sources_.gateway;
+  const Sentence why = parts_of(explain(entry));
+  TextLine text;
+  AlarmKey key;
+  if (entry.conflict != IdentityConflict::none) {
+    const std::uint64_t unit = entry.unit_index.is_none() ? 0 : entry.unit_index.value + 1;
+    key = {AlarmKind::identity_conflict, std::uint64_t{entry.serial.value} << 32 | unit};
+    text << gateway.nodes().called(entry.serial);
+  } else if (!entry.serial.is_none()) {
+    key = {AlarmKind::refused_node, entry.serial.value};
+    const NodeRecord* const node = gateway.nodes().find(entry.serial);
+    if (node != nullptr) write_node(text, gateway, *node);
+    text << " is not in the mesh where it is";
+  } else if (entry.feature != 0) {
+    if (entry.feature > gateway.features().size()) return;
+    const FeatureSettings& feature = gateway.features()[entry.feature - 1].settings;
+    key = {AlarmKind::refused_feature, subject_of(feature)};
+    text << CalledFeature{entry.feature, feature.name} << " (" << feature.source
+         << ") is not in the mesh";
+  } else {
+    key = {AlarmKind::refused_anchor, subject_of(entry.position)};
+    text << "the anchor at (" << entry.position.x << ", " << entry.position.y
+         << ") is not in the mesh";
+  }
+  text << ": " << why.what;
+  if (entry.blocker && entry.blocker->number < gateway.features().size()) {
+    const Blocker& blocker = *entry.blocker;
+    const FeatureSettings& other = gateway.features()[blocker.number].settings;
+    text << " [with " << CalledFeature{blocker.number + 1, other.name};
+    if (blocker.near) text << ", near (" << blocker.near->x << ", " << blocker.near->y << ")";
+    text << "]";
+  }
+  book_.hold(key, entry.since, text, why.cure);
+}
+
+void AlarmWatch::look_at_unheard() {
+  const UnheardEnds& unheard = sources_.gateway.unheard_ends();
+  for (const NodeEnd& end : unheard.ends()) {
+    if (!end.is_told) continue;
+    TextLine text;
+    unheard.explain(end, sources_.gateway.nodes(), text);
+    book_.hold({AlarmKind::unheard_end, end.serial.value}, {}, text, UnheardEnds::cure);
+  }
+}
+
+void AlarmWatch::look_at_sensors() {
+  const ReadingSnapshot& readings = sources_.gateway.readings();
+  for (const PublishedReading& reading : readings.readings) {
+    if (!reading.is_own() || !reading.disagrees) continue;
+    const Quantity& quantity = readings.quantities[reading.quantity.value];
+    TextLine text;
+    text << sources_.gateway.nodes().called(reading.serial) << ": its " << quantity.name
+         << " disagrees with the nodes around it";
+    book_.hold({AlarmKind::disagreeing_sensor, subject_of(quantity.name, reading.serial.value)}, {},
+               text, "look after the sensor");
+  }
+}
+
+// A broker that is started again is no trouble.
+void AlarmWatch::look_at_fleet(port::Instant now) {
+  const FleetReport* const fleet = sources_.gateway.fleet();
+  if (fleet == nullptr) return;
+  const port::Duration patience = sources_.gateway.settings().poll.leave_after;
+  if (time_apart(*fleet, now) > patience) {
+    book_.hold({AlarmKind::no_broker}, *fleet->apart_since,
+               "no connection to the broker of the fleet that lasts", fleet->trouble);
+  }
+  if (!fleet->refusal.empty()) {
+    const Sentence why = parts_of(fleet->refusal);
+    book_.hold({AlarmKind::refused_by_broker}, {}, why.what, why.cure);
+  }
+  if (!fleet->site_trouble.empty()) {
+    const Sentence why = parts_of(fleet->site_trouble);
+    book_.hold({AlarmKind::site_of_fleet}, {}, why.what, why.cure);
+  }
+  for (const ReportedMember& member : fleet->members) look_at_member(member, now);
+}
+
+void AlarmWatch::look_at_member(const ReportedMember& member, port::Instant now) {
+  const std::uint64_t subject = subject_of(member.name);
+  TextLine text;
+  text << "gateway " << member.name;
+  switch (member.state) {
+    case MemberState::gone: {
+      // One that starts again is back in less.
+      if (now - member.since <= sources_.gateway.settings().poll.leave_after) return;
+      TextLine cure;
+      cure << "look at its machine, its power and its network; if it is gone for good: "
+              "sudo etcm-gateway ctl dismiss "
+           << member.name;
+      return book_.hold({AlarmKind::gone_gateway, subject}, member.since, text << " is gone", cure);
+    }
+    case MemberState::name_taken:
+      return book_.hold({AlarmKind::name_taken, subject}, member.since,
+                        text << ": another one has this name too", member.why);
+    case MemberState::rejected:
+      return book_.hold({AlarmKind::rejected_gateway, subject}, member.since,
+                        text << " says what is not taken", member.why);
+    case MemberState::here:
+      if (!member.differs) return;
+      return book_.hold({AlarmKind::other_mesh, subject}, {}, text << " has another mesh",
+                        member.why);
+    case MemberState::waiting:
+      return;
+  }
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,87 @@
+#include "firmware/control/alarm_list.h"
+
+#include <chrono>
+
+namespace etcm::firmware {
+
+namespace {
+
+enum ListSection : std::uint32_t { list_head, list_open, list_ended };
+
+// "3 d 4 h", "12 min", "7 s": its two greatest units.
+void write_duration(TextWriter& piece, port::Duration duration) {
+  const std::int64_t seconds = std::chrono::floor<std::chrono::seconds>(duration).count();
+  if (seconds >= 86'400) {
+    piece << seconds / 86'400 << " d " << seconds / 3600 % 24 << " h";
+  } else if (seconds >= 3600) {
+    piece << seconds / 3600 << " h " << seconds / 60 % 60 << " min";
+  } else if (seconds >= 60) {
+    piece << seconds / 60 << " min";
+  } else {
+    piece << seconds << " s";
+  }
+}
+
+std::string_view ending_of(AlarmEnd end) {
+  switch (end) {
+    case AlarmEnd::unknown:
+      return "";
+    case AlarmEnd::by_itself:
+      return ", ended by itself";
+    case AlarmEnd::dismissed:
+      return ", dismissed";
+    case AlarmEnd::removed:
+      return ", what it was about is no longer there";
+  }
+  return "";
+}
+
+}  // namespace
+
+bool AlarmList::write_next(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const {
+  if (cursor.section == list_head) {
+    write_head(piece);
+    cursor.next_section();
+    return true;
+  }
+  if (cursor.section > (wants_ended_ ? list_ended : list_open)) return false;
+  const Alarm* const alarm = AlarmWalk::next(book_, cursor, cursor.section == list_ended);
+  if (alarm == nullptr) {
+    cursor.next_section();
+  } else if (alarm->is_on || wants_ended_) {
+    write_alarm(*alarm, asked_at, piece);
+  }
+  return true;
+}
+
+void AlarmList::write_head(TextWriter& piece) const {
+  if (book_.on_count() == 0) {
+    piece << "nothing is wrong\n";
+    return;
+  }
+  piece << book_.on_count() << (book_.on_count() == 1 ? " alarm, " : " alarms, ")
+        << book_.unacknowledged_count() << " not acknowledged";
+  if (book_.untold_count() > 0) piece << "; and " << book_.untold_count() << " more";
+  piece << "\n";
+}
+
+void AlarmList::write_alarm(const Alarm& alarm, port::Instant asked_at, TextWriter& piece) const {
+  const std::int64_t unix_now_ms = wall_clock_.milliseconds();
+  piece << "\n" << alarm.number << "  " << to_string(alarm.severity) << "  " << alarm.text();
+  if (!alarm.cure().empty() && alarm.is_on) piece << "\n    do: " << alarm.cure();
+  piece << "\n    since ";
+  piece.utc(alarm.since.time_of_day_ms(asked_at, unix_now_ms));
+  if (alarm.is_on) {
+    piece << " (";
+    write_duration(piece, age_of(alarm.since, asked_at, unix_now_ms));
+    piece << ")";
+  } else {
+    piece << " until ";
+    piece.utc(alarm.until.time_of_day_ms(asked_at, unix_now_ms)) << ending_of(alarm.end);
+  }
+  if (alarm.times > 1) piece << ", " << alarm.times << " times";
+  if (alarm.is_acknowledged) piece << ", acknowledged";
+  piece << "\n";
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,25 @@
+// The alarms as a person reads them in a terminal.
+#pragma once
+
+#include "firmware/status/alarms_document.h"
+
+namespace etcm::firmware {
+
+class AlarmList final : public Document {
+ public:
+  // Both must outlive this. `wants_ended`: those that have ended too.
+  AlarmList(const AlarmBook& book, const port::WallClock& wall_clock, bool wants_ended)
+      : book_(book), wall_clock_(wall_clock), wants_ended_(wants_ended) {}
+
+  bool write_next(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const override;
+
+ private:
+  void write_head(TextWriter& piece) const;
+  void write_alarm(const Alarm& alarm, port::Instant asked_at, TextWriter& piece) const;
+
+  const AlarmBook& book_;
+  const port::WallClock& wall_clock_;
+  const bool wants_ended_;
+};
+
+}  // namespace etcm::firmware

@@ -1,0 +1,147 @@
+// Which document of the site counts: the greatest that was offered and is good.
+#include <algorithm>
+#include <utility>
+
+#include "firmware/fleet/fleet_state.h"
+#include "firmware/fleet/site_codec.h"
+
+namespace etcm::firmware {
+
+namespace {
+
+constexpr OutKey site_key{.kind = TopicKind::site};
+
+}  // namespace
+
+void FleetMember::State::tell_site(port::Instant now) {
+  const bool is_known = site.held && site.version.number > 0 && is_settled;
+  if (is_known && site.on_broker < site.version) mark_site(now);
+}
+
+// Who has it from its own file says it at once. The others wait whether that one does, and need not
+// be allowed to.
+void FleetMember::State::mark_site(port::Instant now) {
+  // Some brokers hang up after a message that they refuse: then each try would take the nodes of
+  // this gateway from the others.
+  if (site.denied == site.version) return;
+  const bool is_ours = site.held->gateway == settings.gateway ||
+                       (site.own && site.own->version().hash == site.version.hash);
+  out.mark(site_key, is_ours ? now : now + settings.period / 2);
+}
+
+// Those who only pass another's on need no right to.
+void FleetMember::State::note_site_refused() {
+  site.denied = site.version;
+  if (!site.held || site.held->gateway != settings.gateway) return;
+  site.trouble =
+      "the broker does not let this gateway tell its site: the others do not have it; allow it "
+      "to write etcm/v1/" +
+      settings.site + "/site there and reload this gateway, or take the site out here";
+  log.write(port::Level::error, "fleet: " + site.trouble);
+}
+
+void FleetMember::State::hold_site(SiteDocument document, port::Instant now) {
+  site.held = std::move(document);
+  site.version = site.held->version();
+  site.refused.reset();
+  site.trouble.clear();
+  has_news_to_save = true;
+  mark_header();
+  tell_site(now);
+}
+
+// Before it is known what the broker has, it is less than all.
+void FleetMember::State::hold_own_site(port::Instant now) {
+  const std::uint32_t refused = site.refused ? site.refused->number : 0;
+  const std::uint32_t greatest = std::max({site.version.number, site.on_broker.number, refused});
+  SiteDocument document = *site.own;
+  document.number = is_settled || greatest > 0 ? std::min(fleet_number_max - 1, greatest) + 1 : 0;
+  hold_site(std::move(document), now);
+}
+
+void FleetMember::State::settle_site(port::Instant now) {
+  site.is_settled = true;
+  const bool is_alone = site.on_broker.number == 0 && !site.refused;
+  if (site.held && site.version.number == 0 && is_alone) return hold_own_site(now);
+  tell_site(now);
+}
+
+void FleetMember::State::consider_site(SiteDocument document, port::Instant now) {
+  const SiteVersion version = document.version();
+  if (version <= site.version || (site.refused && version == site.refused->version())) return;
+  // Later it is of a second program with this name, and the two would go on for ever.
+  const bool is_own_of_before = site.own && !site.is_settled &&
+                                document.gateway == settings.gateway &&
+                                version.hash != site.own->version().hash;
+  if (is_own_of_before) {
+    site.version.number = document.number;
+    return hold_own_site(now);
+  }
+  const std::string refusal = listener.on_site(document, now);
+  if (refusal.empty()) return hold_site(std::move(document), now);
+  site.trouble = document.name() + " is refused: " + refusal;
+  log.write(port::Level::error, "fleet: " + site.trouble + "; the old one stays");
+  site.refused = std::move(document);
+}
+
+void FleetMember::State::take_site(std::string_view payload, port::Instant now) {
+  site.on_broker = {};
+  if (payload.empty()) return tell_site(now);
+  std::string wrong;
+  auto document = decode_site(payload, wrong);
+  if (document && document->number > std::uint64_t{site.version.number} + site_leap_max) {
+    wrong = "number is far beyond the last one";
+    document.reset();
+  }
+  if (!document) {
+    ++rejected_count;
+    site.trouble = "the site on the broker is not sound: " + wrong;
+    log.write(port::Level::error, "fleet: " + site.trouble +
+                                      "; the old one stays; look who may write etcm/v1/" +
+                                      settings.site + "/site");
+    if (site.version.number > 0) out.mark(site_key, now + settings.report_min);
+    return;
+  }
+  site.on_broker = document->version();
+  if (site.on_broker >= site.version) out.unmark(site_key);
+  if (site.on_broker == site.version) site.trouble.clear();
+  tell_site(now);
+  consider_site(std::move(*document), now);
+}
+
+void FleetMember::set_site(SiteDocument own, bool is_changed, port::Instant now) {
+  State& state = *state_;
+  own.gateway = state.settings.gateway;
+  state.site.own = std::move(own);
+  const std::optional<SiteDocument>& held = state.site.held;
+  const bool is_same = held && state.site.own->version().hash == state.site.version.hash;
+  if (is_same) return;
+  if (!held || is_changed || held->gateway == state.settings.gateway) state.hold_own_site(now);
+}
+
+void FleetMember::clear_site() {
+  State::Site& site = state_->site;
+  site.own.reset();
+  // Nobody has ever heard of it.
+  if (site.version.number == 0) {
+    site.held.reset();
+    site.version = {};
+  }
+}
+
+void FleetMember::retry_site(port::Instant now) {
+  if (std::exchange(state_->site.denied, std::nullopt)) state_->tell_site(now);
+  std::optional<SiteDocument> refused = std::exchange(state_->site.refused, std::nullopt);
+  if (!refused) return;
+  state_->site.trouble.clear();
+  state_->consider_site(std::move(*refused), now);
+}
+
+const SiteDocument* FleetMember::site() const {
+  const std::optional<SiteDocument>& held = state_->site.held;
+  return held ? &*held : nullptr;
+}
+
+SiteVersion FleetMember::site_version() const { return state_->site.version; }
+
+}  // namespace etcm::firmware

@@ -1,0 +1,82 @@
+// Who is in the fleet, as the page, the metrics and the health tell it.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "etcm/port/clock.h"
+#include "etcm/port/message_broker.h"
+
+namespace etcm::firmware {
+
+enum class MemberState : std::uint8_t {
+  here,
+  waiting,     // not all that it tells has come yet
+  gone,        // its connection to the broker has ended
+  name_taken,  // another gateway has the same name
+  rejected,    // what it says is nonsense
+};
+
+// The word of a state in documents.
+constexpr std::string_view to_string(MemberState state) {
+  switch (state) {
+    case MemberState::here:
+      return "here";
+    case MemberState::waiting:
+      return "waiting";
+    case MemberState::gone:
+      return "gone";
+    case MemberState::name_taken:
+      return "name_taken";
+    case MemberState::rejected:
+      return "rejected";
+  }
+  return "";
+}
+
+struct ReportedMember {
+  std::string name{};
+  MemberState state = MemberState::waiting;
+  port::Instant since{};         // it has been in this state
+  std::uint32_t node_count = 0;  // that it hears
+  std::uint32_t generation = 0;  // that it published last
+  std::uint64_t mesh_hash = 0;   // of that
+  bool agrees = false;           // it has the mesh that this gateway has
+  std::string version{};         // of its program
+  bool differs = false;          // it does not, and that is no news on their way
+  std::string why{};             // what is wrong, for a person; or empty
+};
+
+// By name, this gateway among them.
+struct FleetReport {
+  std::string site{};
+  std::string name{};
+  bool is_connected = false;
+  port::Instant connected_or_not_since{};
+  // Since when no connection has lasted, such as with a broker that refuses what it is told and
+  // hangs up; none: this one has.
+  std::optional<port::Instant> apart_since{};
+  port::Duration lasting{};  // a connection that has stood for so long is one
+  std::string trouble{};     // why there is none that lasts, for a person
+  std::string refusal{};     // why the others hear nothing from here though there is one; or empty
+  port::BrokerCounters broker{};
+  std::uint32_t agreeing = 0;
+  std::uint32_t site_number = 0;  // of the document of the site; 0: none
+  std::string site_gateway{};     // whose file it is from
+  std::string site_trouble{};     // what is wrong with it, for a person; or empty
+  std::vector<ReportedMember> members{};
+};
+
+// So long no connection has lasted: until the one that there is, or until now. That one may end as
+// those before it have.
+inline port::Duration time_apart(const FleetReport& fleet, port::Instant now) {
+  if (!fleet.apart_since) return {};
+  const port::Instant until = fleet.is_connected ? fleet.connected_or_not_since : now;
+  return std::max<port::Duration>(until - *fleet.apart_since, {});
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,67 @@
+// What is wrong, since when, and what to do: the worst first.
+import { byId, element, setText, showRows } from "./dom.js";
+import { dateOf, momentText } from "./model.js";
+
+// More are on the gateway itself.
+const shownMax = 100;
+const ranks = { critical: 0, major: 1, minor: 2 };
+
+// Whether the list that is shown is an older one.
+export function isOldList(status) {
+  return byId("alarms").dataset.shown !== keyOf(status);
+}
+
+function keyOf(status) { return `${status.instance} ${status.alarms.edition}`; }
+
+// `follow` is called with what an alarm is about, and what was pressed.
+export function showAlarms(status, document, follow) {
+  const section = byId("alarms");
+  section.dataset.shown = keyOf(status);
+  const on = document.alarms.filter((alarm) => alarm.on);
+  section.hidden = on.length === 0;
+  on.sort((a, b) => ranks[a.severity] - ranks[b.severity] || a.since_ms - b.since_ms);
+  const known = on.filter((alarm) => alarm.acknowledged).length;
+  setText(byId("alarms-title"), `Alarms (${on.length})${known > 0 ? `, ${known} acknowledged` : ""}`);
+  showRows(byId("alarm-list"), on.slice(0, shownMax),
+    ({ since_ms, ...rest }) => JSON.stringify(rest), (alarm) => row(alarm, follow));
+  const more = on.length - shownMax + document.untold;
+  const line = byId("alarms-more");
+  line.hidden = on.length <= shownMax && document.untold === 0;
+  setText(line, `and ${more} more: sudo etcm-gateway ctl list`);
+}
+
+function row(alarm, follow) {
+  const item = element("li", "", alarm.severity);
+  // The gateway's own commands go by the number.
+  item.append(headOf(alarm, follow), timeOf(alarm, "since"), element("span", `no. ${alarm.number}`),
+    ...factsOf(alarm));
+  if (alarm.cure) item.append(element("p", alarm.cure));
+  return item;
+}
+
+// Its text, which leads to what it is about.
+export function headOf(alarm, follow) {
+  if (!alarm.about) return element("b", alarm.text);
+  const button = element("button", alarm.text);
+  button.addEventListener("click", () => follow(alarm.about, button));
+  return button;
+}
+
+// "since 23 Nov 2026, 14:03:10 CET"; `name` is that of a time of an alarm.
+export function timeOf(alarm, name) {
+  const ageMs = alarm[`${name}_ms`];
+  // Of an earlier run whose clock was not set.
+  if (alarm[name] === "" && ageMs === 0) return element("time", `${name} a time that is not known`);
+  const date = dateOf(ageMs);
+  const time = element("time", `${name} ${momentText(date)}`);
+  time.dateTime = date.toISOString();
+  return time;
+}
+
+// What else is to be said of it.
+export function factsOf(alarm) {
+  const texts = [];
+  if (alarm.times > 1) texts.push(`${alarm.times} times`);
+  if (alarm.acknowledged) texts.push("acknowledged");
+  return texts.map((text) => element("span", text));
+}

@@ -1,0 +1,40 @@
+// What every part of the page makes its elements with.
+
+export const byId = (id) => document.getElementById(id);
+
+export function element(tag, text, className) {
+  const made = document.createElement(tag);
+  if (text !== undefined) made.textContent = text;
+  if (className) made.className = className;
+  return made;
+}
+
+// A selection, and what a screen reader says again, outlive a text that stays the same.
+export function setText(target, text) {
+  if (target.textContent !== text) target.textContent = text;
+}
+
+// Rows of a list, one for each entry. Those that `keyOf` calls the same stay: a click, the focus and a
+// selection outlive what comes and goes around them.
+export function showRows(list, entries, keyOf, make) {
+  const before = new Map([...list.children].map((row) => [row.dataset.key, row]));
+  const rows = entries.map((entry) => {
+    const key = keyOf(entry);
+    const row = before.get(key) ?? make(entry);
+    before.delete(key);
+    row.dataset.key = key;
+    return row;
+  });
+  for (const row of before.values()) row.remove();
+  rows.forEach((row, at) => {
+    if (list.children[at] !== row) list.insertBefore(row, list.children[at] ?? null);
+  });
+}
+
+// What has no focus of its own has it until somebody goes on; `seen` comes into view.
+export function focusOn(part, seen = part) {
+  if (!part) return;
+  if (part.tabIndex < 0) part.tabIndex = -1;
+  part.focus({ preventScroll: true });
+  seen.scrollIntoView({ block: "nearest" });
+}

@@ -1,0 +1,110 @@
+// A cluster head in C: the mesh of the devices that it hears, in memory that is fixed when it is
+// compiled. No message takes longer than its share of work, and a reset forgets nothing.
+#include <string.h>
+
+#include "etcm/etcm.h"
+#include "messages.h"
+#include "out.h"
+
+enum { devices_max = 16, vertices_max = 100, roads_max = 20, neighbours_max = 8 };
+
+// The work that a message may take, in units of the library; docs/work.md says what one takes.
+#define WORK_OF_A_MESSAGE 20000u
+
+// All that must outlive a reset: kept in memory that is not cleared then, or written to flash.
+static struct {
+  ETCM_STORAGE(mesh, vertices_max, roads_max);
+  etcm_vertex_t vertex_of[devices_max];  // ETCM_INFINITE: the device has not joined
+} kept;
+
+static etcm_mesh_t mesh;
+
+static void say(const message_t* message, etcm_status_t status) {
+  static const char* const words[] = {"joins", "moves", "leaves", "road"};
+  out("device ");
+  out_number(message->device);
+  out(" ");
+  out(words[message->kind]);
+  out(": ");
+  out(etcm_status_name(status));
+  out("\n");
+}
+
+// What is refused changes nothing: the message is answered with why, and all goes on.
+static etcm_status_t hear(const message_t* message) {
+  const etcm_position_t place = {message->x, message->y};
+  const etcm_vertex_t vertex = kept.vertex_of[message->device];
+  etcm_vertex_t joined;
+  etcm_feature_t feature;
+  etcm_status_t status = ETCM_OK;
+  switch (message->kind) {
+    case joins:
+      status = etcm_join(&mesh, place, WORK_OF_A_MESSAGE, &joined);
+      if (status == ETCM_OK) kept.vertex_of[message->device] = joined;
+      break;
+    case moves:
+      status = etcm_move(&mesh, vertex, place, WORK_OF_A_MESSAGE);
+      break;
+    case leaves:
+      status = etcm_leave(&mesh, vertex, WORK_OF_A_MESSAGE);
+      if (status == ETCM_OK) kept.vertex_of[message->device] = ETCM_INFINITE;
+      break;
+    default:
+      status = etcm_add_feature(&mesh, vertex, kept.vertex_of[message->other], WORK_OF_A_MESSAGE,
+                                &feature);
+  }
+  return status;
+}
+
+// Between messages: takes back what history has left, a share of work at a time.
+static void tidy_up(void) {
+  for (int shares = 0; shares < 10 && !etcm_is_canonical(&mesh); ++shares) {
+    if (etcm_canonicalize(&mesh, WORK_OF_A_MESSAGE) != ETCM_WORK_LIMIT) return;
+  }
+}
+
+static void tell_neighbours(etcm_vertex_t vertex) {
+  // What finds no room is not told: to hear of all there may be, it takes vertices_max - 1 entries.
+  etcm_neighbour_t around[neighbours_max];
+  const uint32_t count = etcm_neighbours(&mesh, vertex, around, neighbours_max);
+  out("neighbours of vertex ");
+  out_number(vertex);
+  out(":");
+  for (uint32_t i = 0; i < count && i < neighbours_max; ++i) {
+    out(" ");
+    out_number(around[i].vertex);
+    if (around[i].constrained) out("=");
+  }
+  out("\n");
+}
+
+static void tell(void) {
+  out_number(etcm_node_count(&mesh));
+  out(" devices, ");
+  out_number(etcm_feature_count(&mesh));
+  out(" roads, ");
+  out_number(etcm_steiner_count(&mesh));
+  out(" Steiner vertices\n");
+}
+
+int main(void) {
+  const etcm_config_t config = {.vertices_max = vertices_max, .features_max = roads_max};
+  if (etcm_open(&mesh, kept.mesh, sizeof kept.mesh, &config) != ETCM_OK) return 1;
+  for (size_t i = 0; i < sizeof messages / sizeof *messages; ++i) {
+    say(&messages[i], hear(&messages[i]));
+    tidy_up();
+  }
+  tell();
+  tell_neighbours(kept.vertex_of[4]);
+
+  // A reset: all is gone but what was kept.
+  etcm_seal(&mesh);
+  const uint64_t before = etcm_hash(&mesh);
+  memset(&mesh, 0, sizeof mesh);
+  const etcm_status_t status = etcm_attach(&mesh, kept.mesh, sizeof kept.mesh, NULL);
+  out("after a reset: ");
+  out(etcm_status_name(status));
+  out(status == ETCM_OK && etcm_hash(&mesh) == before ? ", the same mesh\n" : "\n");
+  tell_neighbours(kept.vertex_of[4]);
+  return status == ETCM_OK ? 0 : 1;
+}

@@ -1,0 +1,77 @@
+// A mesh that one writer changes while others read it, without a lock.
+//
+// There are two meshes with one history. Readers are given the one in front; the writer changes the
+// one behind, puts it in front, waits until nobody reads the other any more, and makes the same
+// change there. The same calls on meshes of one history answer the same and give the same ids
+// (mesh.h), so both are one mesh again. A reader never waits; a change takes twice the time, and
+// the mesh twice the memory.
+//
+// For threads, and for interrupts that read what the main program writes: one that has begun is
+// over before the main program goes on, so there the writer never waits.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+
+#include "etcm/mesh.h"
+#include "etcm/storage.h"
+
+namespace example {
+
+template <std::uint32_t VerticesMax, std::uint32_t FeaturesMax>
+class PublishedMesh {
+ public:
+  // Two empty meshes. Before the first reader.
+  etcm::Status open() noexcept {
+    for (unsigned side = 0; side < 2; ++side) {
+      const etcm::Status status =
+          meshes_[side].open(storage_[side].bytes(), storage_[side].config());
+      if (status != etcm::Status::ok) return status;
+    }
+    return etcm::Status::ok;
+  }
+
+  // Answers what `question` answers of the mesh, which stays as it is meanwhile. Any number of
+  // readers; it asks again only where the writer has published in between.
+  template <class Question>
+  auto read(Question question) noexcept {
+    for (;;) {
+      const unsigned side = front_.load();
+      readers_[side].fetch_add(1);
+      if (front_.load() == side) {
+        const Reading reading(readers_[side]);
+        return question(static_cast<const etcm::Mesh&>(meshes_[side]));
+      }
+      readers_[side].fetch_sub(1);
+    }
+  }
+
+  // Makes a change, which is called twice, each time with another mesh, and must do the same. What
+  // is refused is not published. `idle` is called over and over while readers are waited for.
+  template <class Change, class Idle>
+  etcm::Status change(Change make, Idle idle) noexcept {
+    const unsigned before = front_.load(), after = 1 - before;
+    const etcm::Status status = make(meshes_[after]);
+    if (status != etcm::Status::ok) return status;
+    front_.store(after);
+    while (readers_[before].load() != 0) idle();
+    return make(meshes_[before]);
+  }
+
+ private:
+  struct Reading {
+    explicit Reading(std::atomic<unsigned>& count) noexcept : readers(count) {}
+    Reading(const Reading&) = delete;
+    Reading& operator=(const Reading&) = delete;
+    ~Reading() { readers.fetch_sub(1); }
+    std::atomic<unsigned>& readers;
+  };
+
+  std::array<etcm::MeshStorage<VerticesMax, FeaturesMax>, 2> storage_;
+  std::array<etcm::Mesh, 2> meshes_;
+  std::atomic<unsigned> front_{0};
+  std::array<std::atomic<unsigned>, 2> readers_{};
+};
+
+}  // namespace example

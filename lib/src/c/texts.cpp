@@ -1,0 +1,116 @@
+// Statuses, faults and their texts, for C.
+#include "c/same.h"
+#include "etcm/c/types.h"
+#include "etcm/illegal_argument.h"
+#include "etcm/status.h"
+
+using namespace etcm;
+
+#define ETCM_SAME_STATUS(number, name) static_assert((number) == static_cast<int>(Status::name))
+ETCM_SAME_STATUS(ETCM_OK, ok);
+ETCM_SAME_STATUS(ETCM_BAD_CONFIG, bad_config);
+ETCM_SAME_STATUS(ETCM_STORAGE_TOO_SMALL, storage_too_small);
+ETCM_SAME_STATUS(ETCM_BAD_COORDINATE, bad_coordinate);
+ETCM_SAME_STATUS(ETCM_DUPLICATE_VERTEX, duplicate_vertex);
+ETCM_SAME_STATUS(ETCM_UNKNOWN_VERTEX, unknown_vertex);
+ETCM_SAME_STATUS(ETCM_UNKNOWN_FEATURE, unknown_feature);
+ETCM_SAME_STATUS(ETCM_STALE_HANDLE, stale_handle);
+ETCM_SAME_STATUS(ETCM_ZERO_LENGTH_FEATURE, zero_length_feature);
+ETCM_SAME_STATUS(ETCM_REPEATED_FEATURE, repeated_feature);
+ETCM_SAME_STATUS(ETCM_OVERLAPPING_FEATURES, overlapping_features);
+ETCM_SAME_STATUS(ETCM_CROSSING_FEATURES, crossing_features);
+ETCM_SAME_STATUS(ETCM_ENDPOINT_IN_USE, endpoint_in_use);
+ETCM_SAME_STATUS(ETCM_MESH_NOT_EMPTY, mesh_not_empty);
+ETCM_SAME_STATUS(ETCM_MESH_UNRESOLVED, mesh_unresolved);
+ETCM_SAME_STATUS(ETCM_BUFFER_TOO_SMALL, buffer_too_small);
+ETCM_SAME_STATUS(ETCM_OUT_OF_VERTICES, out_of_vertices);
+ETCM_SAME_STATUS(ETCM_OUT_OF_FEATURES, out_of_features);
+ETCM_SAME_STATUS(ETCM_OUT_OF_HANDLES, out_of_handles);
+ETCM_SAME_STATUS(ETCM_STEINER_BUDGET, steiner_budget);
+ETCM_SAME_STATUS(ETCM_WORK_LIMIT, work_limit);
+ETCM_SAME_STATUS(ETCM_GRID_EXHAUSTED, grid_exhausted);
+ETCM_SAME_STATUS(ETCM_NOT_A_MESH, not_a_mesh);
+ETCM_SAME_STATUS(ETCM_WRONG_VERSION, wrong_version);
+ETCM_SAME_STATUS(ETCM_WRONG_BYTE_ORDER, wrong_byte_order);
+ETCM_SAME_STATUS(ETCM_WRONG_ID_WIDTH, wrong_id_width);
+ETCM_SAME_STATUS(ETCM_DAMAGED, damaged);
+
+#define ETCM_SAME_FAULT(number, name) static_assert((number) == static_cast<int>(Fault::name))
+ETCM_SAME_FAULT(ETCM_FAULT_NOT_OPEN, not_open);
+ETCM_SAME_FAULT(ETCM_FAULT_BAD_STORAGE, bad_storage);
+ETCM_SAME_FAULT(ETCM_FAULT_NO_VERTEX, no_vertex);
+ETCM_SAME_FAULT(ETCM_FAULT_NO_TRIANGLE, no_triangle);
+ETCM_SAME_FAULT(ETCM_FAULT_NO_FEATURE, no_feature);
+ETCM_SAME_FAULT(ETCM_FAULT_ZERO_RANGE, zero_range);
+ETCM_SAME_FAULT(ETCM_FAULT_NO_REGION, no_region);
+ETCM_SAME_FAULT(ETCM_FAULT_HAS_FEATURES, has_features);
+ETCM_SAME_FAULT(ETCM_FAULT_IN_CALLBACK, in_callback);
+ETCM_SAME_FAULT(ETCM_FAULT_OUTSIDE, outside);
+
+#define ETCM_SAME_CALL(number, name) static_assert((number) == static_cast<int>(Call::name))
+ETCM_SAME_CALL(ETCM_CALL_OPEN, open);
+ETCM_SAME_CALL(ETCM_CALL_CLEAR, clear);
+ETCM_SAME_CALL(ETCM_CALL_BUILD, build);
+ETCM_SAME_CALL(ETCM_CALL_RESTORE, restore);
+ETCM_SAME_CALL(ETCM_CALL_REBUILD, rebuild);
+ETCM_SAME_CALL(ETCM_CALL_JOIN, join);
+ETCM_SAME_CALL(ETCM_CALL_LEAVE, leave);
+ETCM_SAME_CALL(ETCM_CALL_MOVE, move);
+ETCM_SAME_CALL(ETCM_CALL_ADD_FEATURE, add_feature);
+ETCM_SAME_CALL(ETCM_CALL_REMOVE_FEATURE, remove_feature);
+ETCM_SAME_CALL(ETCM_CALL_CONFIG, config);
+ETCM_SAME_CALL(ETCM_CALL_NODE_COUNT, node_count);
+ETCM_SAME_CALL(ETCM_CALL_STEINER_COUNT, steiner_count);
+ETCM_SAME_CALL(ETCM_CALL_FEATURE_COUNT, feature_count);
+ETCM_SAME_CALL(ETCM_CALL_TRIANGLE_COUNT, triangle_count);
+ETCM_SAME_CALL(ETCM_CALL_FINITE_TRIANGLE_COUNT, finite_triangle_count);
+ETCM_SAME_CALL(ETCM_CALL_UNRESOLVED, unresolved);
+ETCM_SAME_CALL(ETCM_CALL_VERTEX_ID_END, vertex_id_end);
+ETCM_SAME_CALL(ETCM_CALL_FEATURE_ID_END, feature_id_end);
+ETCM_SAME_CALL(ETCM_CALL_ERROR_DETAIL, error_detail);
+ETCM_SAME_CALL(ETCM_CALL_KIND, kind);
+ETCM_SAME_CALL(ETCM_CALL_POINT, point);
+ETCM_SAME_CALL(ETCM_CALL_POSITION, position);
+ETCM_SAME_CALL(ETCM_CALL_FEATURE_OF, feature_of);
+ETCM_SAME_CALL(ETCM_CALL_NEIGHBOURS, neighbours);
+ETCM_SAME_CALL(ETCM_CALL_TRIANGLE, triangle);
+ETCM_SAME_CALL(ETCM_CALL_IS_FEATURE, is_feature);
+ETCM_SAME_CALL(ETCM_CALL_ENDS, ends);
+ETCM_SAME_CALL(ETCM_CALL_CHAIN, chain);
+ETCM_SAME_CALL(ETCM_CALL_HASH, hash);
+ETCM_SAME_CALL(ETCM_CALL_AUDIT, audit);
+ETCM_SAME_CALL(ETCM_CALL_LOCATE, locate);
+ETCM_SAME_CALL(ETCM_CALL_LABEL_DOMAIN, label_domain);
+ETCM_SAME_CALL(ETCM_CALL_LINKS, links);
+ETCM_SAME_CALL(ETCM_CALL_LINKS_AT, links_at);
+ETCM_SAME_CALL(ETCM_CALL_CONNECTIVITY, connectivity);
+ETCM_SAME_CALL(ETCM_CALL_RELAYS, relays);
+ETCM_SAME_CALL(ETCM_CALL_BARRIER_GAPS, barrier_gaps);
+ETCM_SAME_CALL(ETCM_CALL_COVERAGE_HOLES, coverage_holes);
+ETCM_SAME_CALL(ETCM_CALL_INTERPOLATE, interpolate);
+ETCM_SAME_CALL(ETCM_CALL_CANONICALIZE, canonicalize);
+ETCM_SAME_CALL(ETCM_CALL_IS_CANONICAL, is_canonical);
+ETCM_SAME_CALL(ETCM_CALL_NEAREST_NODE, nearest_node);
+ETCM_SAME_CALL(ETCM_CALL_NEAREST_NODES, nearest_nodes);
+ETCM_SAME_CALL(ETCM_CALL_NODES_WITHIN, nodes_within);
+ETCM_SAME_CALL(ETCM_CALL_FEATURES_AT, features_at);
+ETCM_SAME_CALL(ETCM_CALL_FEATURE_BETWEEN, feature_between);
+ETCM_SAME_CALL(ETCM_CALL_OPTIMISE, optimise);
+ETCM_SAME_CALL(ETCM_CALL_LEAST_STEINER, least_steiner);
+ETCM_SAME_CALL(ETCM_CALL_WORK_NEEDED, work_needed);
+ETCM_SAME_CALL(ETCM_CALL_HANDLES, handles);
+ETCM_SAME_CALL(ETCM_CALL_DRY_RUN, dry_run);
+ETCM_SAME_CALL(ETCM_CALL_WORK_USED, work_used);
+ETCM_SAME_CALL(ETCM_CALL_SEAL, seal);
+ETCM_SAME_CALL(ETCM_CALL_ATTACH, attach);
+ETCM_SAME_CALL(ETCM_CALL_SAVED_BYTES, saved_bytes);
+ETCM_SAME_CALL(ETCM_CALL_SAVE, save);
+ETCM_SAME_CALL(ETCM_CALL_LOAD, load);
+ETCM_SAME_CALL(ETCM_CALL_POLICY, policy);
+
+const char* etcm_status_name(etcm_status_t status) {
+  return to_string(static_cast<Status>(status));
+}
+const char* etcm_explain(etcm_status_t status) { return explain(static_cast<Status>(status)); }
+const char* etcm_call_name(etcm_call_t call) { return to_string(static_cast<Call>(call)); }
+const char* etcm_fault_name(etcm_fault_t fault) { return to_string(static_cast<Fault>(fault)); }

@@ -1,0 +1,179 @@
+#include "conforming/nodes.h"
+
+#include "conforming/canonical.h"
+#include "conforming/conform.h"
+#include "conforming/detach.h"
+#include "conforming/features.h"
+#include "conforming/transaction.h"
+#include "triangulation/hints.h"
+#include "triangulation/insert.h"
+#include "triangulation/locate.h"
+#include "triangulation/mesh_state.h"
+#include "triangulation/remove.h"
+#include "triangulation/segment_store.h"
+
+namespace etcm::internal {
+namespace {
+
+// The segment that p stands on: on one of its Steiner vertices or subsegments. None: on neither.
+SegmentId section_under(const MeshState& m, const Found& found) noexcept {
+  if (found.type == LocateType::on_vertex && m.owner(found.vertex).role() != Role::node) {
+    return m.owner(found.vertex).segment();
+  }
+  if (found.type == LocateType::on_edge && m.topology.is_constrained(found.edge)) {
+    return segment_of_edge(m, m.topology.origin(found.edge), m.topology.target(found.edge));
+  }
+  return SegmentId::none();
+}
+
+// To link a segment at its ends, or to find it there.
+constexpr Units work_of_link = 4;
+
+// The part of a feature that goes on at v where s ends; none where the feature ends there.
+SegmentId continuation(const MeshState& m, SegmentId s, VertexId v) noexcept {
+  return m.segment(s).to == v ? m.segment(s).next : SegmentId::none();
+}
+
+// The segment that stands where a part of that list was joined to another.
+SegmentId joined_section(const MeshState& m, SegmentId part) noexcept {
+  const VertexId end = m.segment(part).to;
+  SegmentId s = m.owner(end).segment();
+  while (m.segment(s).to != end || m.segment(s).root != m.segment(part).root) {
+    s = next_at(m, s, end);
+  }
+  return s;
+}
+
+}  // namespace
+
+Status report(MeshState& m, Status status, VertexId vertex) noexcept {
+  m.error_detail.status = status;
+  m.error_detail.vertex = vertex;
+  return status;
+}
+
+Status insert_node(Change& change, VertexId v, SegmentId& cut, SegmentId& rest) noexcept {
+  MeshState& m = change.mesh;
+  Found found = find(m, m.at(v), edge_near(m, m.at(v)), m.work.left());
+  if (!m.work.spend(found.steps)) return report(m, Status::work_limit, VertexId::none());
+  if (found.type == LocateType::on_vertex && m.owner(found.vertex).role() == Role::node) {
+    return report(m, Status::duplicate_vertex, found.vertex);
+  }
+  cut = section_under(m, found);
+  if (!cut.is_none()) {
+    if (rest.is_none()) rest = allocate_segment(m);
+    if (rest.is_none()) {
+      m.error_detail.feature = feature_of(m, cut);
+      return report(m, Status::out_of_features, VertexId::none());
+    }
+    touch(change, rest);
+    if (strip_segment(change, cut)) {
+      found = find(m, m.at(v), m.walk_start, m.work.left());
+      static_cast<void>(m.work.spend(found.steps));
+    }
+  }
+  m.owner(v) = Owner(Role::node, SegmentId::none());
+  if (m.work.is_over() || !insert_vertex(change, v, found)) {
+    return report(m, Status::work_limit, VertexId::none());
+  }
+  if (!cut.is_none()) {
+    cut_segment(m, cut, v, rest);
+    touch(change, cut);
+    note_incidence(change, cut);
+    note_incidence(change, rest);
+    make_dirty(change, cut);
+    make_dirty(change, rest);
+  }
+  return Status::ok;
+}
+
+void remove_node(Change& change, VertexId v, SegmentId cut, SegmentId rest) noexcept {
+  MeshState& m = change.mesh;
+  if (!cut.is_none()) {
+    static_cast<void>(strip_segment(change, cut));
+    static_cast<void>(strip_segment(change, rest));
+    rejoin_segments(m, cut, rest);
+    m.segment(rest).from = VertexId::none();
+  }
+  unsigned degree = 0;
+  static_cast<void>(may_remove_touching(change, v, degree));
+  remove_vertex(m, v, degree);
+}
+
+bool is_endpoint(const MeshState& m, VertexId v) noexcept {
+  for (SegmentId s = m.owner(v).segment(); !s.is_none(); s = next_at(m, s, v)) {
+    const bool starts = m.segment(s).from == v && feature_of(m, s).value == s.value;
+    if (starts || (m.segment(s).to == v && m.segment(s).next.is_none())) return true;
+  }
+  return false;
+}
+
+bool strip_segments_at(Change& change, VertexId v) noexcept {
+  MeshState& m = change.mesh;
+  for (SegmentId s = m.owner(v).segment(); !s.is_none(); s = next_at(m, s, v)) {
+    const SegmentId rest = continuation(m, s, v);
+    if (rest.is_none()) continue;
+    if (!strip_segment(change, s) || !strip_segment(change, rest)) return false;
+    note_incidence(change, s);
+    note_incidence(change, rest);
+    m.work.keep(2 * work_of_link);
+    if (!m.work.spend_whole(2 * work_of_link)) return false;
+  }
+  return true;
+}
+
+SegmentId merge_segments_at(Change& change, VertexId v) noexcept {
+  MeshState& m = change.mesh;
+  SegmentId parts{};
+  for (SegmentId s = m.owner(v).segment(); !s.is_none();) {
+    const SegmentId rest = continuation(m, s, v);
+    if (rest.is_none()) {
+      s = next_at(m, s, v);
+      continue;
+    }
+    rejoin_segments(m, s, rest);
+    touch(change, s);
+    make_dirty(change, s);
+    m.segment(rest).from = VertexId::none();
+    m.segment(rest).next = parts;
+    parts = rest;
+    s = m.owner(v).segment();
+  }
+  return parts;
+}
+
+void put_node_back(Change& change, VertexId v, SegmentId parts) noexcept {
+  MeshState& m = change.mesh;
+  for (SegmentId part = parts; !part.is_none(); part = m.segment(part).next) {
+    static_cast<void>(strip_segment(change, joined_section(m, part)));
+  }
+  put_back(change, v);
+}
+
+void split_segments_at(MeshState& m, VertexId v, SegmentId parts) noexcept {
+  while (!parts.is_none()) {
+    const SegmentId part = parts;
+    parts = m.segment(part).next;
+    cut_segment(m, joined_section(m, part), v, part);
+  }
+}
+
+FeatureList unlink_features_of(Change& change, VertexId v) noexcept {
+  MeshState& m = change.mesh;
+  FeatureList list;
+  for (SegmentId s = m.owner(v).segment(); !s.is_none();) {
+    const SegmentId root{feature_of(m, s).value};
+    const FeatureEnds ends = ends_of(m, root);
+    if (ends.from != v && ends.to != v) {
+      s = next_at(m, s, v);
+      continue;
+    }
+    m.work.keep(2 * work_of_link);
+    if (!m.work.spend_whole(2 * work_of_link) || !unlink_feature(change, root)) break;
+    list.push(m, root);
+    s = m.owner(v).segment();
+  }
+  return list;
+}
+
+}  // namespace etcm::internal

@@ -1,0 +1,281 @@
+// How many instructions each public call takes, with 200 nodes and 20 features between any two of
+// them: the median and the most on random input, and the most on inputs that a search found. One
+// line a call; cost.py makes the tables of lib/docs/cost.md of them. Leaves with 1 where a call
+// takes more than its work allows, or where the hook comes too late.
+//
+// With ETCM_COST_SEARCH, a count of inputs, it is the search: it tries as many and tells which are
+// the worst of each call.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include "board/instructions.h"
+#include "console.h"
+#include "cost_inputs.h"
+#include "etcm/audit.h"
+#include "etcm/domain.h"
+#include "etcm/dry_run.h"
+#include "etcm/incidence.h"
+#include "etcm/locate.h"
+#include "etcm/nearest.h"
+#include "etcm/storage.h"
+
+namespace {
+
+using namespace etcm;
+using inputs::Random;
+using test::put;
+using test::put_number;
+
+// That lib/docs/work.md states.
+constexpr std::uint64_t instructions_max = ETCM_INSTRUCTIONS_MAX;
+// Of smaller calls fixed costs are measured, not the units.
+constexpr std::uint64_t least_units = 1000;
+// From one end of a row of nodes to the other.
+constexpr std::uint32_t walk_most = 2 * test::cost_node_count;
+constexpr std::uint32_t samples_most = 96;
+constexpr std::uint32_t rounds = 12;
+constexpr std::uint32_t random_inputs = 4;
+// Inputs that the search found to be the worst of a call.
+constexpr std::uint32_t kept[] = {ETCM_COST_KEPT};
+
+MeshStorage<900, 120> storage;
+Mesh mesh;
+test::CostInput input;
+std::array<FeatureEnds, test::cost_feature_count> features;
+std::array<SteinerPlace, 700> steiner;
+test::InstructionClock timer;
+std::uint32_t seed = 0;
+bool is_random = true;
+bool is_right = true;
+volatile std::uint64_t seen;
+// All that a mesh of these capacities can come to.
+std::array<std::byte, 48 + 8 * 900 + 16 * 120> saved;
+
+struct Row {
+  const char* name;
+  bool is_change = true;
+  std::uint32_t count = 0;
+  std::uint32_t samples[samples_most] = {};
+  std::uint64_t worst = 0;  // on random input
+  std::uint64_t found = 0;  // on any
+  std::uint32_t found_with = 0;
+  std::uint64_t unit = 0;  // most instructions a unit, of calls of least_units and more
+  std::uint32_t unit_with = 0;
+  std::uint64_t least = 0;  // most instructions of smaller ones
+  std::uint64_t longest = 0;
+  std::uint32_t longest_with = 0;
+};
+
+template <class T>
+void raise(T& most, T value, std::uint32_t& with) {
+  if (value <= most) return;
+  most = value;
+  with = seed;
+}
+
+template <class Call>
+auto measure(Row& row, const Call& call) {
+  timer.start();
+  const auto answer = call();
+  timer.stop();
+  const std::uint64_t instructions = timer.instructions();
+  bool is_done = true;
+  if constexpr (std::is_same_v<decltype(answer), const Status>) is_done = answer == Status::ok;
+  if (is_random && is_done) {
+    if (row.count < samples_most)
+      row.samples[row.count++] = static_cast<std::uint32_t>(instructions);
+    row.worst = std::max(row.worst, instructions);
+  }
+  raise(row.found, instructions, row.found_with);
+  if (!row.is_change) return answer;
+  raise(row.longest, timer.longest(), row.longest_with);
+  const std::uint64_t units = mesh.work_needed().units;
+  if (units < least_units) {
+    row.least = std::max(row.least, instructions);
+  } else {
+    raise(row.unit, (instructions + units - 1) / units, row.unit_with);
+  }
+  return answer;
+}
+
+Row build{"build"}, restore{"restore"}, rebuild{"rebuild"}, canonicalize{"canonicalize"},
+    optimise{"optimise, 10 trials"}, join{"join"}, leave{"leave"}, move{"move"},
+    add_feature{"add_feature"}, remove_feature{"remove_feature"}, dry_join{"DryRun::join", false},
+    find{"locate", false}, nearest{"nearest_node", false}, within{"nodes_within, ten", false},
+    around{"neighbours", false}, along{"chain", false}, at_node{"features_at", false},
+    hash{"hash", false}, proof{"audit", false}, sealing{"seal", false}, attaching{"attach", false},
+    saving{"save", false}, loading{"load"};
+Row* const rows[] = {&build,   &restore, &rebuild,     &canonicalize,   &optimise, &join,
+                     &leave,   &move,    &add_feature, &remove_feature, &dry_join, &find,
+                     &nearest, &within,  &around,      &along,          &at_node,  &hash,
+                     &proof,   &sealing, &attaching,   &saving,         &loading};
+
+Position anywhere(Random& random) {
+  const std::int32_t x = random.between(0, input.side);
+  return {x, random.between(0, input.side)};
+}
+
+VertexId any_node(Random& random) {
+  return VertexId{static_cast<IdValue>(1 + random.below(test::cost_node_count))};
+}
+
+// Those that do not cross another one.
+std::uint32_t choose_features(Random& random) {
+  std::uint32_t count = 0;
+  for (std::uint32_t tries = 0; tries < 400 && count < features.size(); ++tries) {
+    const FeatureEnds ends{any_node(random), any_node(random)};
+    FeatureId id;
+    if (mesh.add_feature(ends, id) == Status::ok) features[count++] = ends;
+  }
+  return count;
+}
+
+void ask(Random& random, VertexId node) {
+  const Point place = to_point(anywhere(random));
+  seen = measure(find, [&] { return locate(mesh, place).vertex.value; });
+  seen = measure(nearest, [&] { return nearest_node(mesh, place).value; });
+  std::array<NearNode, 10> ten;
+  const auto reach = static_cast<std::uint32_t>(input.side / 8);
+  seen = measure(within, [&] { return nodes_within(mesh, place, reach, ten); });
+  std::array<Neighbour, 16> some;
+  seen = measure(around, [&] { return mesh.neighbours(node, some); });
+  std::array<FeatureAt, 8> there;
+  seen = measure(at_node, [&] { return features_at(mesh, node, there); });
+}
+
+void change(Random& random) {
+  const Position first = anywhere(random), second = anywhere(random);
+  VertexId id;
+  static_cast<void>(measure(dry_join, [&] { return DryRun(mesh).join(first).status; }));
+  if (measure(join, [&] { return mesh.join(first, id); }) != Status::ok) return;
+  ask(random, id);
+  static_cast<void>(measure(move, [&] { return mesh.move(id, second); }));
+  const VertexId other = any_node(random);
+  FeatureId feature;
+  const Status added = measure(add_feature, [&] { return mesh.add_feature({id, other}, feature); });
+  if (added == Status::ok) {
+    std::array<VertexId, 32> vertices;
+    seen = measure(along, [&] { return mesh.chain(feature, vertices); });
+    static_cast<void>(measure(canonicalize, [&] { return mesh.canonicalize(); }));
+    static_cast<void>(measure(remove_feature, [&] { return mesh.remove_feature(feature); }));
+  }
+  static_cast<void>(measure(leave, [&] { return mesh.leave(id); }));
+  static_cast<void>(measure(canonicalize, [&] { return mesh.canonicalize(); }));
+  // A node with its features.
+  const VertexId node = any_node(random);
+  const Position home = mesh.position(node);
+  if (measure(move, [&] { return mesh.move(node, first); }) != Status::ok) return;
+  static_cast<void>(measure(move, [&] { return mesh.move(node, home); }));
+}
+
+void lay_again(std::uint32_t feature_count) {
+  FeatureId added;
+  if (mesh.add_feature({VertexId{1}, VertexId{2}}, added) == Status::ok) {
+    static_cast<void>(mesh.remove_feature(added));
+  }
+  static_cast<void>(measure(rebuild, [] { return mesh.rebuild(); }));
+  std::uint32_t count = 0;
+  for (IdValue i = 1; i < mesh.vertex_id_end(); ++i) {
+    const VertexId v{i};
+    if (mesh.kind(v) != VertexKind::steiner || count == steiner.size()) continue;
+    steiner[count++] = {mesh.feature_of(v).value, mesh.point(v)};
+  }
+  static_cast<void>(measure(optimise, [] { return mesh.optimise(10); }));
+  mesh.clear();
+  static_cast<void>(measure(restore, [&] {
+    return mesh.restore(input.nodes, std::span(features).first(feature_count),
+                        std::span(steiner).first(count));
+  }));
+}
+
+// Where it goes on after a reset, or on another machine.
+void go_on() {
+  seen = measure(sealing, [] {
+    seal(mesh);
+    return 0u;
+  });
+  if (measure(attaching, [] { return attach(mesh, storage.bytes()); }) != Status::ok ||
+      measure(saving, [] { return mesh.save(saved); }) != Status::ok) {
+    is_right = false;
+  }
+  mesh.clear();
+  if (measure(loading, [] { return mesh.load(saved); }) != Status::ok) is_right = false;
+}
+
+void live(std::uint32_t with) {
+  seed = with;
+  Random random(seed);
+  test::make_cost_input(seed, random, input);
+  if (mesh.open(storage.bytes(), storage.config()) != Status::ok ||
+      mesh.build(input.nodes, {}) != Status::ok) {
+    is_right = false;
+    return;
+  }
+  mesh.keep_alive({[](void*) noexcept { timer.look(); }, nullptr});
+  const std::uint32_t count = choose_features(random);
+  mesh.clear();
+  static_cast<void>(
+      measure(build, [&] { return mesh.build(input.nodes, std::span(features).first(count)); }));
+  if (mesh.unresolved() != 0) return;
+  for (std::uint32_t i = 0; i < rounds; ++i) change(random);
+  seen = measure(hash, [] { return mesh.hash(); });
+  seen = measure(proof, [] { return static_cast<std::uint64_t>(audit(mesh).broken); });
+  lay_again(count);
+  if (mesh.unresolved() == 0 && mesh.node_count() != 0) go_on();
+}
+
+std::uint64_t median_of(Row& row) {
+  if (row.count == 0) return 0;
+  std::sort(row.samples, row.samples + row.count);
+  return row.samples[row.count / 2];
+}
+
+void print(Row& row) {
+  put("cost;");
+  put(row.name);
+  for (const std::uint64_t value :
+       {median_of(row), row.worst, row.found, row.unit, row.least, row.longest,
+        std::uint64_t{row.found_with}, std::uint64_t{row.unit_with},
+        std::uint64_t{row.longest_with}}) {
+    put(";");
+    put_number(value);
+  }
+  put("\n");
+  if (row.unit > instructions_max || row.least > instructions_max * least_units ||
+      row.longest > instructions_max * (KeepAlive::units_between + walk_most)) {
+    is_right = false;
+  }
+}
+
+}  // namespace
+
+// Of a storage for as many nodes and a tenth as many features.
+void print_memory(std::uint32_t nodes) {
+  const MeshConfig config = capacity_for(nodes, nodes / 10);
+  put("ram");
+  for (const std::uint64_t value :
+       {std::uint64_t{nodes}, std::uint64_t{nodes / 10}, std::uint64_t{config.vertices_max},
+        std::uint64_t{config.features_max}, std::uint64_t{storage_bytes(config)}}) {
+    put(";");
+    put_number(value);
+  }
+  put("\n");
+}
+
+int main() {
+#ifdef ETCM_COST_SEARCH
+  is_random = false;
+  for (std::uint32_t i = 0; i < ETCM_COST_SEARCH; ++i) live(i);
+#else
+  for (std::uint32_t i = 0; i < random_inputs; ++i) live(i * test::cost_kinds);
+  is_random = false;
+  for (const std::uint32_t with : kept) live(with);
+#endif
+  for (Row* row : rows) print(*row);
+  for (const std::uint32_t nodes : {50u, 200u, 1000u}) print_memory(nodes);
+  put(is_right ? "within the limits\n" : "beyond a limit\n");
+  return is_right ? 0 : 1;
+}

@@ -1,0 +1,78 @@
+// Mesh::load() of any bytes: nothing in them is believed, so whatever they are, the mesh is whole
+// or empty. One byte says how much room there is and whether the checksum is made right, one the
+// limit.
+#include <algorithm>
+#include <vector>
+
+#include "base/checksum.h"
+#include "etcm/audit.h"
+#include "inputs/owned_mesh.h"
+#include "mesh/saved.h"
+#include "mesh_changes.h"
+#include "mesh_questions.h"
+
+namespace etcm::fuzz {
+namespace {
+
+using namespace internal;
+
+std::uint32_t word_at(std::span<const std::byte> bytes, std::size_t at) {
+  std::uint32_t word = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    word |= std::to_integer<std::uint32_t>(bytes[at + i]) << (8 * i);
+  }
+  return word;
+}
+
+// As somebody would who forges a mesh.
+void make_checksum_right(std::span<std::byte> saved) {
+  if (saved.size() < saved_head_bytes || word_at(saved, 12) == 0) return;
+  const std::uint64_t whole = saved_size(word_at(saved, 12), word_at(saved, 16));
+  if (whole > saved.size()) return;
+  const auto before = static_cast<std::size_t>(whole) - saved_tail_bytes;
+  Checksum sum;
+  sum.add(saved.data(), before);
+  for (std::size_t i = 0; i < saved_tail_bytes; ++i) {
+    saved[before + i] = static_cast<std::byte>(sum.value() >> (8 * i));
+  }
+}
+
+// It goes on as any other mesh does.
+void live_on(Mesh& mesh, Input& input) {
+  ask_everything(mesh, input);
+  std::vector<std::uint32_t> numbers(Handles::words(mesh.config()));
+  Handles handles;
+  require(handles.open(mesh, numbers) == Status::ok, "open() of handles");
+  MeshChanges changes(mesh, handles, 100);
+  for (int i = 0; i < 16 && !input.is_empty(); ++i) changes.make_one(input);
+  compare_with_build(mesh);
+}
+
+}  // namespace
+
+void run(std::span<const std::uint8_t> bytes) {
+  Input input(bytes);
+  const std::uint8_t choice = input.byte(), limit = input.byte();
+  const std::span<const std::uint8_t> given = input.rest();
+  std::vector<std::byte> saved(given.size());
+  std::transform(given.begin(), given.end(), saved.begin(),
+                 [](auto byte) { return std::byte{byte}; });
+  if (choice % 4 != 0) make_checksum_right(saved);
+  inputs::OwnedMesh mesh({.vertices_max = choice < 32 ? 20u : 600u,
+                          .features_max = choice < 64 ? 10u : 300u,
+                          .steiner_max = choice < 96 ? 4u : 0u});
+  require(mesh.opened() == Status::ok, "open()");
+  const Work most = limit < 240 ? Work::unlimited() : Work{std::uint64_t{1} << (limit % 16)};
+  const Status status = mesh->load(saved, most);
+  require(mesh->work_used() <= most, "load() has worked more than it may");
+  require(audit(*mesh).broken == Rule::none, "load() leaves what fails its audit");
+  if (status != Status::ok) {
+    require(mesh->node_count() == 0 && mesh->feature_count() == 0 && mesh->steiner_count() == 0,
+            "a refused load() left something");
+  }
+  // Changes are made of the same bytes.
+  Input changes(given);
+  live_on(*mesh, changes);
+}
+
+}  // namespace etcm::fuzz

@@ -1,0 +1,128 @@
+#include "device.h"
+
+#include <algorithm>
+#include <array>
+
+namespace etcm::simulation {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+// Who asks about what was so long ago gets no answer here.
+constexpr Duration remembered = 10min;
+
+constexpr std::uint8_t read_holding = 3, read_input = 4, write_one = 6, write_many = 16;
+constexpr std::uint8_t illegal_function = 1, illegal_address = 2, device_busy = 6;
+constexpr std::uint16_t position_registers = 12, configuration_first = 200, configuration_end = 443;
+constexpr std::uint16_t fix_valid = 1, leaving = 1 << 5;
+
+std::uint16_t word(std::span<const std::uint8_t> bytes, std::size_t at) {
+  return static_cast<std::uint16_t>(bytes[at] << 8 | bytes[at + 1]);
+}
+
+std::vector<std::uint8_t> exception(std::uint8_t function, std::uint8_t code) {
+  return {static_cast<std::uint8_t>(function | 0x80), code};
+}
+
+}  // namespace
+
+Device::Device(std::uint32_t number, std::uint8_t at_unit, Position place, Instant now)
+    : serial(number), unit(at_unit), undisturbed_since(now) {
+  places_.push_back({now, place});
+}
+
+void Device::move(Position place, Instant now) {
+  places_.push_back({now, place});
+  sequence_ = static_cast<std::uint16_t>(sequence_ + 1);
+  while (places_.size() > 2 && places_[1].since + remembered < now) places_.pop_front();
+}
+
+void Device::fall_ill(Ailment what, Instant now, inputs::Random& random) {
+  ailment = what;
+  disturb(now);
+  lateness_ = 250ms + random.below(4500) * 1ms;
+}
+
+bool Device::held(Position place, Instant from) const {
+  for (std::size_t i = places_.size(); i-- > 0;) {
+    if (places_[i].position == place) return true;
+    if (places_[i].since <= from) return false;
+  }
+  return false;
+}
+
+std::vector<std::uint8_t> Device::registers(std::uint16_t first, std::uint16_t count, Instant now,
+                                            inputs::Random& random) const {
+  const auto x = static_cast<std::uint32_t>(place().x), y = static_cast<std::uint32_t>(place().y);
+  std::uint16_t status = 0;
+  if (ailment != Ailment::lost) status |= fix_valid;
+  if (is_leaving) status |= leaving;
+  const auto high = [](std::uint32_t value) { return static_cast<std::uint16_t>(value >> 16); };
+  const auto low = [](std::uint32_t value) { return static_cast<std::uint16_t>(value); };
+  std::array<std::uint16_t, position_registers> all{0x4554,    0x010c,  high(serial), low(serial),
+                                                    sequence_, high(x), low(x),       high(y),
+                                                    low(y),    status,  boots_,       sequence_};
+  if (ailment == Ailment::torn && random.below(2) == 0) {
+    // The new sequence stands there already, the rest is old or new.
+    all[4] = static_cast<std::uint16_t>(sequence_ + 1);
+    if (places_.size() > 1 && random.below(2) == 0) {
+      all[6] = low(static_cast<std::uint32_t>(places_[places_.size() - 2].position.x));
+    }
+  }
+  if (ailment == Ailment::forgetful) {
+    all[10] = static_cast<std::uint16_t>(now.time_since_epoch() / 7s);
+  }
+  std::vector<std::uint8_t> bytes;
+  for (std::uint16_t i = first; i < first + count; ++i) {
+    bytes.push_back(static_cast<std::uint8_t>(all[i] >> 8));
+    bytes.push_back(static_cast<std::uint8_t>(all[i]));
+  }
+  return bytes;
+}
+
+std::optional<Device::Answer> Device::hear(std::span<const std::uint8_t> pdu, Instant now,
+                                           Duration timeout, inputs::Random& random) {
+  if (!is_plugged_in || is_replaced || ailment == Ailment::dead || pdu.empty()) return std::nullopt;
+  if (ailment == Ailment::forgetful && (now.time_since_epoch() / 7s) % 2 == 0) return std::nullopt;
+  Answer answer{.pdu = exception(pdu[0], illegal_function), .after = 5ms, .is_sound = false};
+  switch (ailment) {
+    case Ailment::slow:
+      answer.after = timeout - 20ms - random.below(20) * 1ms;
+      break;
+    case Ailment::late:
+      answer.after = lateness_;
+      break;
+    case Ailment::erratic:
+      if (random.below(3) == 0) return std::nullopt;
+      answer.after = random.below(4700) * 1ms;
+      break;
+    default:
+      break;
+  }
+  if (ailment == Ailment::busy) {
+    answer.pdu = exception(pdu[0], device_busy);
+    return answer;
+  }
+  if ((pdu[0] == read_input || pdu[0] == read_holding) && pdu.size() == 5) {
+    const std::uint16_t first = word(pdu, 1), count = word(pdu, 3);
+    if (count == 0 || first + count > position_registers) {
+      answer.pdu = exception(pdu[0], illegal_address);
+      return answer;
+    }
+    const std::vector<std::uint8_t> values = registers(first, count, now, random);
+    answer.pdu = {pdu[0], static_cast<std::uint8_t>(values.size())};
+    answer.pdu.insert(answer.pdu.end(), values.begin(), values.end());
+    answer.is_sound = answer.after < timeout && ailment != Ailment::torn && first <= 4;
+  } else if (pdu[0] == write_many && pdu.size() >= 6 && pdu.size() == 6u + pdu[5]) {
+    const std::uint16_t first = word(pdu, 1), count = word(pdu, 3);
+    const bool is_there = first >= configuration_first && first + count <= configuration_end;
+    answer.pdu = is_there ? std::vector<std::uint8_t>(pdu.begin(), pdu.begin() + 5)
+                          : exception(pdu[0], illegal_address);
+  } else if (pdu[0] == write_one && pdu.size() == 5) {
+    answer.pdu = exception(pdu[0], illegal_address);
+  }
+  return answer;
+}
+
+}  // namespace etcm::simulation

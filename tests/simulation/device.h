@@ -1,0 +1,93 @@
+// A position node in simulated time: what it knows, since when, and what it says when it is asked.
+//
+// Written from the register map and the Modbus specification, not with what the gateway reads with:
+// what both got wrong would not show.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "etcm/port/clock.h"
+#include "etcm/types.h"
+#include "inputs/random.h"
+
+namespace etcm::simulation {
+
+using port::Duration;
+using port::Instant;
+
+// Each for itself, until the world ends it.
+enum class Ailment : std::uint8_t {
+  none,
+  dead,      // says nothing
+  slow,      // answers within its time, as late as it may
+  late,      // answers seconds after its time, always as late
+  erratic,   // answers at any time, or never
+  noisy,     // half of its answers are spoilt on the way
+  cut_off,   // half of its answers end too early
+  busy,      // answers with an exception
+  torn,      // changes its registers while they are read
+  lost,      // has no fix
+  forgetful  // starts again every few seconds, as long without an answer
+};
+inline constexpr std::size_t ailment_count = 11;
+
+class Device {
+ public:
+  Device(std::uint32_t serial, std::uint8_t unit, Position place, Instant now);
+
+  void move(Position place, Instant now);
+  void fall_ill(Ailment ailment, Instant now, inputs::Random& random);
+  // Anything that may keep it from being heard has ended, or begun.
+  void disturb(Instant now) {
+    undisturbed_since = std::max(undisturbed_since, now);
+    answers = 0;
+  }
+  void note_answer(Instant now) {
+    answered_at = now;
+    if (undisturbed_since <= now) ++answers;
+  }
+
+  // Whether it stood there at any moment from `from` on.
+  bool held(Position place, Instant from) const;
+  Position place() const { return places_.back().position; }
+
+  // What it says to a whole request without its frame, and when it begins to; nothing where it
+  // does not. `timeout`: it is waited for so long.
+  struct Answer {
+    std::vector<std::uint8_t> pdu;
+    Duration after{};
+    bool is_sound = true;  // it tells a position, in time, and nothing spoils it
+  };
+  std::optional<Answer> hear(std::span<const std::uint8_t> pdu, Instant now, Duration timeout,
+                             inputs::Random& random);
+
+  std::uint32_t serial;
+  std::uint8_t unit;
+  Ailment ailment = Ailment::none;
+  Instant undisturbed_since;
+  Instant answered_at{};      // soundly and in time
+  std::uint32_t answers = 0;  // such, since it was disturbed
+  bool is_plugged_in = true;
+  bool is_replaced = false;  // for good
+  bool is_leaving = false;
+
+ private:
+  struct Stay {
+    Instant since;
+    Position position;
+  };
+
+  std::vector<std::uint8_t> registers(std::uint16_t first, std::uint16_t count, Instant now,
+                                      inputs::Random& random) const;
+
+  std::deque<Stay> places_;
+  Duration lateness_{};
+  std::uint16_t sequence_ = 1;
+  std::uint16_t boots_ = 1;
+};
+
+}  // namespace etcm::simulation

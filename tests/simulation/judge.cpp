@@ -1,0 +1,196 @@
+#include "judge.h"
+
+#include <algorithm>
+#include <sstream>
+#include <vector>
+
+#include "etcm/audit.h"
+#include "etcm/config.h"
+#include "etcm/traverse.h"
+
+namespace etcm::simulation {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+// So often a unit answers that had another serial before it is believed.
+constexpr std::uint32_t sightings = 3;
+
+std::string name_of(const firmware::NodeRecord& node) {
+  return "node " + std::to_string(node.serial.value);
+}
+
+std::string text_of(Position place) {
+  return "(" + std::to_string(place.x) + ", " + std::to_string(place.y) + ")";
+}
+
+double seconds_of(Duration time) { return std::chrono::duration<double>(time).count(); }
+
+}  // namespace
+
+void Judge::begin(GatewayRun& run, Instant now) {
+  began_ = now;
+  // What no disk took is not known any more.
+  if (site_.disk.is_behind()) generation_ = 0;
+  positioned_at_.clear();
+  for (const firmware::NodeRecord& node : run.gateway().nodes().records()) {
+    if (node.is_known()) positioned_at_[node.serial.value] = node.positioned_at;
+  }
+}
+
+std::string Judge::look(GatewayRun& run, Instant now) {
+  std::string wrong = look_at_nodes(run, now);
+  if (!wrong.empty()) return wrong;
+  const std::uint32_t generation = run.gateway().generation();
+  if (generation < generation_) {
+    return "generation " + std::to_string(generation) + " comes after " +
+           std::to_string(generation_);
+  }
+  if (generation != generation_) {
+    generation_ = generation;
+    ++generations;
+    is_to_look_at_ = true;
+    published_at_ = now;
+  }
+  if (!is_to_look_at_) return {};
+  // A change may have come in the same step, and is in the next generation.
+  if (run.gateway().snapshot().mesh_hash != run.mesh().hash()) {
+    return now - published_at_ > 10s ? "the snapshot is of another mesh for " +
+                                           std::to_string(seconds_of(now - published_at_)) + " s"
+                                     : std::string();
+  }
+  is_to_look_at_ = false;
+  return look_at_mesh(run);
+}
+
+std::string Judge::look_at_nodes(GatewayRun& run, Instant now) {
+  for (const firmware::NodeRecord& node : run.gateway().nodes().records()) {
+    if (!node.is_known()) continue;
+    std::string wrong = look_at_node(node, run, now);
+    if (!wrong.empty()) return name_of(node) + ": " + wrong;
+  }
+  return {};
+}
+
+std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& run, Instant now) {
+  const Device* const device = site_.find(node.serial.value);
+  if (device == nullptr) return "there is none";
+  Instant& positioned_at = positioned_at_[node.serial.value];
+  if (positioned_at != node.positioned_at) {
+    positioned_at = node.positioned_at;
+    if (!node.has_position()) return {};
+    ++positions;
+    accepted_at_[node.serial.value] = now;
+    const Instant asked = site_.buses[site_.bus_of(*device)].asked_at(device->unit);
+    if (!device->held(node.position, asked)) {
+      return "position " + text_of(node.position) + " is accepted, and it was at " +
+             text_of(device->place()) + " when it was asked " +
+             std::to_string(seconds_of(now - asked)) + " s ago";
+    }
+  }
+  const auto& poll = run.gateway().settings().poll;
+  const Instant accepted_at = accepted_at_[node.serial.value];
+  if (node.is_placed() && !node.stale && now - accepted_at > poll.stale_after + 10s) {
+    return "is not stale, and told its position " + std::to_string(seconds_of(now - accepted_at)) +
+           " s ago";
+  }
+  if (node.is_missing && device->answered_at > began_ && !device->is_leaving &&
+      device->undisturbed_since <= now && device->answers > sightings &&
+      now - device->answered_at + 100ms < poll.leave_after) {
+    return "is missing, and answered " + std::to_string(seconds_of(now - device->answered_at)) +
+           " s ago";
+  }
+  const BusWorld& bus = site_.buses[site_.bus_of(*device)];
+  const Instant since = std::max({device->undisturbed_since, began_, bus.undisturbed_since});
+  if (node.stale && !bus.is_out_of_order() && !site_.is_doubled(*device) && !device->is_replaced &&
+      device->is_plugged_in && !device->is_leaving && device->ailment == Ailment::none &&
+      now - since > site_.found_again_within(site_.bus_of(*device))) {
+    return "is stale, and nothing has been wrong with it for " +
+           std::to_string(seconds_of(now - since)) + " s";
+  }
+  return {};
+}
+
+std::string Judge::look_at_mesh(GatewayRun& run) {
+  const Mesh& mesh = run.mesh();
+  if (!audit(mesh)) return "the mesh is none";
+  const firmware::Snapshot& snapshot = run.gateway().snapshot();
+  // What is published is what is known, in both directions.
+  std::size_t shown = 0;
+  for (const firmware::SnapshotVertex& vertex : snapshot.vertices) {
+    if (vertex.kind != VertexKind::node || vertex.is_anchor) continue;
+    ++shown;
+    const firmware::NodeRecord* const node = run.gateway().nodes().find(vertex.serial);
+    if (node == nullptr || !node->is_placed()) {
+      return "node " + std::to_string(vertex.serial.value) + " is shown and not known";
+    }
+    if (vertex.point != to_point(node->placed)) return name_of(*node) + " is shown elsewhere";
+    if (!node->is_quarantined() && !node->lacks_fix && node->placed != node->position &&
+        !node->leave_rejected) {
+      return name_of(*node) + " is placed at " + text_of(node->placed) + " and stands at " +
+             text_of(node->position);
+    }
+  }
+  std::size_t placed = 0;
+  for (const firmware::NodeRecord& node : run.gateway().nodes().records()) {
+    placed += node.is_known() && node.is_placed();
+  }
+  if (placed != shown || snapshot.node_count != shown) {
+    return std::to_string(placed) + " nodes are in the mesh, " + std::to_string(shown) + " shown";
+  }
+  return compare_with_build(run);
+}
+
+std::string Judge::compare_with_build(GatewayRun& run) {
+  const Mesh& mesh = run.mesh();
+  if (!mesh.is_canonical() || mesh.unresolved()) return {};
+  ++rebuilt;
+  std::vector<Position> places;
+  std::vector<VertexId> id_of(mesh.vertex_id_end());
+  for (const VertexId node : nodes_of(mesh)) {
+    places.push_back(mesh.position(node));
+    id_of[node.value] = VertexId{static_cast<IdValue>(places.size())};
+  }
+  std::vector<FeatureEnds> segments;
+  for (const FeatureId feature : features_of(mesh)) {
+    const FeatureEnds ends = mesh.ends(feature);
+    segments.push_back({id_of[ends.from.value], id_of[ends.to.value]});
+  }
+  MeshConfig config = mesh.config();
+  config.vertices_max = std::max<std::uint32_t>(4 * config.vertices_max, 200);
+  std::vector<std::byte> memory(storage_bytes(config));
+  Mesh other;
+  if (other.open(memory, config) != Status::ok) return "no room for another mesh";
+  const Status status = other.build(places, segments);
+  if (status != Status::ok) return std::string("build() of it answers ") + to_string(status);
+  return other.hash() == mesh.hash() ? std::string() : "build() makes another mesh of its nodes";
+}
+
+std::string Judge::look_at_rest(GatewayRun& run) {
+  firmware::Gateway& gateway = run.gateway();
+  const bool is_full = site_.settings.mesh.vertices_max < 10 * 2;
+  std::size_t known = 0;
+  for (const auto& device : site_.devices) {
+    if (device->is_replaced) continue;
+    const firmware::NodeRecord* const node = gateway.nodes().find(firmware::Serial{device->serial});
+    const std::string name = "at rest, node " + std::to_string(device->serial);
+    if (node == nullptr) return name + " is not known";
+    ++known;
+    if (node->is_missing) return name + " is missing";
+    if (node->stale) return name + " is stale";
+    if (node->position != device->place()) return name + " is believed elsewhere";
+    if (node->is_quarantined() && (is_full || gateway.settings().work_max > 0 ||
+                                   site_.settings.mesh.vertices_max <= site_.devices.size())) {
+      continue;
+    }
+    if (!node->is_placed()) return name + " is not in the mesh";
+    if (node->placed != device->place()) return name + " is placed elsewhere";
+  }
+  for (const firmware::NodeRecord& node : gateway.nodes().records()) {
+    if (node.is_known() && --known + 1 == 0) return "at rest, " + name_of(node) + " is still known";
+  }
+  return look_at_mesh(run);
+}
+
+}  // namespace etcm::simulation

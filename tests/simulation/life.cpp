@@ -1,0 +1,326 @@
+#include "life.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+#include <string_view>
+
+#include "gateway_run.h"
+#include "judge.h"
+#include "site_world.h"
+
+namespace etcm::simulation {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr std::array<std::string_view, 8> pages{"/healthz",    "/status.json", "/mesh.geojson",
+                                                "/units.json", "/alarms.json", "/metrics",
+                                                "/mesh.json",  "/nodes.csv"};
+
+class Life {
+ public:
+  explicit Life(std::uint64_t seed)
+      : random_(seed), clock_(), wall_clock_(clock_), site_(random_, clock_.now()), judge_(site_) {
+    for (std::uint32_t& weight : weights_) weight = static_cast<std::uint32_t>(random_.below(4));
+    // What mends is never rarer than what breaks.
+    for (const Event event : {Event::get_well, Event::plug_in, Event::mend_bus, Event::mend_disk}) {
+      weights_[static_cast<std::size_t>(event)] += 3;
+    }
+    pause_ = std::array{3s, 20s, 120s, 600s}[random_.index(4)];
+    start();
+  }
+
+  Outcome run(Duration faults) {
+    const Instant begin = clock_.now();
+    happens_at_ = begin + 30s;
+    run_until(begin + faults, true);
+    if (outcome_.wrong.empty()) end_faults();
+    Duration rest{};
+    for (std::size_t bus = 0; bus < site_.buses.size(); ++bus) {
+      rest = std::max(rest, site_.found_again_within(bus));
+    }
+    rest += site_.settings.poll.leave_after + 1min;
+    if (outcome_.wrong.empty()) run_until(clock_.now() + rest, false);
+    if (outcome_.wrong.empty()) run_->gateway().dismiss_all(clock_.now());
+    if (outcome_.wrong.empty()) run_until(clock_.now() + 1min, false);
+    if (outcome_.wrong.empty()) note(judge_.look_at_rest(*run_));
+    outcome_.lived = clock_.now() - begin;
+    outcome_.positions = judge_.positions;
+    outcome_.generations = judge_.generations;
+    outcome_.rebuilt = judge_.rebuilt;
+    return outcome_;
+  }
+
+ private:
+  void start() {
+    for (const auto& device : site_.devices) device->answers = 0;
+    run_ = std::make_unique<GatewayRun>(site_, clock_, wall_clock_, ++runs_);
+    judge_.begin(*run_, clock_.now());
+  }
+
+  void note(const std::string& wrong) {
+    if (wrong.empty() || !outcome_.wrong.empty()) return;
+    outcome_.wrong =
+        "after " +
+        std::to_string(
+            std::chrono::duration<double>(clock_.now().time_since_epoch() - 1h).count()) +
+        " s: " + wrong;
+  }
+
+  void run_until(Instant end, bool is_eventful) {
+    while (clock_.now() < end && outcome_.wrong.empty()) {
+      if (is_eventful && happens_at_ <= clock_.now()) {
+        happen();
+        happens_at_ = clock_.now() + 100ms +
+                      random_.below(2 * static_cast<std::uint64_t>(pause_ / 1ms)) * 1ms;
+      }
+      const Instant now = clock_.now();
+      run_->step(now);
+      ++outcome_.steps;
+      look_for_spinning(now);
+      note(judge_.look(*run_, now));
+      Instant next = std::min({run_->next_deadline(), site_.next(), end});
+      if (is_eventful) next = std::min(next, happens_at_);
+      pass_to(std::max(next, now + 1us));
+    }
+  }
+
+  // A gateway whose next step is always due takes a whole processor.
+  void look_for_spinning(Instant now) {
+    if (now - second_ >= 1s) {
+      second_ = now;
+      steps_in_second_ = 0;
+    }
+    if (++steps_in_second_ > 5000) {
+      note("it spins: thousands of steps in a second");
+    }
+  }
+
+  void pass_to(Instant now) {
+    clock_.pass_to(now);
+    site_.pass_to(now);
+  }
+
+  Device* any_device() {
+    std::vector<Device*> there;
+    for (const auto& device : site_.devices) {
+      if (!device->is_replaced) there.push_back(device.get());
+    }
+    return there[random_.index(there.size())];
+  }
+  void happen() {
+    std::uint64_t all = 0;
+    for (const std::uint32_t weight : weights_) all += weight;
+    std::uint64_t drawn = random_.below(all);
+    std::size_t event = 0;
+    while (drawn >= weights_[event]) drawn -= weights_[event++];
+    ++outcome_.events[event];
+    happen(static_cast<Event>(event));
+  }
+
+  void tell(Event event, const Device* device, std::size_t bus) const {
+    if (std::getenv("ETCM_SIMULATION_VERBOSE") == nullptr) return;
+    std::printf("[%10.3f] event %d",
+                std::chrono::duration<double>(clock_.now().time_since_epoch() - 1h).count(),
+                static_cast<int>(event));
+    if (device != nullptr) std::printf(" node %u unit %u", device->serial, device->unit);
+    std::printf(" bus %zu\n", bus);
+  }
+
+  void happen(Event event) {
+    const Instant now = clock_.now();
+    Device& device = *any_device();
+    const std::size_t number = site_.bus_of(device);
+    BusWorld& bus = site_.buses[number];
+    tell(event, &device, number);
+    switch (event) {
+      case Event::move:
+        device.move(site_.free_place(), now);
+        break;
+      case Event::move_all:
+        for (const auto& each : site_.devices) each->move(site_.free_place(), now);
+        break;
+      case Event::jump: {
+        // There and back, and there again, between two questions.
+        const Position home = device.place();
+        device.move(site_.free_place(), now);
+        device.move(home, now + 1ms);
+        break;
+      }
+      case Event::fall_ill:
+        device.fall_ill(static_cast<Ailment>(1 + random_.index(ailment_count - 1)), now, random_);
+        // A slow one holds up the others of its line.
+        disturb(bus);
+        break;
+      case Event::get_well:
+        device.fall_ill(Ailment::none, now, random_);
+        disturb(bus);
+        break;
+      case Event::unplug:
+        device.is_plugged_in = false;
+        device.disturb(now);
+        disturb(bus);
+        break;
+      case Event::plug_in:
+        for (const auto& each : site_.devices) {
+          if (each->is_plugged_in || random_.below(2) == 0) continue;
+          each->is_plugged_in = true;
+          each->disturb(now);
+        }
+        break;
+      case Event::replace:
+        if (site_.devices.size() < 60 && !site_.is_doubled(device)) {
+          site_.replace(device, now).disturb(now);
+          disturb(bus);
+        }
+        break;
+      case Event::twin:
+        if (site_.devices.size() < 60 && site_.twins.empty()) {
+          site_.add_twin(device, now);
+          disturb_unit(device);
+        } else {
+          site_.remove_twins(now);
+        }
+        break;
+      case Event::leave:
+        device.is_leaving = !device.is_leaving;
+        device.disturb(now);
+        break;
+      case Event::dismiss:
+        if (random_.below(2) == 0) {
+          run_->gateway().dismiss(firmware::Serial{device.serial});
+        } else {
+          run_->gateway().dismiss_all(now);
+        }
+        break;
+      case Event::meet:
+        device.move(any_device()->place(), now);
+        break;
+      default:
+        happen_around(event, bus);
+    }
+  }
+
+  void disturb(BusWorld& bus) { bus.undisturbed_since = clock_.now(); }
+  void disturb_unit(const Device& device) {
+    for (Device* const each : site_.buses[site_.bus_of(device)].devices) {
+      if (each->unit == device.unit) each->disturb(clock_.now());
+    }
+  }
+
+  void happen_around(Event event, BusWorld& bus) {
+    const Instant now = clock_.now();
+    switch (event) {
+      case Event::cut_bus:
+        disturb(bus);
+        if (bus.line) bus.line->is_cut = true;
+        if (bus.converter) bus.converter->cut(true);
+        break;
+      case Event::noise:
+        disturb(bus);
+        if (bus.line) bus.line->has_noise = true;
+        break;
+      case Event::hang_converter:
+        disturb(bus);
+        if (bus.converter) bus.converter->hangs = true;
+        break;
+      case Event::mend_bus:
+        for (BusWorld& each : site_.buses) mend(each);
+        break;
+      case Event::disk_full:
+        site_.disk.is_full = site_.folder.is_full = true;
+        break;
+      case Event::disk_hangs:
+        site_.disk.hangs = site_.folder.hangs = true;
+        break;
+      case Event::mend_disk:
+        mend_disk();
+        break;
+      case Event::power_loss:
+        restart(false);
+        if (random_.below(20) == 0) site_.disk.lose_all();
+        break;
+      case Event::restart:
+        restart(true);
+        break;
+      case Event::stand_still:
+        // Bytes come meanwhile, and nobody reads them.
+        pass_to(now + random_.below(120'000) * 1ms);
+        judge_.begin(*run_, clock_.now());
+        for (const auto& each : site_.devices) each->disturb(clock_.now());
+        break;
+      case Event::set_clock:
+        wall_clock_.offset_ms +=
+            static_cast<std::int64_t>(random_.below(200'000'000)) - 100'000'000;
+        break;
+      case Event::read_page:
+        note(run_->read_page(pages[random_.index(pages.size())]));
+        break;
+      default:
+        break;
+    }
+  }
+
+  void mend(BusWorld& bus) {
+    if (bus.is_out_of_order()) disturb(bus);
+    if (bus.line) bus.line->is_cut = bus.line->has_noise = false;
+    if (bus.converter) {
+      bus.converter->hangs = false;
+      bus.converter->cut(false);
+    }
+  }
+  void mend_disk() {
+    site_.disk.is_full = site_.disk.hangs = site_.folder.is_full = site_.folder.hangs = false;
+  }
+
+  void restart(bool is_orderly) {
+    if (is_orderly) run_->finish(clock_.now());
+    run_.reset();
+    site_.disk.lose_power();
+    for (BusWorld& bus : site_.buses) {
+      if (bus.converter) bus.converter->close();
+      if (bus.line) bus.line->close();
+    }
+    pass_to(clock_.now() + 1s + random_.below(300'000) * 1ms);
+    start();
+  }
+
+  void end_faults() {
+    const Instant now = clock_.now();
+    site_.remove_twins(now);
+    mend_disk();
+    for (BusWorld& bus : site_.buses) {
+      mend(bus);
+      disturb(bus);
+    }
+    for (const auto& device : site_.devices) {
+      device->is_plugged_in = true;
+      device->is_leaving = false;
+      device->fall_ill(Ailment::none, now, random_);
+      if (!device->is_replaced) device->move(site_.free_place(), now);
+    }
+  }
+
+  inputs::Random random_;
+  SimulatedClock clock_;
+  WallClockWorld wall_clock_;
+  SiteWorld site_;
+  Judge judge_;
+  std::unique_ptr<GatewayRun> run_;
+  std::array<std::uint32_t, event_count> weights_{};
+  Duration pause_{};
+  Instant happens_at_{};
+  std::uint64_t runs_ = 0;
+  Instant second_{};
+  std::uint32_t steps_in_second_ = 0;
+  Outcome outcome_;
+};
+
+}  // namespace
+
+Outcome live(std::uint64_t seed, Duration faults) { return Life(seed).run(faults); }
+
+}  // namespace etcm::simulation

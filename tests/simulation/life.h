@@ -1,0 +1,56 @@
+// A site and its gateway, which live through what is drawn from a seed. After each step what the
+// gateway says is held against what is so; after the last fault it must find back to all of it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "etcm/port/clock.h"
+
+namespace etcm::simulation {
+
+// What may happen to a site.
+enum class Event : std::uint8_t {
+  move,
+  move_all,
+  jump,
+  fall_ill,
+  get_well,
+  unplug,
+  plug_in,
+  replace,
+  twin,
+  leave,
+  dismiss,
+  cut_bus,
+  noise,
+  hang_converter,
+  mend_bus,
+  disk_full,
+  disk_hangs,
+  mend_disk,
+  power_loss,
+  restart,
+  stand_still,
+  set_clock,
+  read_page,
+  change_settings,
+  meet,
+};
+inline constexpr std::size_t event_count = 25;
+
+struct Outcome {
+  std::string wrong;  // and when; empty: nothing is
+  port::Duration lived{};
+  std::uint64_t steps = 0;
+  std::uint64_t positions = 0;  // that were accepted
+  std::uint64_t generations = 0;
+  std::uint64_t rebuilt = 0;  // meshes that were compared with build()
+  std::array<std::uint64_t, event_count> events{};
+};
+
+// Faults for so long, then rest and the last judgement.
+Outcome live(std::uint64_t seed, port::Duration faults);
+
+}  // namespace etcm::simulation

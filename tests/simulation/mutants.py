@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+"""Plants faults into the gateway's sources, one at a time: the simulation must find each.
+
+Usage: mutants.py NINJA BUILD SOURCE WORK [NAME...]
+
+Compiles the changed source alone, as BUILD does it, and links it before the libraries that have the
+sound one. A mutant whose text is not there any more is a mistake: then it is written anew.
+"""
+
+import os
+import re
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+DAYS = "12"
+
+# Name: the file, a text that stands in it once, what stands there instead.
+MUTANTS = {
+    # On the line.
+    "answers_without_checksum": (
+        "port/modbus/rtu_frame.cpp", "return rtu_checksum(bytes) == 0;", "return true;"),
+    "late_answers_are_owed_no_more": (
+        "port/modbus/owed_answers.cpp", "if (const Owed* const owed = find(question)) return owed->until;",
+        "if (find(question) != nullptr) return {};"),
+    "a_cut_line_is_not_opened_again": (
+        "port/modbus/rtu_bus.cpp", "next_attempt_ = now + options_.reopen_interval;",
+        "next_attempt_ = never;"),
+    "nothing_is_cleared_at_the_start": (
+        "port/modbus/rtu_bus.cpp", "clear_at_ = options_.clearing > Duration{} ? now + clearing : now;",
+        "clear_at_ = now;"),
+    # Behind a converter.
+    "answers_of_any_transaction": (
+        "port/modbus/transaction_queue.cpp",
+        "return entry.request.transaction == transaction && entry.state < State::answered;",
+        "return entry.state < State::answered;"),
+    # What an answer is worth.
+    "torn_registers_count": (
+        "firmware/protocol/node_registers.cpp",
+        "if (registers[at_sequence_before] != registers[at_sequence_after]) return ReadingFault::torn;", ""),
+    "another_node_at_a_unit_is_not_seen": (
+        "firmware/nodes/admission.cpp", "if (conflict.sightings < sightings_wanted) return nullptr;",
+        "return nullptr;"),
+    # Time.
+    "a_standstill_is_a_cost": (
+        "firmware/polling/bus_schedule.cpp",
+        "return std::min(now - asked_at, cost_max_ + bus_.delay_max()) + answer.silence;",
+        "return now - asked_at + answer.silence;"),
+    "absent_units_are_forgotten": (
+        "firmware/polling/bus_schedule.cpp",
+        "ask_again(address, is_at_once ? unit.due : due);",
+        "if (unit.failures < 6) ask_again(address, is_at_once ? unit.due : due);"),
+    "a_dead_bus_lets_its_nodes_go": (
+        "firmware/nodes/silence_clock.cpp",
+        "return clock.shown - std::max(heard, clock.counts_from);",
+        "return listened_ - std::max(heard, clock.counts_from);"),
+    # What is known and what is shown.
+    "a_move_is_not_followed": (
+        "firmware/gateway/gateway.cpp",
+        "if ((reading.status & node_status::fix_valid) != 0) follow_position(*node);",
+        "if ((reading.status & node_status::fix_valid) != 0 && !node->is_placed()) follow_position(*node);"),
+    "a_change_is_not_published": (
+        "firmware/gateway/gateway.cpp", "changed_ = kept_.take_changed() || changed_;",
+        "static_cast<void>(kept_.take_changed());"),
+    "missing_nodes_stay_in_the_mesh": (
+        "firmware/nodes/presence.cpp", 'placement_.leave(node, "silent", generation);', "return;"),
+    # Over a restart.
+    "generations_begin_anew": (
+        "firmware/gateway/gateway.cpp", "generation_ = saved->next_generation - 1;",
+        "generation_ = saved->generation;"),
+    "restored_positions_are_fresh": (
+        "firmware/persist/state_transfer.cpp",
+        "record->positioned_at = now - std::chrono::milliseconds(node.age_ms);\n  record->stale = true;",
+        "record->positioned_at = now;"),
+}
+
+
+class Build:
+    def __init__(self, ninja, build, source, work):
+        self.build, self.source, self.work = Path(build), Path(source), Path(work)
+        said = subprocess.run([ninja, "-C", build, "-t", "commands", "simulation_test"],
+                              capture_output=True, text=True, check=True).stdout.splitlines()
+        self.commands = said
+        self.link = next(line for line in reversed(said) if "-o tests/bin/simulation_test" in line)
+
+    def run(self, command):
+        return subprocess.run(command, shell=True, cwd=self.build, capture_output=True, text=True)
+
+    def make(self, name):
+        """The program with the mutant in it."""
+        file, text, instead = MUTANTS[name]
+        source = (self.source / file).read_text()
+        if source.count(text) != 1:
+            sys.exit(f"mutants: {name}: {file} has its text {source.count(text)} times; write it anew")
+        folder = self.work / name
+        folder.mkdir(parents=True, exist_ok=True)
+        changed, made, program = folder / Path(file).name, folder / "mutant.o", folder / "simulation_test"
+        changed.write_text(source.replace(text, instead))
+        compiles = [line for line in self.commands if line.endswith(f"-c {self.source / file}")]
+        if len(compiles) != 1:
+            sys.exit(f"mutants: {file} is not compiled alone here")
+        command = re.sub(r"-o \S+", f"-o {made}", compiles[0].replace(f"-c {self.source / file}", f"-c {changed}"))
+        command = re.sub(r"-MF \S+", f"-MF {made}.d", command) + f" -Wno-error -I{(self.source / file).parent}"
+        result = self.run(command)
+        if result.returncode != 0:
+            sys.exit(f"mutants: {name} does not compile:\n{result.stderr}")
+        link = self.link.replace("-o tests/bin/simulation_test", f"-o {program} {made}")
+        result = self.run(link)
+        if result.returncode != 0:
+            sys.exit(f"mutants: {name} does not link:\n{result.stderr}")
+        return program
+
+    def judge(self, name):
+        """What the simulation says of it, or None: it has found nothing."""
+        program = self.make(name)
+        environment = dict(os.environ, ETCM_SIMULATION_DAYS=DAYS, ETCM_SIMULATION_WRONG="1")
+        result = subprocess.run([program], env=environment, capture_output=True, text=True)
+        program.unlink()
+        if result.returncode == 0:
+            return None
+        found = re.search(r"^seed \d+, .*", result.stdout, re.M)
+        return found.group(0) if found else f"it ended with {result.returncode}"
+
+
+def main():
+    ninja, build, source, work, *names = sys.argv[1:]
+    made = Build(ninja, build, source, work)
+    survivors = []
+    started = time.monotonic()
+    names = names or list(MUTANTS)
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        for name, found in zip(names, pool.map(made.judge, names)):
+            print(f"{name}: {found or 'NOT FOUND'}", flush=True)
+            if found is None:
+                survivors.append(name)
+    print(f"{len(names) - len(survivors)} of {len(names)} found, in {time.monotonic() - started:.0f} s")
+    sys.exit(1 if survivors else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,136 @@
+#include "rtu_world.h"
+
+#include <algorithm>
+
+namespace etcm::simulation {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+// The checksum of Modbus over Serial Line, section 6.2.2.
+std::uint16_t checksum(std::span<const std::uint8_t> bytes) {
+  std::uint16_t sum = 0xffff;
+  for (const std::uint8_t byte : bytes) {
+    sum = static_cast<std::uint16_t>(sum ^ byte);
+    for (int bit = 0; bit < 8; ++bit) {
+      sum = static_cast<std::uint16_t>(sum & 1 ? sum >> 1 ^ 0xa001 : sum >> 1);
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+RtuWorld::RtuWorld(const port::SerialLine& line, Duration timeout, std::vector<Device*>& devices,
+                   inputs::Random& random)
+    : asked_at(256),
+      character_(character_time(line)),
+      silence_(frame_silence(line)),
+      timeout_(timeout),
+      devices_(devices),
+      random_(random) {}
+
+bool RtuWorld::open(Instant, std::string& why) {
+  is_open_ = !is_cut;
+  if (is_open_) return true;
+  why = "no such device";
+  return false;
+}
+
+void RtuWorld::close() {
+  // Devices go on talking; nobody hears it.
+  is_open_ = false;
+  forget_all();
+}
+
+bool RtuWorld::write(std::span<const std::uint8_t> frame, std::string& why) {
+  if (is_cut) {
+    why = "it is gone";
+    return false;
+  }
+  const Instant asked = now_ + time_of(frame.size());
+  if (frame.size() == 8 && (frame[1] == 3 || frame[1] == 4)) asked_at[frame[0]] = now_;
+  // Two who talk at once spoil each other's bytes.
+  bool is_heard = true;
+  for (Sending& sending : sendings_) {
+    if (sending.begin < asked && now_ < sending.end) {
+      spoil(sending);
+      is_heard = false;
+    }
+  }
+  if (has_noise && random_.below(8) == 0) is_heard = false;
+  const auto body = frame.first(frame.size() - 2);
+  const std::uint16_t sum = checksum(body);
+  if (frame[frame.size() - 2] != (sum & 0xff) || frame.back() != sum >> 8) return true;
+  if (!is_heard) return true;
+  for (Device* const device : devices_) {
+    if (device->unit == frame[0]) answer(*device, frame, asked);
+  }
+  std::sort(sendings_.begin(), sendings_.end(),
+            [](const Sending& a, const Sending& b) { return a.end < b.end; });
+  return true;
+}
+
+void RtuWorld::answer(Device& device, std::span<const std::uint8_t> frame, Instant asked) {
+  const auto said = device.hear(frame.subspan(1, frame.size() - 3), asked, timeout_, random_);
+  if (!said) return;
+  Sending sending;
+  sending.bytes.push_back(frame[0]);
+  sending.bytes.insert(sending.bytes.end(), said->pdu.begin(), said->pdu.end());
+  const std::uint16_t sum = checksum(sending.bytes);
+  sending.bytes.push_back(static_cast<std::uint8_t>(sum));
+  sending.bytes.push_back(static_cast<std::uint8_t>(sum >> 8));
+  sending.begin = asked + silence_ + said->after;
+  sending.end = sending.begin + time_of(sending.bytes.size());
+  sending.answered = said->is_sound ? &device : nullptr;
+  if (device.ailment == Ailment::noisy && random_.below(2) == 0) spoil(sending);
+  if (device.ailment == Ailment::cut_off && random_.below(2) == 0) {
+    sending.bytes.resize(1 + random_.index(sending.bytes.size() - 1));
+    sending.answered = nullptr;
+    sending.is_spoilt = true;
+  }
+  if (has_noise && random_.below(4) == 0) {
+    const std::size_t count = 1 + random_.index(6);
+    for (std::size_t i = 0; i < count; ++i) {
+      sending.bytes.insert(sending.bytes.begin(), static_cast<std::uint8_t>(random_.next()));
+    }
+    sending.answered = nullptr;
+  }
+  for (Sending& other : sendings_) {
+    if (other.begin < sending.end && sending.begin < other.end) {
+      spoil(other);
+      spoil(sending);
+    }
+  }
+  sendings_.push_back(std::move(sending));
+}
+
+// One burst of up to sixteen bits, which the checksum always shows; once, for two may undo it.
+void RtuWorld::spoil(Sending& sending) {
+  sending.answered = nullptr;
+  if (sending.is_spoilt) return;
+  sending.is_spoilt = true;
+  const std::size_t at = random_.index(sending.bytes.size());
+  const std::size_t next = std::min(at + 1, sending.bytes.size() - 1);
+  sending.bytes[at] = static_cast<std::uint8_t>(sending.bytes[at] ^ (1 + random_.below(255)));
+  if (next != at) {
+    sending.bytes[next] = static_cast<std::uint8_t>(sending.bytes[next] ^ random_.below(256));
+  }
+}
+
+void RtuWorld::pass_to(Instant now) {
+  std::size_t done = 0;
+  while (done < sendings_.size() && sendings_[done].end <= now) {
+    Sending& sending = sendings_[done++];
+    if (!is_open_ || is_cut) continue;
+    hear(sending.bytes);
+    if (sending.answered != nullptr) sending.answered->note_answer(sending.end);
+  }
+  sendings_.erase(sendings_.begin(), sendings_.begin() + static_cast<std::ptrdiff_t>(done));
+  now_ = now;
+}
+
+Instant RtuWorld::next() const { return sendings_.empty() ? port::never : sendings_.front().end; }
+
+}  // namespace etcm::simulation

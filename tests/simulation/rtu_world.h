@@ -1,0 +1,61 @@
+// A serial line with devices on it, byte by byte in simulated time: answers that are late, meet
+// each other or a question, and bytes that nobody has sent.
+#pragma once
+
+#include <vector>
+
+#include "device.h"
+#include "etcm/port/serial_line.h"
+#include "modbus/rtu_line.h"
+
+namespace etcm::simulation {
+
+class RtuWorld final : public port::RtuLine {
+ public:
+  RtuWorld(const port::SerialLine& line, Duration timeout, std::vector<Device*>& devices,
+           inputs::Random& random);
+
+  bool open(Instant now, std::string& why) override;
+  void close() override;
+  const char* why_gone() const override {
+    return is_open_ && is_cut ? "the adapter was pulled out" : nullptr;
+  }
+  void discard() override { forget_all(); }
+  bool is_sent() const override { return true; }
+
+  // What is due by now is heard.
+  void pass_to(Instant now);
+  Instant next() const;
+
+  bool is_cut = false;
+  bool has_noise = false;
+  // When a position was asked for last, by unit.
+  std::vector<Instant> asked_at;
+
+ private:
+  struct Sending {
+    Instant begin;
+    Instant end;
+    std::vector<std::uint8_t> bytes;
+    Device* answered = nullptr;  // soundly, where it arrives as it is
+    bool is_spoilt = false;
+  };
+
+  bool write(std::span<const std::uint8_t> frame, std::string& why) override;
+  void answer(Device& device, std::span<const std::uint8_t> frame, Instant asked);
+  void spoil(Sending& sending);
+  Duration time_of(std::size_t bytes) const {
+    return static_cast<std::int64_t>(bytes) * character_;
+  }
+
+  const Duration character_;
+  const Duration silence_;
+  const Duration timeout_;
+  std::vector<Device*>& devices_;
+  inputs::Random& random_;
+  bool is_open_ = false;
+  Instant now_{};
+  std::vector<Sending> sendings_;  // by their end
+};
+
+}  // namespace etcm::simulation

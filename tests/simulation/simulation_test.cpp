@@ -1,0 +1,59 @@
+// Lives of a site and its gateway. More of them, or others, or one again:
+//   ETCM_SIMULATION_DAYS=100 ETCM_SIMULATION_FIRST=1 build/release/tests/bin/simulation_test
+// ETCM_SIMULATION_VERBOSE=1 tells what happens in them.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "life.h"
+#include "support/emulated.h"
+
+namespace etcm::simulation {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
+  const char* const text = std::getenv(name);
+  return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
+}
+
+TEST(Simulation, AGatewayLivesThroughAllOfIt) {
+  const std::uint64_t hours_each = from_environment("ETCM_SIMULATION_HOURS", 6);
+  const std::uint64_t days = from_environment("ETCM_SIMULATION_DAYS", 20 / test::thinning_if_slow);
+  const std::uint64_t first = from_environment("ETCM_SIMULATION_FIRST", 1);
+  const std::uint64_t count =
+      from_environment("ETCM_SIMULATION_LIVES", std::max<std::uint64_t>(days * 24 / hours_each, 1));
+  const std::uint64_t wrong_max = from_environment("ETCM_SIMULATION_WRONG", 5);
+  Outcome all;
+  std::uint64_t wrong = 0;
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    const Outcome life = live(seed, hours_each * 1h);
+    if (!life.wrong.empty()) {
+      ADD_FAILURE() << "seed " << seed << ", " << life.wrong
+                    << "\nagain: ETCM_SIMULATION_LIVES=1 ETCM_SIMULATION_FIRST=" << seed
+                    << " ETCM_SIMULATION_HOURS=" << hours_each
+                    << " ETCM_SIMULATION_VERBOSE=1 build/release/tests/bin/simulation_test";
+      if (++wrong == wrong_max) break;
+    }
+    all.lived += life.lived;
+    all.steps += life.steps;
+    all.positions += life.positions;
+    all.generations += life.generations;
+    all.rebuilt += life.rebuilt;
+    for (std::size_t i = 0; i < event_count; ++i) all.events[i] += life.events[i];
+  }
+  std::printf(
+      "%.1f days, %llu steps, %llu positions, %llu generations, %llu compared with build()\n",
+      std::chrono::duration<double>(all.lived).count() / 86400,
+      static_cast<unsigned long long>(all.steps), static_cast<unsigned long long>(all.positions),
+      static_cast<unsigned long long>(all.generations),
+      static_cast<unsigned long long>(all.rebuilt));
+  // Else it would have shown nothing.
+  EXPECT_GT(all.positions, 0u);
+  EXPECT_GT(all.rebuilt, 0u);
+}
+
+}  // namespace
+}  // namespace etcm::simulation

@@ -1,0 +1,70 @@
+// What stands in the field and outlives every gateway: buses with their devices, and a disk.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "converter_world.h"
+#include "disk_world.h"
+#include "firmware/config/settings.h"
+#include "rtu_world.h"
+
+namespace etcm::simulation {
+
+struct BusWorld {
+  std::vector<Device*> devices;  // also those that have been replaced
+  std::unique_ptr<RtuWorld> line;
+  std::unique_ptr<ConverterWorld> converter;
+  Instant undisturbed_since{};
+
+  bool is_out_of_order() const {
+    return line ? line->is_cut || line->has_noise : converter->hangs || converter->is_cut();
+  }
+  Instant asked_at(std::uint8_t unit) const {
+    return line ? line->asked_at[unit] : converter->asked_at[unit];
+  }
+  void pass_to(Instant now) {
+    if (line) line->pass_to(now);
+    if (converter) converter->pass_to(now);
+  }
+  Instant next() const { return line ? line->next() : converter->next(); }
+};
+
+class SiteWorld {
+ public:
+  SiteWorld(inputs::Random& random, Instant now);
+
+  void pass_to(Instant now);
+  Instant next() const;
+
+  // Once nothing is wrong with a unit, it is asked again and known to be there. Questions in vain
+  // have a hundredth of the time of a line that is busy, and each may take a second.
+  Duration found_again_within(std::size_t bus) const;
+
+  Position free_place();
+  Device& add(std::size_t bus, std::uint8_t unit, Instant now);
+  // Another one in its place, or beside it at the same unit.
+  Device& replace(Device& device, Instant now);
+  Device& add_twin(Device& device, Instant now);
+  void remove_twins(Instant now);
+  // Another one answers at the same unit.
+  bool is_doubled(const Device& device) const;
+  std::size_t bus_of(const Device& device) const;
+  // Null: there is none, or more than one.
+  Device* find(std::uint32_t serial) const;
+
+  inputs::Random& random;
+  firmware::Settings settings;
+  std::vector<std::unique_ptr<Device>> devices;
+  std::vector<BusWorld> buses;
+  DiskWorld disk;
+  FolderWorld folder;
+  // Others have its unit too.
+  std::vector<Device*> twins;
+
+ private:
+  std::uint32_t next_serial_ = 1001;
+  std::vector<Position> places_;
+};
+
+}  // namespace etcm::simulation

@@ -1,0 +1,117 @@
+"""What the page says of units and of what their nodes say of themselves, in a real browser.
+
+ETCM_BIN is the programs' folder. ETCM_SCREENSHOTS, where it is set, is a folder for screenshots.
+Every wait is for a condition.
+"""
+import re
+import unittest
+
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+from browser import BrowserCase
+from gateway_test import PROGRAMS, SOON, wait_for
+from page_test import MOMENT
+
+STATE = '[state]\nfolder = "state"\ninterval = "1s"\n'
+
+
+class Units(BrowserCase):
+    def rows(self):
+        return [row.text for row in self.browser.find_elements(By.CSS_SELECTOR, "#buses .units tbody tr")]
+
+    def test_after_a_restart_who_needs_somebody_comes_first(self):
+        buses = self.start_nodes([f"0,{n},join,{n * 100},{n * n * 20}" for n in (1, 2, 3, 4)] +
+                                 ["3000,3,silent,,"])
+        names = '[[node]]\nunit = 9\nname = "deep well"\n'
+        gateway = self.start_gateway(buses, '[[bus.device]]\nunits = "9"\n' + names + STATE + self.HTTP, **SOON)
+        gateway.wait_for_line(r"node 3 is missing")
+        self.assertEqual(gateway.stop(), 0)
+        self.programs[0].stop()
+        # Unit 2 does not answer after the restart, and unit 4 for a while.
+        self.start_nodes(["0,1,join,100,20", "0,4,unit,4,", "0,4,join,400,320", "4000,4,silent,,"], buses[0][0], "later")
+        again = self.start("again", [PROGRAMS / "etcm-gateway", "--config", "site.toml"])
+        self.url = again.wait_for_line(r"status page on (http://\S+)").group(1)
+        again.wait_for_line(r"node 4 is missing")
+        again.wait_for_line(r"node 2 is missing")
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#buses", r"1 of 5 units answer")
+        self.find("#buses summary").click()
+        wait_for("five units", lambda: len(self.rows()) == 5)
+        rows = self.rows()
+        self.assertRegex(rows[0], rf"^4\s+4\s+silent since {MOMENT} \([\d.]+ s\)")
+        self.assertRegex(rows[1], rf"^3\s+3\s+silent since {MOMENT} \([\d.]+ s\)")
+        self.assertRegex(rows[2], rf"^2\s+2\s+silent, not heard since the start of the gateway, {MOMENT}")
+        self.assertRegex(rows[3], rf"^9\s+'deep well'\s+has not answered since the start, {MOMENT}")
+        self.assertRegex(rows[4], r"^1\s+1\s+answering for")
+        self.find("#bus-list").location_once_scrolled_into_view
+        self.screenshot("units-restart")
+        # By the name of the unit, which nobody has answered at.
+        self.find("#unit-search").send_keys("deep w")
+        wait_for("the unit", lambda: [row[0] for row in self.rows()] == ["9"])
+
+    def found(self, words):
+        """The serials that the search of nodes finds."""
+        search = self.find("#search")
+        search.clear()
+        search.send_keys(words)
+        return [row.get_attribute("data-serial")
+                for row in self.browser.find_elements(By.CSS_SELECTOR, "tr.row")]
+
+    def test_nodes_are_found_by_what_they_say_and_their_details_tell_it(self):
+        gateway = self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700", "0,4,join,900,900",
+                                   "0,5,join,100,800", "1500,2,low_battery,,", "1500,3,no_fix,,", "4000,5,silent,,"], '[[node]]\nserial = 2\nname = "mill"\n', **SOON)
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        gateway.wait_for_line(r"node 5 is missing")
+        for words, serial in (("low battery", "2"), ("no fix", "3"), ("silent", "5"),
+                              ("missing", "5"), ("MILL", "2")):
+            wait_for(f"node {serial} by '{words}'", lambda: self.found(words) == [serial])
+        self.assertEqual(self.found("no fix"), ["3"])
+        self.find("tr.row button").click()
+        self.wait_for_text("#facts", r"It says\s+no fix, [\d.]+ s ago")
+        self.found("battery")
+        self.find("#search").send_keys(Keys.ENTER)
+        self.wait_for_text("#details-title", r"^Node 2 'mill'$")
+        self.wait_for_text("#facts", r"It says\s+it has a fix, low battery, [\d.]+ s ago\s+"
+                                     r"Its unit\s+answering for \S+ \S+\s+"
+                                     r"Errors\s+\d+ % of the last \d+ questions[^\n]*\s+"
+                                     r"Answer in\s+[\d.]+ ms; mean [\d.]+ ms, longest [\d.]+ ms")
+        self.screenshot("says")
+        self.found("missing")
+        self.find("#search").send_keys(Keys.ENTER)
+        self.wait_for_text("#facts", rf"(?s)It says\s+it has a fix, \d+.*Its unit\s+silent since {MOMENT}.*timeout")
+        # The names of nodes are found among the units too.
+        self.find("#buses summary").click()
+        self.find("#unit-search").send_keys("mill")
+        wait_for("the unit", lambda: [row.split()[0] for row in self.rows()] == ["2"])
+        # Nobody looks: nobody asks.
+        self.find("#unit-search").clear()
+        self.find("#unit-search").send_keys(" ")
+        self.find("#search").clear()
+        self.find("#search").send_keys(" ")
+        self.find("#buses summary").click()
+        self.find("#close").click()
+        self.wait_for_turns()
+        self.forget_what_was_asked()
+        self.wait_for_turns(3)
+        self.assertEqual(self.asked("/units.json"), 0)
+
+    def test_what_a_node_says_is_of_the_node_that_is_there_now(self):
+        self.start_page(["0,1,join,0,0"])
+        self.browser.get(self.url)
+        said = self.browser.execute_async_script("""
+            const done = arguments[0];
+            import('/units.js').then(({ conditionsOfNode, setUnits }) => {
+              const nodes = [{ serial: 1, bus: 'yard', unit: 7 }, { serial: 2, bus: 'yard', unit: 7, missing: true },
+                { serial: 3, bus: 'mill', unit: 7, no_fix: true }, { serial: 4 }];
+              setUnits({ nodes }, [{ bus: 'yard', unit: 7, state: 'answering', serial: 1, moving: true,
+                low_battery: true }, { bus: 'mill', unit: 7, state: 'faulty', serial: 3, no_fix: true }]);
+              done(nodes.map(conditionsOfNode));
+            });""")
+        self.assertEqual(said, [["low battery", "moving"], ["silent"], ["no fix", "faulty"], []])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,164 @@
+// The function that long calls call: often enough, and it cannot change the mesh.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "etcm/dry_run.h"
+#include "inputs/patterns.h"
+#include "inputs/random_graph.h"
+#include "support/meshes.h"
+#include "triangulation/mesh_state.h"
+
+namespace etcm::test {
+namespace {
+
+// What is between two calls of the hook, in units that are counted.
+struct Watch {
+  const Mesh* mesh = nullptr;
+  std::uint64_t calls = 0;
+  std::uint64_t last = 0;
+  std::uint64_t longest = 0;
+
+  void look() noexcept {
+    const std::uint64_t now = internal::MeshAccess::state(*mesh)->work.used().units;
+    if (now > last) longest = std::max(longest, now - last);
+    last = now;
+  }
+};
+
+KeepAlive hook_of(Watch& watch) {
+  return {[](void* context) noexcept {
+            Watch& of = *static_cast<Watch*>(context);
+            ++of.calls;
+            of.look();
+          },
+          &watch};
+}
+
+std::vector<SteinerPlace> places_of(const Mesh& mesh) {
+  std::vector<SteinerPlace> places;
+  for (const VertexId v : steiner_vertices(mesh)) {
+    places.push_back({mesh.feature_of(v).value, mesh.point(v)});
+  }
+  return places;
+}
+
+// Each call that may take long, on meshes that are hard in different ways.
+class LongCalls : public testing::TestWithParam<Graph> {
+ protected:
+  LongCalls() : mesh_(inputs::config_for(graph(), 20'000)) {}
+
+  const Graph& graph() const { return GetParam(); }
+  Status build(Mesh& mesh) const { return mesh.build(graph().nodes, graph().features); }
+
+  // The call is answered as without the hook, and the hook is called as often as it promises.
+  void watch(Mesh& mesh, const std::function<Status()>& call) {
+    Watch seen{.mesh = &mesh};
+    mesh.keep_alive(hook_of(seen));
+    ASSERT_EQ(call(), Status::ok);
+    seen.look();
+    mesh.keep_alive({});
+    // A list of nodes or features is counted before it is gone through.
+    const std::uint64_t walk = 2 * mesh.triangle_count();
+    const std::uint64_t lists = 24 * std::max(graph().nodes.size(), graph().features.size());
+    const std::uint64_t promised = KeepAlive::units_between + std::max(walk, lists);
+    EXPECT_LE(seen.longest, promised);
+    EXPECT_GE(seen.calls, mesh.work_used().units / promised);
+    longest_ = std::max(longest_, seen.longest);
+  }
+
+  inputs::OwnedMesh mesh_;
+  std::uint64_t longest_ = 0;
+};
+
+TEST_P(LongCalls, AreInterruptedOftenAndComeToTheSame) {
+  const auto plain = built(graph(), split_default, 20'000);
+  watch(*mesh_, [&] { return build(*mesh_); });
+  EXPECT_EQ(mesh_->hash(), (*plain)->hash());
+  EXPECT_EQ(mesh_->work_needed(), (*plain)->work_needed());
+
+  const VertexId first = VertexId{1};
+  const Position away{mesh_->position(first).x + 3, mesh_->position(first).y - 7};
+  watch(*mesh_, [&] { return mesh_->move(first, away); });
+  ASSERT_EQ((*plain)->move(first, away), Status::ok);
+  EXPECT_EQ(mesh_->hash(), (*plain)->hash());
+
+  const std::vector<SteinerPlace> places = places_of(*mesh_);
+  std::vector<Position> nodes;
+  for (IdValue i = 1; i <= graph().nodes.size(); ++i) nodes.push_back(mesh_->position(VertexId{i}));
+  inputs::OwnedMesh restored(inputs::config_for(graph(), 20'000));
+  watch(*restored, [&] { return restored->restore(nodes, graph().features, places); });
+  EXPECT_EQ(restored->hash(), (*plain)->hash());
+
+  watch(*restored, [&] { return restored->rebuild(); });
+  watch(*mesh_, [&] { return mesh_->canonicalize(); });
+  EXPECT_EQ(mesh_->hash(), restored->hash());
+  watch(*mesh_, [&] { return mesh_->optimise(10); });
+  watch(*mesh_, [&] { return mesh_->remove_feature(FeatureId{0}); });
+  RecordProperty("longest", static_cast<int>(longest_));
+}
+
+std::string graph_of(const testing::TestParamInfo<Graph>& one) {
+  return std::vector<std::string>{"random", "parallels", "fan", "grid"}.at(one.index);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, LongCalls,
+                         testing::Values(inputs::random_graph(300, inputs::FeatureLength::any, 3),
+                                         inputs::parallels(40, 10, 100'000, 40, 3),
+                                         inputs::fan({100, 7200 / 4, 10'000, 90'000}),
+                                         inputs::grid(16, 16, inputs::GridFeatures::random_segments,
+                                                      7)),
+                         graph_of);
+
+// All nodes on one circle: marking a chord turns ties that nobody knew of.
+TEST(KeepAliveOfTies, IsCalledWhileTheyTurn) {
+  const Graph ring = inputs::exact_circle(20, 3);
+  inputs::OwnedMesh mesh(inputs::config_for(ring, 2000));
+  ASSERT_EQ(mesh->build(ring.nodes, {}), Status::ok);
+  Watch seen{.mesh = &*mesh};
+  mesh->keep_alive(hook_of(seen));
+  FeatureId id;
+  ASSERT_EQ(mesh->add_feature(between_nodes(0, ring.nodes.size() / 2), id), Status::ok);
+  EXPECT_GE(seen.calls, mesh->work_used().units / KeepAlive::units_between);
+}
+
+TEST(KeepAlive, IsNotCalledByWhatIsShortNorOnceTakenBack) {
+  OwnedMesh mesh(MeshConfig{.vertices_max = 20, .features_max = 4});
+  Watch seen{.mesh = &*mesh};
+  mesh->keep_alive(hook_of(seen));
+  VertexId id;
+  ASSERT_EQ(mesh->join({0, 0}, id), Status::ok);
+  EXPECT_EQ(seen.calls, 0u);
+  mesh->keep_alive({});
+  const Graph graph = inputs::random_graph(100, inputs::FeatureLength::any, 3);
+  inputs::OwnedMesh large(inputs::config_for(graph, 500));
+  large->keep_alive(hook_of(seen));
+  large->keep_alive({});
+  ASSERT_EQ(large->build(graph.nodes, graph.features), Status::ok);
+  EXPECT_EQ(seen.calls, 0u);
+}
+
+TEST(KeepAliveDeathTest, CannotChangeTheMesh) {
+  testing::GTEST_FLAG(death_test_style) = "threadsafe";
+  const Graph graph = inputs::random_graph(100, inputs::FeatureLength::any, 3);
+  inputs::OwnedMesh mesh(inputs::config_for(graph, 500));
+  for (const auto call : {+[](void* of) noexcept { static_cast<Mesh*>(of)->clear(); },
+                          +[](void* of) noexcept {
+                            VertexId id;
+                            static_cast<void>(static_cast<Mesh*>(of)->join({1, 1}, id));
+                          },
+                          +[](void* of) noexcept {
+                            static_cast<void>(DryRun(*static_cast<Mesh*>(of)).leave(VertexId{1}));
+                          }}) {
+    mesh->keep_alive({call, &*mesh});
+    EXPECT_DEATH(static_cast<void>(mesh->build(graph.nodes, graph.features)), "");
+  }
+}
+
+}  // namespace
+}  // namespace etcm::test
