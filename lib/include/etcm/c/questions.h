@@ -131,7 +131,8 @@ uint32_t etcm_least_steiner(const etcm_mesh_t* nodes, etcm_vertex_t from, etcm_v
 int etcm_orient2d(etcm_point_t a, etcm_point_t b, etcm_point_t c);
 // For a counter-clockwise triangle +1 where d is inside its circle, -1 outside, 0 on it.
 int etcm_incircle(etcm_point_t a, etcm_point_t b, etcm_point_t c, etcm_point_t d);
-// The same with ties broken by the perturbation; never 0. Four distinct points.
+// The same with ties broken by the perturbation; never 0. Four distinct points, a, b, c
+// counter-clockwise.
 int etcm_incircle_perturbed(etcm_point_t a, etcm_point_t b, etcm_point_t c, etcm_point_t d);
 
 #ifdef __cplusplus
