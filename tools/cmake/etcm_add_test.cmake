@@ -3,7 +3,8 @@
 #
 # One GoogleTest program; each of its cases becomes a test named "<folder>/<suite>.<case>".
 # A source of its own with main() is welcome: it takes precedence over GoogleTest's.
-# TIMEOUT is per case; without it a case has 60 seconds. An emulator gets ten times that.
+# TIMEOUT is per case; without it a case has 60 seconds. An emulator gets ten times that, a build under
+# sanitizers three times.
 # COMPUTES: the test itself works hard, as an oracle does, and is optimised as the build is. Others
 # are not: what they call is, and their own code is mostly GoogleTest's, which takes long to optimise.
 include(GoogleTest)
@@ -19,6 +20,8 @@ function(etcm_add_test name)
   endif()
   if(CMAKE_CROSSCOMPILING_EMULATOR)
     math(EXPR arg_TIMEOUT "10 * ${arg_TIMEOUT}")
+  elseif(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+    math(EXPR arg_TIMEOUT "3 * ${arg_TIMEOUT}")
   endif()
   get_filename_component(folder "${CMAKE_CURRENT_SOURCE_DIR}" NAME)
   if(NOT arg_LABELS)
