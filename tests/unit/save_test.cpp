@@ -175,11 +175,12 @@ TEST(SavedMesh, ForgedInTwoWordsIsAWholeMeshOrNone) {
   inputs::Random random(12);
   for (int i = 0; i < 4000; ++i) {
     Bytes forged = whole;
+    const auto word = [&] {
+      return static_cast<std::ptrdiff_t>(4 * (2 + random.below((whole.size() - 16) / 4)));
+    };
     for (int k = 0; k < 2; ++k) {
-      const std::size_t at = 4 * (2 + random.below((whole.size() - 16) / 4));
-      const std::size_t from = 4 * (2 + random.below((whole.size() - 16) / 4));
-      std::copy_n(whole.begin() + static_cast<std::ptrdiff_t>(from), 4,
-                  forged.begin() + static_cast<std::ptrdiff_t>(at));
+      const std::ptrdiff_t at = word();
+      std::copy_n(whole.begin() + word(), 4, forged.begin() + at);
     }
     sign(forged);
     expect_whole_or_empty(forged);
