@@ -79,8 +79,7 @@ class CrossCheck {
       check_sweep(i);
     }
     check_lines();
-    check_reach("server", settings_.server.listen, settings_.server.allow);
-    if (settings_.http) check_reach("http", settings_.http->listen, settings_.http->allow);
+    check_servers();
     if (settings_.mqtt) {
       check_broker(*settings_.mqtt);
       check_secrets(*settings_.mqtt);
@@ -157,21 +156,30 @@ class CrossCheck {
             ", so nodes may find no room in the mesh; set it to twice as many as there are nodes");
   }
 
-  // Who listens for others means to let some of them in.
-  void check_reach(const char* table, const port::SocketAddress& at,
-                   const std::vector<port::Network>& allow) {
+  // Who listens for others means to let some of them in. `node`: the key that says so; null: it is
+  // not written.
+  void check_reach(const toml::node* node, const std::string& key, const char* allow_key,
+                   const port::SocketAddress& at, const std::vector<port::Network>& allow) {
     const auto is_here = [](const port::HostAddress& host) {
       return port::this_machine.contains(host) || host == port::loopback_ipv6;
     };
     const bool lets_in_any = std::any_of(allow.begin(), allow.end(), [&](const auto& network) {
       return network.prefix == 0 || !is_here(network.host);
     });
-    const toml::node* const node = find(table, {"listen"});
     if (is_here(at.host) || lets_in_any || node == nullptr) return;
     add(warnings_, node,
-        "'listen' of [" + std::string(table) + "] is for other machines, but 'allow' lets in " +
-            "this one alone; add your network there, such as allow = [\"127.0.0.0/8\", " +
-            "\"192.168.1.0/24\"]");
+        key + " is for other machines, but '" + allow_key +
+            "' lets in this one alone; add your network there, such as " + allow_key +
+            " = [\"127.0.0.0/8\", \"192.168.1.0/24\"]");
+  }
+
+  void check_servers() {
+    const ServerSettings& server = settings_.server;
+    check_reach(find("server", {"listen"}), "'listen' of [server]", "allow", server.listen,
+                server.allow);
+    if (!settings_.http) return;
+    check_reach(find("http", {"listen"}), "'listen' of [http]", "allow", settings_.http->listen,
+                settings_.http->allow);
   }
 
   void check_address(std::size_t bus) {
@@ -200,8 +208,12 @@ class CrossCheck {
 
   // Where others come to the bus nothing else of the gateway listens.
   void check_share(std::size_t number) {
-    const auto& listen = settings_.buses[number].share.listen;
+    const ShareSettings& share = settings_.buses[number].share;
+    const auto& listen = share.listen;
     if (!listen) return;
+    check_reach(find_in_bus(number, {"share"}),
+                "'share' of bus '" + settings_.buses[number].name + "'", "share_allow", *listen,
+                share.allow);
     const auto taken = [&](const std::string& by) {
       add(mistakes_, find_in_bus(number, {"share"}),
           to_string(*listen) + " is where " + by + "; give share another port");

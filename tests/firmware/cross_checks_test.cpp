@@ -142,6 +142,10 @@ INSTANTIATE_TEST_SUITE_P(
             bus("127.0.0.1:502") + "[http]\nlisten = \"0.0.0.0:8080\"\n", 8,
             "'listen' of [http] is for other machines, but 'allow' lets in this one alone",
             "add your network there"},
+        Row{"shares_a_bus_with_others_and_lets_in_none",
+            bus("127.0.0.1:502", "name = \"yard\"\nshare = \"[::]:1510\"\nunits = \"1-8\"\n"), 7,
+            "'share' of bus 'yard' is for other machines, but 'share_allow' lets in this one alone",
+            "add your network there, such as share_allow = "},
         Row{"a_speed_that_is_hardly_meant", serial("baud = 19600\n"), 7,
             "baud = 19600 is no usual speed, and 19200 is near", "correct it"},
         Row{"a_line_too_slow_for_its_units",
@@ -158,7 +162,9 @@ TEST_F(CrossChecks, WhatIsSoundIsNotWarnedOf) {
   const Settings settings =
       read("[poll]\ninterval = \"5s\"\n[gpio]\nstatus_led = \"A\"\nwatchdog = \"B\"\n" +
            serial("rs485_line = \"DE\"\n") + bus("127.0.0.1:1503") +
-           bus("127.0.0.1:1502", "units = \"2-8\"\n") +
+           bus("127.0.0.1:1502", "units = \"2-8\"\nshare = \"127.0.0.1:1510\"\n") +
+           bus("127.0.0.1:1504",
+               "units = \"9\"\nshare = \"0.0.0.0:1511\"\nshare_allow = [\"10.0.0.0/8\"]\n") +
            "[server]\nlisten = \"10.0.0.1:1502\"\n"
            "allow = [\"10.0.0.0/8\"]\n");
   EXPECT_TRUE(mistakes_.empty()) << testing::PrintToString(mistakes_);
