@@ -84,6 +84,20 @@ class Content(ProgramCase):
             self.assertIn("usr/share/doc/libetcm-dev/html/index.html", development)
         self.assertEqual([path for path in development if "/bin/" in path or path[:4] == "etc/"], [])
 
+    def test_the_gateway_serves_the_guide(self):
+        settings = self.folder / "gateway.toml"
+        settings.write_text('[mesh]\nvertices_max = 100\n[server]\nlisten = "127.0.0.1:0"\n'
+                            '[http]\nlisten = "127.0.0.1:0"\n')
+        root = self.unpacked(GATEWAY)
+        gateway = self.start("gateway", [root / "usr/bin/etcm-gateway", "--config", settings])
+        url = gateway.wait_for_line(r"status page on (http://\S+)").group(1)
+        guide = root / "usr/share/doc/etcm-gateway/guide"
+        for path in ("", *(f"/{page.stem}.html" for page in guide.glob("*.md")),
+                     *(f"/{picture.name}" for picture in guide.glob("*.png"))):
+            with urllib.request.urlopen(f"{url}/guide{path}", timeout=PATIENCE_S) as answer:
+                self.assertTrue(answer.read(), path)
+        self.assertEqual(gateway.stop(), 0, gateway.log())
+
     def test_it_depends_on_what_its_programs_link(self):
         depends = run("dpkg-deb", "--field", GATEWAY, "Depends")
         names = re.findall(r"([a-z0-9.+-]+)(?: \([^)]*\))?(?:, |$)", depends.strip())
@@ -150,6 +164,11 @@ class Content(ProgramCase):
                 help_texts.append(run(root / "usr/bin" / name, command, "--help"))
             for option in set(re.findall(r"--([a-z][a-z-]+)", "".join(help_texts))) - {"help"}:
                 self.assertIn(option, text, f"{name}.{section}: --{option}")
+            # "  -0,-q,-B  as mbpoll has them"
+            heads = re.findall(r"(?m)^ +(-[^ ]*)", "".join(help_texts))
+            letters = set(re.findall(r"(?:^|,)-(\w)\b", "\n".join(heads), re.M)) - {"h"}
+            named = set(re.findall(r"(?m)\bFl (\w)(?= |$)", page))
+            self.assertEqual(letters - named, set(), f"{name}.{section}")
 
 
 class SystemCalls(ProgramCase):

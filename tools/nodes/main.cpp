@@ -58,7 +58,9 @@ void run_tcp(port::SocketAddress address, const nodes::Script& script) {
     listeners.push_back(
         std::make_unique<port::TcpListener>(loop, *ports.back(), address, clients_max));
     const port::Acceptor& acceptor = listeners.back()->acceptor();
-    if (!acceptor.is_listening()) throw std::runtime_error(acceptor.failure());
+    if (!acceptor.is_listening()) {
+      throw std::runtime_error(acceptor.failure() + "; " + acceptor.cure("--listen"));
+    }
     std::printf("listens on %s for units 1-%u\n", to_string(listeners.back()->address()).c_str(),
                 fleet.unit_count(i));
     if (address.port != 0) ++address.port;
@@ -121,29 +123,27 @@ int main(int argc, char** argv) {
       ->required();
   if (const auto end = command_line::parse(app, argc, argv)) return *end;
 
+  const auto complain = [&](const std::string& what) {
+    return command_line::complain(app, exit_bad_input, what);
+  };
   std::optional<port::SocketAddress> address;
   if (std::string why; line.path.empty() && !(address = address_to_listen_at(listen, why))) {
-    std::fprintf(stderr, "--listen %s: %s\n", listen.c_str(), why.c_str());
-    return exit_bad_input;
+    return complain("--listen " + listen + ": " + why);
   }
   if (!port::is_baud(line.baud)) {
-    std::fprintf(stderr,
-                 "--baud %u: no speed; give 9600, 19200, 115200, or another from %u to %u\n",
-                 line.baud, port::baud_least, port::baud_most);
-    return exit_bad_input;
+    return complain("--baud " + std::to_string(line.baud) +
+                    ": no speed; give 9600, 19200, 115200, or another from " +
+                    std::to_string(port::baud_least) + " to " + std::to_string(port::baud_most));
   }
   nodes::Script script;
   try {
     script = nodes::read_script(file);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return exit_bad_input;
+    return complain(error.what());
   }
   if (!line.path.empty() && script.serials.size() > nodes::units_per_port) {
-    std::fprintf(stderr,
-                 "%s: %zu nodes, but a line has 247 units; take some out, or use --listen\n",
-                 file.c_str(), script.serials.size());
-    return exit_bad_input;
+    return complain(file + ": " + std::to_string(script.serials.size()) +
+                    " nodes, but a line has 247 units; take some out, or use --listen");
   }
   try {
     if (line.path.empty()) {
@@ -153,7 +153,6 @@ int main(int argc, char** argv) {
     }
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "etcm-nodes: %s\n", error.what());
-    return EXIT_FAILURE;
+    return command_line::complain(app, EXIT_FAILURE, error.what());
   }
 }

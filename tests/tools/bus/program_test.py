@@ -77,6 +77,27 @@ class Scan(BusCase):
             self.assertEqual((done.returncode, done.stdout), (2, ""))
             self.assertIn(what, done.stderr)
 
+    def test_the_nodes_say_who_complains_and_what_to_do(self):
+        nodes = self.start_nodes(THREE, "--listen", "127.0.0.1:0")
+        taken = re.search(r"listens on (\S+)", nodes.log()).group(1)
+        (self.folder / "wrong.csv").write_text("time_ms,serial,event,x,y\n0,1,dance,0,0\n")
+        (self.folder / "many.csv").write_text(
+            "time_ms,serial,event,x,y\n" + "".join(f"0,{n},join,{n},0\n" for n in range(1, 249)))
+        for code, line, what in (
+                (1, ["--listen", taken, "--nodes", "nodes.csv"],
+                 rf"cannot listen on {taken} \(Address already in use\); end the program that has it "
+                 r"\(`ss -ltnp` names it\), or change --listen"),
+                (2, ["--listen", "nonsense", "--nodes", "nodes.csv"], "--listen nonsense: no address; .+"),
+                (2, ["--rtu", "line", "--baud", "1", "--nodes", "nodes.csv"], "--baud 1: no speed; give .+"),
+                (2, ["--listen", taken, "--nodes", "none.csv"], "none.csv: cannot be read; .+"),
+                (2, ["--listen", taken, "--nodes", "wrong.csv"], "wrong.csv:2: .+"),
+                (2, ["--rtu", "line", "--nodes", "many.csv"], "many.csv: 248 nodes, but .+; take some out.+")):
+            with self.subTest(line):
+                done = subprocess.run([NODES, *line], cwd=self.folder, capture_output=True, text=True,
+                                      timeout=PATIENCE_S)
+                self.assertEqual((done.returncode, done.stdout), (code, ""))
+                self.assertRegex(done.stderr, rf"\Aetcm-nodes: {what}\n\Z")
+
     def test_tells_a_program_in_json(self):
         found = json.loads(self.bus("scan", *PATIENT, "-a", "1:5", "--json", *self.start_line(THREE)).stdout)
         self.assertEqual([unit["unit"] for unit in found], [1, 2, 3])
