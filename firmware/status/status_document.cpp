@@ -162,6 +162,7 @@ void StatusDocument::write_counts(TextWriter& piece) const {
         << ",\"readings_sequence\":" << sources_.gateway.readings().sequence
         << ",\"alarms\":{\"on\":" << sources_.alarms.on_count()
         << ",\"critical\":" << sources_.alarms.on_count(Severity::critical)
+        << ",\"major\":" << sources_.alarms.on_count(Severity::major)
         << ",\"unacknowledged\":" << sources_.alarms.unacknowledged_count() << ",\"ended\":"
         << sources_.alarms.ended_count() + sources_.alarms.open_count() - sources_.alarms.on_count()
         << ",\"edition\":" << sources_.alarms.edition()

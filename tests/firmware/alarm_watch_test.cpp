@@ -475,6 +475,9 @@ TEST_F(AlarmWatchTest, DocumentsAreThoseOfThePage) {
   EXPECT_NE(units.find("\"last_error\":\"timeout\""), std::string::npos) << units;
   const std::string metrics = tell("show metrics");
   EXPECT_NE(metrics.find("\netcm_alarms{severity=\"critical\"} 0\n"), std::string::npos);
+  const std::string status = tell("show status.json");
+  EXPECT_NE(status.find("\"alarms\":{\"on\":1,\"critical\":0,\"major\":1,"), std::string::npos)
+      << status;
 }
 
 }  // namespace

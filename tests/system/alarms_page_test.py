@@ -24,17 +24,24 @@ class Alarms(BrowserCase):
         for node in "2", "3":
             gateway.wait_for_line(rf"node {node} is missing")
         self.wait_for_text("#alarms-title", r"^Alarms \(2\)")
+        self.wait_for_text("#state", r"^2 nodes are missing: node \d, .*\n2 alarms$")
         self.assertFalse(self.find("#ended").is_displayed(), "none has ended")
         self.ctl("acknowledge", "all")
         self.ctl("dismiss", "2")
         self.wait_for_text("#ended-title", r"^Alarms that have ended \(1\)$")
         self.ctl("dismiss", "3")
         self.wait_for_text("#ended-title", r"^Alarms that have ended \(2\)$")
+        self.wait_for_text("#state", r"^All well$")
         self.wait_for_turns()
         self.assertEqual(self.asked("/ended.json"), 0, "nobody looks")
-        self.browser.execute_script("dispatchEvent(new Event('beforeprint'))")
-        self.assertFalse(self.find("#ended").is_displayed(), "folded, it is not printed")
+        # On paper it is open and whole at once; nobody could open it there.
+        printed = self.browser.execute_script("""
+            dispatchEvent(new Event('beforeprint'));
+            return document.querySelectorAll('#ended details[open] #ended-list li').length""")
+        self.assertEqual(printed, 2)
         self.browser.execute_script("dispatchEvent(new Event('afterprint'))")
+        self.assertFalse(self.find("#ended-list").is_displayed(), "folded again")
+        self.forget_what_was_asked()
 
         # By the keyboard.
         self.find("#ended summary").send_keys(Keys.ENTER)
@@ -42,10 +49,10 @@ class Alarms(BrowserCase):
                                           rf"until {MOMENT}\s*for [\d.]+ s\s*dismissed\s*acknowledged\s*node 2, ")
         self.assertEqual(self.text("#ended-bound"), "", "all are shown")
         self.wait_for_turns()
-        self.assertEqual(self.asked("/ended.json"), 1, "nothing is new")
+        self.assertEqual(self.asked("/ended.json"), 0, "nothing is new")
         self.browser.execute_script("dispatchEvent(new Event('beforeprint'))")
-        self.assertTrue(self.find("#ended-list").is_displayed(), "open, it is printed")
         self.browser.execute_script("dispatchEvent(new Event('afterprint'))")
+        self.assertTrue(self.find("#ended-list").is_displayed(), "what was open stays so")
         self.find("#ended").location_once_scrolled_into_view
         self.screenshot("ended")
         # A screen reader is told what the list is of, and gets to its rows.
@@ -58,6 +65,29 @@ class Alarms(BrowserCase):
         self.assertEqual(re.findall(r"is missing", self.get("/alarms.csv").decode()), ["is missing"] * 2)
         self.assertEqual([entry for entry in self.browser.get_log("browser")
                           if entry["level"] == "SEVERE"], [])
+
+    def test_while_an_alarm_is_on_not_all_is_well(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0"])
+        self.browser.get(self.url)
+        self.wait_for_text("#state", r"^All well$")
+
+        def said(on=0, critical=0, major=0, **more):
+            return self.browser.execute_async_script("""
+                const [on, critical, major, more, done] = arguments;
+                import('/model.js').then(({ stateInWords }) => done(stateInWords({
+                  state: {}, nodes: 2, waiting_nodes: 0, quarantined: 0, stale_nodes: 0,
+                  features_configured: 0, features_active: 0, disagreeing_sensors: 0, troubles: [],
+                  alarms: { on, critical, major }, ...more })));""", on, critical, major, more)
+        self.assertEqual(said(), ["good", "All well"])
+        self.assertEqual(said(1), ["note", "1 alarm"])
+        self.assertEqual(said(2, 0, 1), ["warn", "2 alarms"])
+        self.assertEqual(said(3, 1, 1), ["bad", "3 alarms"])
+        self.assertEqual(said(2, stale_nodes=3), ["warn", "2 alarms, 3 stale"])
+        self.assertEqual(said(1, 1, nodes=0), ["bad", "No node in the mesh, 1 alarm"])
+        self.assertEqual(said(nodes=0), ["warn", "No node in the mesh"])
+        self.assertEqual(said(1, 0, 1, troubles=["node 5 is missing"]), ["bad", "node 5 is missing"])
+        self.assertEqual(said(2, 0, 1, troubles=["node 5 is missing"]),
+                         ["bad", "node 5 is missing\n2 alarms"])
 
     def focused(self):
         return self.browser.execute_script("return document.activeElement.innerText")
@@ -142,6 +172,28 @@ class Alarms(BrowserCase):
         wait_for("the line of node 77", lambda: self.browser.execute_script(
             "return document.activeElement.closest('#never') && document.activeElement.innerText"))
         self.assertIn("77", self.focused())
+
+    def test_all_alarms_are_printed(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0"])
+        self.browser.get(self.url)
+        self.wait_for_text("#state", r"^All well$")
+        shown, printed, after = self.browser.execute_async_script("""
+            const done = arguments[0];
+            import('/alarms.js').then(({ showAlarms }) => {
+              const alarms = Array.from({ length: 150 }, (_, at) => ({ number: at + 1, times: 1, severity: 'major',
+                on: true, acknowledged: false, since: 'then', since_ms: 1000, text: `alarm ${at}`, cure: '' }));
+              showAlarms({ instance: 'x', alarms: { edition: 1 } }, { alarms, untold: 0 });
+              const more = document.querySelector('#alarms-more');
+              const seen = () => [document.querySelectorAll('#alarm-list li').length, more.hidden ? '' : more.textContent];
+              const shown = seen();
+              dispatchEvent(new Event('beforeprint'));
+              const printed = seen();
+              dispatchEvent(new Event('afterprint'));
+              done([shown, printed, seen()]);
+            });""")
+        self.assertEqual(shown, [100, "and 50 more: sudo etcm-gateway ctl list"])
+        self.assertEqual(printed, [150, ""])
+        self.assertEqual(after, shown)
 
     def test_how_many_of_the_ended_alarms_are_shown_is_told(self):
         self.start_page(["0,1,join,0,0", "0,2,join,1000,0"])

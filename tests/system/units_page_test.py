@@ -98,6 +98,49 @@ class Units(BrowserCase):
         self.wait_for_turns(3)
         self.assertEqual(self.asked("/units.json"), 0)
 
+    def test_enter_in_the_search_shows_the_first_hit(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700"],
+                        '[[bus.device]]\nunits = "9"\n[[node]]\nserial = 2\nname = "mill"\n')
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#counts", r"Nodes\s*3")
+        search = self.find("#unit-search")
+        # At once, before any unit has been asked for.
+        search.send_keys("mill", Keys.ENTER)
+        self.wait_for_text("#details-title", r"^Node 2 'mill'$")
+        search.clear()
+        search.send_keys("nosuch", Keys.ENTER)
+        self.wait_for_text("#no-unit", r"^No match")
+        # One without a node has a line alone.
+        search.clear()
+        search.send_keys("9", Keys.ENTER)
+        wait_for("its line", lambda: self.browser.execute_script(
+            "return document.activeElement.matches('#buses tbody tr') && "
+            "document.activeElement.innerText.startsWith('9')"))
+        self.assertEqual(self.text("#details-title"), "Node 2 'mill'")
+
+    def test_the_units_of_a_closed_bus_are_printed(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700"])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#buses", r"3 of 3 units answer")
+        printed = self.browser.execute_script("""
+            dispatchEvent(new Event('beforeprint'));
+            return [...document.querySelectorAll('#buses details[open] tbody tr')].map((row) => row.innerText)""")
+        self.assertEqual([row.split()[0] for row in printed], ["1", "2", "3"])
+        self.assertIn("answering", printed[0])
+        self.browser.execute_script("dispatchEvent(new Event('afterprint'))")
+        self.assertEqual(self.browser.find_elements(By.CSS_SELECTOR, "#buses details[open]"), [])
+
+    def test_with_a_low_battery_not_all_is_well(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700", "1500,2,low_battery,,"])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#alarm-list", r"low battery|battery is low")
+        self.wait_for_text("#state", r"^1 alarm$")
+        self.assertEqual(self.find("#state").get_attribute("class"), "chip note")
+        self.screenshot("low-battery")
+
     def test_what_a_node_says_is_of_the_node_that_is_there_now(self):
         self.start_page(["0,1,join,0,0"])
         self.browser.get(self.url)

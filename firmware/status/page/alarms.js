@@ -2,8 +2,10 @@
 import { byId, element, setText, showRows } from "./dom.js";
 import { dateOf, momentText } from "./model.js";
 
-// More are on the gateway itself.
+// More are on the gateway itself, and on paper.
 const shownMax = 100;
+let isWhole = false;
+let shown = null;   // what showAlarms() was called with
 const ranks = { critical: 0, major: 1, minor: 2 };
 
 // Whether the list that is shown is an older one.
@@ -17,17 +19,25 @@ function keyOf(status) { return `${status.instance} ${status.alarms.edition}`; }
 export function showAlarms(status, document, follow) {
   const section = byId("alarms");
   section.dataset.shown = keyOf(status);
+  shown = [status, document, follow];
   const on = document.alarms.filter((alarm) => alarm.on);
   section.hidden = on.length === 0;
   on.sort((a, b) => ranks[a.severity] - ranks[b.severity] || a.since_ms - b.since_ms);
   const known = on.filter((alarm) => alarm.acknowledged).length;
   setText(byId("alarms-title"), `Alarms (${on.length})${known > 0 ? `, ${known} acknowledged` : ""}`);
-  showRows(byId("alarm-list"), on.slice(0, shownMax),
+  const seen = on.slice(0, isWhole ? on.length : shownMax);
+  showRows(byId("alarm-list"), seen,
     ({ since_ms, ...rest }) => JSON.stringify(rest), (alarm) => row(alarm, follow));
-  const more = on.length - shownMax + document.untold;
+  const more = on.length - seen.length + document.untold;
   const line = byId("alarms-more");
-  line.hidden = on.length <= shownMax && document.untold === 0;
+  line.hidden = more === 0;
   setText(line, `and ${more} more: sudo etcm-gateway ctl list`);
+}
+
+// All that are on, as paper wants them.
+export function setWholeAlarms(wanted) {
+  isWhole = wanted;
+  if (shown) showAlarms(...shown);
 }
 
 function row(alarm, follow) {

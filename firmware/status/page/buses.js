@@ -14,7 +14,16 @@ export class BusList {
     this.units = [];
     this.rows = new Map();   // of buses, by name
     this.wanted = null;      // the unit to go to once it is there
-    byId("unit-search").addEventListener("input", () => this.draw());
+    this.wantsFirst = false; // of those found, once they are there
+    byId("unit-search").addEventListener("input", () => {
+      this.wantsFirst = false;
+      this.draw();
+    });
+    byId("unit-search").addEventListener("keydown", (event) => {
+      if (event.key !== "Enter" || this.words.length === 0) return;
+      this.wantsFirst = true;
+      this.draw();
+    });
   }
 
   // Whether anybody looks at units.
@@ -80,11 +89,20 @@ export class BusList {
     for (const [name, row] of this.rows) {
       const its = this.units.filter((unit) => unit.bus === name && words.every((word) => matchesUnit(unit, word)));
       found += its.length;
+      if (this.wantsFirst && its.length > 0) this.goToFirst(its);
       row.item.hidden = words.length > 0 && this.units.length > 0 && its.length === 0;
       if (words.length > 0 && its.length > 0) row.details.open = true;
       if (row.details.open) this.fill(row, its);
     }
     byId("no-unit").hidden = words.length === 0 || this.units.length === 0 || found > 0;
+  }
+
+  // To its node, or where it has none to its line.
+  goToFirst(units) {
+    this.wantsFirst = false;
+    const [{ bus, unit, serial }] = units.sort(byUrgency);
+    if (serial === undefined) this.wanted = { bus, unit };
+    else this.go(serial);
   }
 
   // A button and its focus stay while the units are the same ones in the same order.

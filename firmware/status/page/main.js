@@ -58,7 +58,7 @@ addEventListener("hashchange", () => {
   choice = mesh?.bySerial.get(serialInAddress()) ?? null;
   show(choice);
 });
-preparePaper(map, table, () => status);
+preparePaper(map, table, () => status, completeForPaper);
 
 function choose(point) {
   choice = point;
@@ -111,10 +111,33 @@ async function turnUnits() {
   const isSearchDue = table.isSearched && isOld;
   if (!buses.isOpen && !choice?.isNode && !isSearchDue) return;
   unitsAt = performance.now();
-  const units = readUnits(await ask("units.json"), status);
+  takeUnits(await ask("units.json"));
+}
+
+function takeUnits(document) {
+  const units = readUnits(document, status);
   buses.setUnits(units);
   setUnits(mesh, units);
   unitsOf = mesh;
+}
+
+// The browser prints what is there when its event has been handled, so this waits for the answers.
+function completeForPaper() {
+  if (!mesh || document.body.classList.contains("lost")) return;
+  try {
+    if (isOldEnded(status)) showEnded(status, askAtOnce("ended.json"), follow);
+    takeUnits(askAtOnce("units.json"));
+  } catch (error) {
+    console.info(String(error));
+  }
+}
+
+function askAtOnce(path) {
+  const request = new XMLHttpRequest();
+  request.open("GET", path, false);
+  request.send();
+  if (request.status !== 200) throw new Error(`${path}: status ${request.status}`);
+  return JSON.parse(request.responseText);
 }
 
 // A node that the address names is shown as soon as it is known.

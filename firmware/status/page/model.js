@@ -198,12 +198,37 @@ function smallTroubles(status) {
   return troubles;
 }
 
+// Those that are on, as a word for the colour of the worst; the list of alarms has the same.
+function alarmColour({ on, critical, major }) {
+  if (critical > 0) return "bad";
+  if (major > 0) return "warn";
+  return on > 0 ? "note" : "good";
+}
+
+// How many there are, where the troubles do not say it.
+function alarmTroubles({ alarms, troubles }) {
+  if (alarms.on <= troubles.length) return [];
+  return [`${alarms.on} ${alarms.on === 1 ? "alarm" : "alarms"}`];
+}
+
 // How things stand, as a word for the colour and a sentence, or a line for each thing.
 export function stateInWords(status) {
+  const alarms = alarmTroubles(status);
   const troubles = smallTroubles(status);
-  if (status.troubles.length > 0) return ["bad", [...status.troubles, ...upperCased(troubles)].join("\n")];
-  if (status.nodes === 0 && !status.waiting_nodes) return ["warn", "No node in the mesh"];
+  if (status.troubles.length > 0) {
+    return ["bad", [...status.troubles, ...upperCased([...alarms, ...troubles])].join("\n")];
+  }
+  const colours = [alarmColour(status.alarms)];
+  if (status.nodes === 0 && !status.waiting_nodes) {
+    colours.push("warn");
+    return [worst(colours), ...upperCased(["no node in the mesh", ...alarms])];
+  }
   if (status.fleet) troubles.push(...fleetTroubles(status.fleet));
-  if (troubles.length === 0) return ["good", "All well"];
-  return [status.state.budget_hit ? "bad" : "warn", ...upperCased(troubles)];
+  if (troubles.length > 0) colours.push(status.state.budget_hit ? "bad" : "warn");
+  const words = upperCased([...alarms, ...troubles]);
+  return words.length === 0 ? ["good", "All well"] : [worst(colours), ...words];
+}
+
+function worst(colours) {
+  return ["bad", "warn", "note", "good"].find((colour) => colours.includes(colour));
 }

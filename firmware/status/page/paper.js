@@ -1,23 +1,31 @@
-// The page on paper: the whole table, the map drawn anew for its size, the date and the site.
+// The page on paper: all rows, all that opens, the map drawn anew for its size, the date and the site.
+import { setWholeAlarms } from "./alarms.js";
 import { byId } from "./dom.js";
 import { momentText } from "./model.js";
 import { drawLegend } from "./panels.js";
 
-export function preparePaper(map, table, status) {
+// `complete` shows at once what is asked for only while somebody looks.
+export function preparePaper(map, table, status, complete) {
+  let opened = [];   // for paper alone
+  const set = (isPaper) => {
+    document.documentElement.classList.toggle("paper", isPaper);
+    for (const part of opened) part.open = isPaper;
+    table.setWhole(isPaper);
+    setWholeAlarms(isPaper);
+    map.setPaper(isPaper);
+    drawLegend(map);
+  };
   addEventListener("beforeprint", () => {
-    document.documentElement.classList.add("paper");
     const shown = status();
     const generation = shown ? `, version (generation) ${shown.generation}` : "";
     byId("printed").textContent =
       `${document.title}, ${location.host}, ${momentText(new Date())}${generation}`;
-    table.setWhole(true);
-    map.setPaper(true);
-    drawLegend(map);
+    opened = [...document.querySelectorAll("main details:not([open])")];
+    set(true);
+    complete();
   });
   addEventListener("afterprint", () => {
-    document.documentElement.classList.remove("paper");
-    table.setWhole(false);
-    map.setPaper(false);
-    drawLegend(map);
+    set(false);
+    opened = [];
   });
 }
