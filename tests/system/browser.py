@@ -5,6 +5,8 @@ ETCM_SCREENSHOTS, where it is set, is a folder for screenshots. Every wait is fo
 import os
 import pathlib
 import re
+import shutil
+import subprocess
 import urllib.request
 
 from selenium import webdriver
@@ -50,7 +52,9 @@ class PageCase(GatewayCase):
             return answer.read()
 
 
-class BrowserCase(PageCase):
+class Looking:
+    """Of a case whose tests look at a page; beside the class that runs what they look at."""
+
     @classmethod
     def setUpClass(cls):
         cls.browser = open_browser()
@@ -108,8 +112,20 @@ class BrowserCase(PageCase):
         if folder := os.environ.get("ETCM_SCREENSHOTS"):
             self.browser.save_screenshot(str(pathlib.Path(folder) / f"{name}.png"))
 
+    def guide_picture(self, name):
+        """Pictures of the guide become part of the program, so they have few colours."""
+        self.screenshot(name)
+        folder = os.environ.get("ETCM_SCREENSHOTS")
+        if folder and shutil.which("pngquant"):
+            subprocess.run(["pngquant", "--force", "--ext", ".png", "--strip", "--nofs", "--speed", "1",
+                            "40", str(pathlib.Path(folder) / f"{name}.png")], check=True)
+
     def click_at(self, across, up):
         """Clicks the map at a part of its width and height, from its middle."""
         canvas = self.find("#map")
         ActionChains(self.browser).move_to_element_with_offset(
             canvas, round(across), round(up)).click().perform()
+
+
+class BrowserCase(Looking, PageCase):
+    """A page of one gateway, looked at."""

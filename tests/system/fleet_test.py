@@ -79,6 +79,7 @@ class FleetCase(ProgramCase):
     interval = "100ms"
 
     def write_gateway(self, name, buses, share="site", as_name=None):
+        """`share`: None where it is not written."""
         features = "".join(f"[[feature]]\nfrom = {a}\nto = {b}\n" for a, b in self.features)
         if self.site_file:
             features += f'[site]\nfile = "{self.site_file}"\ncrs = "plane"\n'
@@ -103,8 +104,8 @@ interval = "1s"
 broker = "127.0.0.1:{self.broker_port}"
 site = "site"
 name = "{as_name or name}"
-share = "{share}"
 period_min = "100ms"
+{'' if share is None else f'share = "{share}"'}
 """ + "".join(f'[[bus]]\ntcp = "{end}"\nunits = "{units}"\n' for end, units in buses) + features)
         (self.folder / f"state-{name}").mkdir(exist_ok=True)
 

@@ -1,6 +1,6 @@
 // The gateways of the site: who is there, and whether all have the same mesh.
 import { byId, element, showRows } from "./dom.js";
-import { ageText, sinceText } from "./model.js";
+import { sinceText } from "./model.js";
 
 // Names of colours (style.css); gateways beyond the last begin again.
 export const memberColours = ["member-0", "member-1", "member-2", "member-3", "member-4", "member-5"];
@@ -52,7 +52,7 @@ function fillMember(item, member, fleet, colours) {
   item.replaceChildren(name, element("span", `${member.nodes} ${member.nodes === 1 ? "node" : "nodes"}`));
   if (member.version) item.append(element("span", `version ${member.version}`));
   if (member.state !== "here") {
-    const since = member.since_ms === undefined ? "" : ` for ${ageText(member.since_ms)}`;
+    const since = member.since_ms === undefined ? "" : ` since ${sinceText(member.since_ms)}`;
     item.append(element("span", (states[member.state] ?? member.state) + since, "stale"));
   }
   if (member.why) item.append(element("span", member.why, "stale"));
