@@ -112,13 +112,13 @@ class Looking:
         if folder := os.environ.get("ETCM_SCREENSHOTS"):
             self.browser.save_screenshot(str(pathlib.Path(folder) / f"{name}.png"))
 
-    def guide_picture(self, name):
+    def guide_picture(self, name, colours=40):
         """Pictures of the guide become part of the program, so they have few colours."""
         self.screenshot(name)
         folder = os.environ.get("ETCM_SCREENSHOTS")
         if folder and shutil.which("pngquant"):
             subprocess.run(["pngquant", "--force", "--ext", ".png", "--strip", "--nofs", "--speed", "1",
-                            "40", str(pathlib.Path(folder) / f"{name}.png")], check=True)
+                            str(colours), str(pathlib.Path(folder) / f"{name}.png")], check=True)
 
     def click_at(self, across, up):
         """Clicks the map at a part of its width and height, from its middle."""

@@ -1,6 +1,8 @@
-"""tools/demo as a newcomer runs it, in the build of the preset release."""
+"""tools/demo as a newcomer runs it, in the build of the preset release.
+
+With ETCM_SCREENSHOTS=firmware/guide it draws two pictures of the guide (tools/pictures).
+"""
 import json
-import os
 import pathlib
 import re
 import signal
@@ -9,13 +11,13 @@ import urllib.request
 
 from selenium.webdriver.support.ui import Select
 
-from browser import open_browser
+from browser import Looking
 from programs import PATIENCE_S, ProgramCase, wait_for
 
 DEMO = pathlib.Path(__file__).resolve().parents[2] / "tools/demo"
 
 
-class Live(ProgramCase):
+class Live(Looking, ProgramCase):
     def tearDown(self):
         # It ends its own programs.
         for program in self.programs:
@@ -44,9 +46,13 @@ class Live(ProgramCase):
         for node in nodes:
             longitude, latitude = node["geometry"]["coordinates"]
             self.assertTrue(10.37 < longitude < 10.42 and 63.42 < latitude < 63.44, node)
-        folder = os.environ.get("ETCM_SCREENSHOTS")
-        if folder:
-            self.take_picture(url, pathlib.Path(folder))
+        self.size(1280, 800)
+        self.browser.get(url)
+        self.wait_for_text("#quantity", r"level \(m\)")
+        Select(self.find("#quantity")).select_by_visible_text("level (m)")
+        self.wait_for_text("#bands", r"m$")
+        self.wait_for_text("#state", r"^All well$")
+        self.guide_picture("devices", 128)
         self.assertEqual(demo.stop(signal.SIGINT), 0, demo.log())
 
     def test_a_fleet_has_one_mesh_after_a_gateway_and_the_broker_were_killed(self):
@@ -54,23 +60,24 @@ class Live(ProgramCase):
         demo.wait_for_line(r"(?m)^4 of 4 agree: mesh_hash [0-9a-f]{16}, audited$")
         self.assertEqual(demo.process.wait(PATIENCE_S), 0)
 
+    def test_the_office_of_a_live_fleet_shows_all_in_colours(self):
+        demo = self.start("demo", [DEMO, "--fleet", "--live"])
+        url = demo.wait_for_line(r"(?m)^ *[\d.]+ s +office +(\S+)$").group(1)
+        demo.wait_for_line("Ctrl-C ends it")
+        self.size(1280, 800)
+        self.browser.get(url)
+        self.wait_for_text("#fleet-title", r"^Fleet demo: 4 of 4 agree$")
+        self.wait_for_text("#state", r"^All well$")
+        self.assertEqual(len(self.browser.find_elements("css selector", "#members .swatch")), 3)
+        self.guide_picture("fleet")
+        self.assertEqual(demo.stop(signal.SIGINT), 0, demo.log())
+
     def nodes_with_levels(self, url, count):
         answer = urllib.request.urlopen(f"{url}/mesh.geojson", timeout=PATIENCE_S).read()
         nodes = [feature for feature in json.loads(answer)["features"]
                  if feature["properties"]["kind"] == "node"]
         levels = ["reading level (m)" in node["properties"] for node in nodes]
         return nodes if sum(levels) == count else None
-
-    def take_picture(self, url, folder):
-        browser = open_browser()
-        self.addCleanup(browser.quit)
-        browser.set_window_size(1280, 800)
-        browser.get(url)
-        choice = browser.find_element("id", "quantity")
-        wait_for("the quantities", lambda: "level (m)" in choice.text)
-        Select(choice).select_by_visible_text("level (m)")
-        wait_for("the levels", lambda: browser.find_element("id", "bands").text)
-        browser.save_screenshot(str(folder / "devices.png"))
 
 
 if __name__ == "__main__":

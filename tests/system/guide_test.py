@@ -1,14 +1,13 @@
-"""The pictures of the page in the operating guide: each state is brought about, waited for and, with
-ETCM_SCREENSHOTS=firmware/guide, drawn anew.
+"""The pictures of the page in the operating guide: each state is brought about, waited for and, by
+tools/pictures, drawn anew.
 
 ETCM_BIN is the programs' folder. Every wait is for a condition.
 """
+import hashlib
 import os
 import pathlib
-import shutil
 import signal
 import struct
-import subprocess
 import unittest
 import zlib
 
@@ -17,9 +16,11 @@ from selenium.webdriver.common.keys import Keys
 from browser import BrowserCase
 from gateway_test import SOON, wait_for
 
-GUIDE = pathlib.Path(__file__).resolve().parents[2] / "firmware" / "guide"
-# What other tests draw, or nobody can without a fleet.
-OTHERS = {"devices.png", "fleet.png"}
+FIRMWARE = pathlib.Path(__file__).resolve().parents[2] / "firmware"
+GUIDE = FIRMWARE / "guide"
+DRAWN_OF = pathlib.Path(__file__).parent / "guide_pictures.sha256"
+# Those that demo_test.py draws.
+OTHERS = {"devices", "fleet"}
 PICTURES = {"page", "page-units", "page-wrong", "page-silent", "page-lost", "page-night",
             "page-telephone", "page-plan", "page-paper"}
 
@@ -55,14 +56,6 @@ def ground(column, row):
 
 
 class GuidePictures(BrowserCase):
-    def screenshot(self, name):
-        super().screenshot(name)
-        folder = os.environ.get("ETCM_SCREENSHOTS")
-        # They become part of the program, so they have few colours.
-        if folder and shutil.which("pngquant"):
-            subprocess.run(["pngquant", "--force", "--ext", ".png", "--strip", "--nofs", "--speed", "1",
-                            "40", str(pathlib.Path(folder) / f"{name}.png")], check=True)
-
     def start_site(self, more_rows=(), more="", **times):
         rows = [f"0,{1000 + n},join,{x},{y}" for n in range(1, NODES + 1) for x, y in [place(n)]]
         features = "".join(f'[[feature]]\nfrom = {a}\nto = {b}\nname = "road {i}"\n'
@@ -76,11 +69,23 @@ class GuidePictures(BrowserCase):
         return gateway
 
     def test_every_picture_of_the_page_in_the_guide_is_made_here(self):
-        self.assertEqual({path.name for path in GUIDE.glob("*.png")} - OTHERS,
-                         {f"{name}.png" for name in PICTURES})
+        self.assertEqual({path.stem for path in GUIDE.glob("*.png")}, PICTURES | OTHERS)
         text = "".join(path.read_text() for path in GUIDE.glob("*.md"))
-        for name in PICTURES:
+        for name in PICTURES | OTHERS:
             self.assertIn(f"({name}.png)", text)
+        demo = (pathlib.Path(__file__).parent / "demo_test.py").read_text()
+        for name in OTHERS:
+            self.assertIn(f'self.guide_picture("{name}"', demo)
+
+    def test_the_pictures_are_those_of_the_page_as_it_is(self):
+        if os.environ.get("ETCM_SCREENSHOTS"):
+            self.skipTest("they are drawn")
+        page = sorted(path for path in (FIRMWARE / "status/page").iterdir()
+                      if path.name == "index.html" or path.suffix in (".js", ".css"))
+        now = hashlib.sha256(b"".join(path.read_bytes() for path in page)).hexdigest()
+        self.assertEqual(DRAWN_OF.read_text().split()[0], now,
+                         "the page has changed: draw its pictures anew by tools/pictures, or by "
+                         "tools/pictures --same where none of them shows it")
 
     def test_all_is_well(self):
         (self.folder / "plan.png").write_bytes(png(540, 360, ground))
@@ -92,24 +97,24 @@ class GuidePictures(BrowserCase):
         layer = self.find("#legend label:not(.none) input")
         layer.click()
         self.wait_for_text("#buses", r"48 of 48 units answer")
-        self.screenshot("page")
+        self.guide_picture("page")
         self.find("#search").send_keys("pump", Keys.ENTER)
         self.wait_for_text("#details-title", r"^Node 1007 'pump house'$")
         self.wait_for_text("#facts", r"Its unit\s+answering")
         layer.click()
-        self.screenshot("page-plan")
+        self.guide_picture("page-plan")
         self.find("#close").click()
         self.find("#search").clear()
         self.wait_for_text("#nodes-title", r"^Nodes \(48\)$")
         self.size(1280, 800, "dark")
-        self.screenshot("page-night")
+        self.guide_picture("page-night")
         self.size(360, 740)
-        self.screenshot("page-telephone")
+        self.guide_picture("page-telephone")
         self.size(1280, 800)
         self.browser.execute_script("dispatchEvent(new Event('beforeprint'))")
         self.wait_for_text("#printed", r"^Harbour east")
         self.size(700, 990)
-        self.screenshot("page-paper")
+        self.guide_picture("page-paper")
 
     def test_something_is_wrong(self):
         x, y = place(9)
@@ -120,22 +125,22 @@ class GuidePictures(BrowserCase):
         self.wait_for_text("#details-title", r"^Node 1005$")
         self.wait_for_text("#facts", r"Its unit\s+silent since")
         self.wait_for_text("#alarms-title", r"^Alarms \(2\)$")
-        self.screenshot("page-wrong")
+        self.guide_picture("page-wrong")
         self.find("#close").click()
         self.find("#buses summary").click()
         self.wait_for_text("#buses .units", r"(?s)^Unit.*silent since")
         self.browser.execute_script("document.querySelector('#bus-list').scrollIntoView()")
-        self.screenshot("page-units")
+        self.guide_picture("page-units")
 
     def test_nobody_answers(self):
         gateway = self.start_site(**SOON)
         self.programs[0].process.send_signal(signal.SIGSTOP)
         self.wait_for_text("#buses", r"silent since")
         wait_for("stale nodes", lambda: "Stale" in self.text("#legend") or "48 stale" in self.text("#state"))
-        self.screenshot("page-silent")
+        self.guide_picture("page-silent")
         gateway.stop(signal.SIGKILL)
         self.wait_for_text("#lost", r"has not answered since")
-        self.screenshot("page-lost")
+        self.guide_picture("page-lost")
         self.programs[0].process.send_signal(signal.SIGCONT)
 
 
