@@ -41,7 +41,7 @@ void AlarmWatch::step(port::Instant now) {
   look_at_disks();
   look_at_buses(now);
   look_at_nodes();
-  look_at_expected(now);
+  look_at_absent();
   look_at_quarantine();
   look_at_unheard();
   look_at_sensors();
@@ -203,46 +203,15 @@ void AlarmWatch::look_at_node(const NodeRecord& node) {
   }
 }
 
-// Devices with an entry of their own in the settings; the others of `units` may be there or not.
-void AlarmWatch::look_at_expected(port::Instant now) {
-  const Gateway& gateway = sources_.gateway;
-  if (now - sources_.started_at <= gateway.settings().poll.leave_after) return;
-  const Poller& poller = gateway.poller();
-  for (BusIndex bus{0}; bus.value < poller.bus_count(); ++bus.value) {
-    if (gateway.presence().is_silent(bus)) continue;
-    for (const DeviceSettings& device : poller.bus(bus).devices) {
-      for (const UnitRange& range : device.units) {
-        for (std::uint32_t unit = range.first; unit <= range.last; ++unit) {
-          expect(bus, ModbusAddress{static_cast<std::uint8_t>(unit)});
-        }
-      }
-    }
-    for (const NodeSettings& node : gateway.settings().nodes) {
-      if (node.bus == poller.bus(bus).name) {
-        expect(bus, ModbusAddress{static_cast<std::uint8_t>(node.address)});
-      }
-    }
-    for (const NodeName& node : gateway.settings().node_names) {
-      if (node.serial.is_none() && node.bus == poller.bus(bus).name) {
-        expect(bus, ModbusAddress{static_cast<std::uint8_t>(node.address)});
-      }
-    }
+void AlarmWatch::look_at_absent() {
+  const Poller& poller = sources_.gateway.poller();
+  for (const AbsentUnit& absent : sources_.gateway.absent_units().list()) {
+    const std::string_view bus = poller.bus(poller.bus_of(absent.unit)).name;
+    book_.hold({AlarmKind::never_answered, subject_of(bus, poller.address_of(absent.unit).value)},
+               sources_.started_at,
+               TextLine() << poller.name(absent.unit).view() << " has not answered since the start",
+               absent_cure);
   }
-}
-
-void AlarmWatch::expect(BusIndex bus, ModbusAddress address) {
-  const Gateway& gateway = sources_.gateway;
-  const Poller& poller = gateway.poller();
-  const UnitIndex unit = poller.unit_at(bus, address);
-  if (unit.is_none() || poller.counters(unit).has_answered()) return;
-  // One that is known from an earlier run is missing.
-  const Serial serial = device_serial(gateway.settings(), bus.value, address);
-  if (gateway.nodes().find(serial) != nullptr) return;
-  book_.hold({AlarmKind::never_answered, subject_of(poller.bus(bus).name, address.value)},
-             sources_.started_at,
-             TextLine() << poller.name(unit).view() << " has not answered since the start",
-             "look at its supply, its cable, its address and its profile; if it is not to be "
-             "there, take it out of the settings");
 }
 
 void AlarmWatch::look_at_quarantine() {

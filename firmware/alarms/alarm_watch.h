@@ -50,8 +50,7 @@ class AlarmWatch {
   void look_at_buses(port::Instant now);
   void look_at_nodes();
   void look_at_node(const NodeRecord& node);
-  void look_at_expected(port::Instant now);
-  void expect(BusIndex bus, ModbusAddress address);
+  void look_at_absent();
   void look_at_quarantine();
   void look_at_refused(const QuarantineEntry& entry);
   void look_at_unheard();

@@ -156,6 +156,7 @@ void Gateway::sweep(port::Instant now) {
   presence_.sweep(now, generation_ + 1);
   if (fleet_) fleet_->sweep(now);
   changed_ = changed_ || presence_.waiting_count() != snapshot().waiting_count;
+  changed_ = absent_units_.look(*settings_, poller_, presence_, nodes_, now) || changed_;
   unheard_ends_.look(nodes_, poller_, fleet(), settings_->poll.leave_after, now);
 }
 
@@ -415,8 +416,8 @@ void Gateway::publish(port::Instant now) {
   list_quarantine(nodes_, kept_.features(), kept_.anchors(), admission_, quarantine_);
   clashes_.list(quarantine_);
   if (fleet_) snapshots_.set_gateways(fleet_->gateways());
-  const Snapshot& snapshot =
-      snapshots_.take(generation_, kept_, nodes_, poller_, presence_, quarantine_, now);
+  const Snapshot& snapshot = snapshots_.take(generation_, kept_, nodes_, poller_, presence_,
+                                             absent_units_.list(), quarantine_, now);
   if (file_publisher_) file_publisher_->mark_dirty(snapshot);
   distributor_.take_snapshot();
   if (fleet_) fleet_->take(snapshot, quarantine_);

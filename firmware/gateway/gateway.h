@@ -30,6 +30,7 @@
 #include "firmware/mesh/kept_mesh.h"
 #include "firmware/mesh/node_placement.h"
 #include "firmware/mesh/site_keeper.h"
+#include "firmware/nodes/absent_units.h"
 #include "firmware/nodes/address_assigner.h"
 #include "firmware/nodes/admission.h"
 #include "firmware/nodes/presence.h"
@@ -139,6 +140,7 @@ class Gateway final : private ReadingListener, private RequestSource {
   std::span<const FeatureRecord> features() const { return kept_.features().records(); }
   const UnheardEnds& unheard_ends() const { return unheard_ends_; }
   const Presence& presence() const { return presence_; }
+  const AbsentUnits& absent_units() const { return absent_units_; }
   const MeshTimes& mesh_times() const { return placement_.times(); }
   // As published last.
   std::span<const QuarantineEntry> quarantine() const { return quarantine_; }
@@ -183,6 +185,7 @@ class Gateway final : private ReadingListener, private RequestSource {
   SiteKeeper site_;
   NodePlacement placement_;
   Presence presence_;
+  AbsentUnits absent_units_;
   Admission admission_;
   SerialClashes clashes_;
   AddressAssigner assigner_;

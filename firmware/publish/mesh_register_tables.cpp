@@ -166,6 +166,8 @@ constexpr auto header_table = in_sequence(std::to_array<RegisterRow<HeaderSource
      [](const HeaderSource& source) {
        return source.layout.reading_head.count == 0 ? 0u : source.layout.reading_head.first;
      }},
+    {"absent_count", 2, "units that the settings name one by one and that have never answered",
+     [](const HeaderSource& source) { return source.snapshot.absent_count; }},
 }));
 
 constexpr auto vertex_table = in_sequence(std::to_array<RegisterRow<SnapshotVertex>>({

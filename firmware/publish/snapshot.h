@@ -58,9 +58,10 @@ struct SnapshotUnplacedNode {
   MemberIndex owner{};
   NameIndex name{};         // as above
   bool is_missing = false;  // its unit is then where it answered last
+  bool is_absent = false;   // it was surveyed, and its unit has never answered (absent_units.h)
   bool has_position = false;
   Position position;
-  Rejection rejection;  // none: it is missing, has not told where it is, or has asked to leave
+  Rejection rejection;  // none: it is missing, absent, has not told where it is, or asked to leave
 };
 
 // A configured feature that is not in the mesh.
@@ -99,6 +100,7 @@ struct Snapshot {
   std::uint32_t stale_count = 0;
   std::uint32_t waiting_count = 0;  // nodes that answer and have not told where they are
   std::uint32_t missing_count = 0;  // nodes
+  std::uint32_t absent_count = 0;   // units that the settings name and that have never answered
   std::uint32_t silent_bus_count = 0;
   std::uint32_t oldest_age_ms = 0;  // of the position of a node in the mesh, at this generation
   std::uint64_t mesh_hash = 0;

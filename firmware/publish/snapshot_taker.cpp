@@ -65,7 +65,7 @@ SnapshotTaker::SnapshotTaker(const Settings& settings, std::uint32_t nodes)
 
 const Snapshot& SnapshotTaker::take(std::uint32_t generation, const KeptMesh& kept,
                                     const NodeTable& nodes, const Poller& poller,
-                                    const Presence& presence,
+                                    const Presence& presence, std::span<const AbsentUnit> absent,
                                     std::span<const QuarantineEntry> quarantine,
                                     port::Instant now) {
   const Mesh& mesh = kept.mesh();
@@ -83,6 +83,7 @@ const Snapshot& SnapshotTaker::take(std::uint32_t generation, const KeptMesh& ke
   snapshot_.names = nodes.names();
   copy_mesh(kept);
   look_at_nodes(nodes, now);
+  look_at_absent(absent, nodes);
   look_at_features(features);
   look_at_quarantine(poller, quarantine, now);
   analyst_.look_at(mesh, features, snapshot_);
@@ -166,6 +167,22 @@ void SnapshotTaker::look_at_outsider(const NodeRecord& node, NameIndex name) {
        .has_position = node.has_position(),
        .position = node.position,
        .rejection = node.rejection});
+}
+
+// What tells its own place is nowhere as yet.
+void SnapshotTaker::look_at_absent(std::span<const AbsentUnit> absent, const NodeTable& nodes) {
+  snapshot_.absent_count = static_cast<std::uint32_t>(absent.size());
+  for (const AbsentUnit& unit : absent) {
+    if (!unit.position) continue;
+    snapshot_.unplaced_nodes.push_back({.serial = unit.serial,
+                                        .unit_index = unit.unit,
+                                        .owner = MemberIndex::none(),
+                                        .name = nodes.names()->find(unit.serial, unit.unit),
+                                        .is_absent = true,
+                                        .has_position = true,
+                                        .position = *unit.position,
+                                        .rejection = {}});
+  }
 }
 
 void SnapshotTaker::look_at_features(const FeatureTable& features) {

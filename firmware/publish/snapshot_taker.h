@@ -12,6 +12,7 @@
 #include "etcm/port/clock.h"
 #include "firmware/config/settings.h"
 #include "firmware/mesh/kept_mesh.h"
+#include "firmware/nodes/absent_units.h"
 #include "firmware/nodes/presence.h"
 #include "firmware/polling/poller.h"
 #include "firmware/publish/analyst.h"
@@ -47,6 +48,7 @@ class SnapshotTaker {
   // Good until the next call.
   const Snapshot& take(std::uint32_t generation, const KeptMesh& kept, const NodeTable& nodes,
                        const Poller& poller, const Presence& presence,
+                       std::span<const AbsentUnit> absent,
                        std::span<const QuarantineEntry> quarantine, port::Instant now);
   // The one taken last; empty before.
   const Snapshot& latest() const { return snapshot_; }
@@ -55,6 +57,7 @@ class SnapshotTaker {
   void copy_mesh(const KeptMesh& kept);
   void look_at_nodes(const NodeTable& nodes, port::Instant now);
   void look_at_outsider(const NodeRecord& node, NameIndex name);
+  void look_at_absent(std::span<const AbsentUnit> absent, const NodeTable& nodes);
   std::uint16_t state_of(const KeptMesh& kept, const NodeTable& nodes) const;
   void look_at_features(const FeatureTable& features);
   void look_at_quarantine(const Poller& poller, std::span<const QuarantineEntry> quarantine,

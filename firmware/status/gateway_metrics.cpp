@@ -198,6 +198,12 @@ constexpr MetricFamily gateway_families[] = {
                  [](const MetricContext& context, std::uint32_t, TextWriter& piece) {
                    plain(context, context.snapshot().missing_count, piece);
                  }},
+    MetricFamily{"etcm_absent_units", "gauge",
+                 "Units that the settings name one by one and that have never answered.",
+                 MetricScope::gateway,
+                 [](const MetricContext& context, std::uint32_t, TextWriter& piece) {
+                   plain(context, context.snapshot().absent_count, piece);
+                 }},
     MetricFamily{"etcm_waiting_nodes", "gauge",
                  "Nodes that answer and have not told where they are.", MetricScope::gateway,
                  [](const MetricContext& context, std::uint32_t, TextWriter& piece) {

@@ -78,6 +78,17 @@ void look_at_missing(const StatusSources& sources, Reasons& reasons) {
   }
 }
 
+// The first of them is named.
+void look_at_absent(const StatusSources& sources, Reasons& reasons) {
+  const std::span<const AbsentUnit> absent = sources.gateway.absent_units().list();
+  if (absent.empty()) return;
+  TextWriter& reason = reasons.add();
+  reason << sources.gateway.poller().name(absent.front().unit).view()
+         << " has not answered since the start";
+  if (absent.size() > 1) reason << ", and " << absent.size() - 1 << " more";
+  reason << "; " << absent_cure;
+}
+
 // Two of one name: what one of them hears is not told. That of this gateway comes first.
 const ReportedMember* taken_name(const FleetReport& fleet) {
   const ReportedMember* named = nullptr;
@@ -162,6 +173,7 @@ bool is_healthy(const StatusSources& sources, port::Instant now, TextWriter& wri
   look_at_buses(sources, now, reasons);
   look_at_names(sources, reasons);
   look_at_missing(sources, reasons);
+  look_at_absent(sources, reasons);
   look_at_fleet(sources, now, reasons);
   if (sources.gateway.is_late(now, publish_patience)) {
     reasons.add() << "mesh: a change waits to be published; restart the gateway and report it";

@@ -329,7 +329,8 @@ void MeshDocument::write_unplaced_head(const SnapshotUnplacedNode& node, TextWri
   write_name(snapshot_.names->text(node.name), piece);
   write_whereabouts(node.unit_index, node.owner, piece);
   piece << ",\"in_mesh\":false";
-  if (node.is_missing) piece << ",\"missing\":true";
+  if (node.is_missing || node.is_absent) piece << ",\"missing\":true";
+  if (node.is_absent) piece << ",\"never_heard\":true";
   write_rejection(node.rejection, piece);
 }
 

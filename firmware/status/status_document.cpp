@@ -147,6 +147,7 @@ void StatusDocument::write_counts(TextWriter& piece) const {
         << ",\"stale_nodes\":" << snapshot.stale_count
         << ",\"disagreeing_sensors\":" << count_disagreeing(sources_.gateway.readings())
         << ",\"missing_nodes\":" << snapshot.missing_count
+        << ",\"absent_units\":" << snapshot.absent_count
         << ",\"waiting_nodes\":" << snapshot.waiting_count
         << ",\"vertices_max\":" << sources_.gateway.settings().mesh.vertices_max
         << ",\"mesh_changes\":" << times.changes << ",\"mesh_last_us\":" << times.last / 1us

@@ -197,6 +197,30 @@ TEST_F(Devices, ASurveyedOneIsThereWhileItsUnitAnswers) {
   EXPECT_TRUE(nodes().contains(1007)) << "a replaced device is the same node";
 }
 
+TEST_F(Devices, ThatNeverAnswerAreAbsentWhereTheyWereSurveyed) {
+  put_rover(2, 0, 0);
+  start();
+  rig_.run(2900ms);
+  EXPECT_EQ(rig_.gateway->snapshot().absent_count, 0u) << "leave_after has not passed";
+  rig_.run(500ms);
+  const Snapshot& snapshot = rig_.gateway->snapshot();
+  EXPECT_EQ(snapshot.absent_count, 2u) << "units 3 and 7";
+  EXPECT_EQ(snapshot.missing_count, 0u);
+  ASSERT_EQ(snapshot.unplaced_nodes.size(), 1u) << "unit 3 tells its place itself";
+  EXPECT_EQ(snapshot.unplaced_nodes[0].serial, Serial{1007});
+  EXPECT_TRUE(snapshot.unplaced_nodes[0].is_absent);
+  EXPECT_EQ(snapshot.unplaced_nodes[0].position, (Position{3, -400}));
+  bus_.put(7, 3, {1234});
+  rig_.run(30s);
+  EXPECT_EQ(rig_.gateway->snapshot().absent_count, 1u);
+  EXPECT_TRUE(rig_.gateway->snapshot().unplaced_nodes.empty());
+  // Who was there is missing from then on.
+  bus_.silence(7);
+  rig_.run(5s);
+  EXPECT_EQ(rig_.gateway->snapshot().absent_count, 1u);
+  EXPECT_EQ(rig_.gateway->snapshot().missing_count, 1u);
+}
+
 TEST_F(Devices, HaveTheSerialThatTheyAreGiven) {
   put_rover(2, 0, 0);
   start("[[node]]\nunit = 2\nserial = 77\n");

@@ -319,6 +319,32 @@ TEST_F(StatusPageTest, ABusThatNeverAnsweredIsNamedWithItsCause) {
   EXPECT_EQ(count(status, "\"silent_ms\":3"), 1u) << status;
 }
 
+TEST_F(StatusPageTest, AUnitThatIsNamedAndNeverAnsweredIsSaidEverywhere) {
+  rig_.settings.nodes = {{.bus = "yard", .address = 12, .position = Position{70, 80}}};
+  rig_.settings.node_names = {{.bus = "yard", .address = 12, .name = "depot"},
+                              {.bus = "yard", .address = 13, .name = "gate"}};
+  open_page();
+  put_square();
+  run(3s);
+  EXPECT_EQ(get("/healthz"), "ok\n");
+  run(2s);
+  EXPECT_EQ(get("/healthz"),
+            "unit 12 of yard has not answered since the start, and 1 more; look at its supply, its "
+            "cable, its address and its profile; if it is not to be there, take it out of the "
+            "settings\n");
+  EXPECT_EQ(rig_.server.header("absent_count"), 2u);
+  EXPECT_EQ(count(get("/status.json"), "\"absent_units\":2,"), 1u);
+  EXPECT_EQ(count(get("/metrics"), "\netcm_absent_units 2\n"), 1u);
+  const std::string mesh = get("/mesh.geojson");
+  EXPECT_TRUE(is_sound_json(mesh));
+  EXPECT_EQ(count(mesh,
+                  "\"coordinates\":[70,80]},\"properties\":{\"kind\":\"node\",\"serial\":1012,"
+                  "\"name\":\"depot\",\"bus\":\"yard\",\"unit\":12,\"in_mesh\":false,"
+                  "\"missing\":true,\"never_heard\":true}"),
+            1u)
+      << mesh;
+}
+
 TEST_F(StatusPageTest, APauseOfTheGatewayIsNoIllness) {
   open_page();
   put_square();

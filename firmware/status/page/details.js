@@ -8,6 +8,7 @@ import { endOf, readingsOf, valueText } from "./readings.js";
 import { conditionsOf, errorsText, stateText } from "./units.js";
 
 function whyText(node) {
+  if (node.never_heard) return "it has not answered since the start";
   if (node.missing) return `no answer since ${sinceText(node.missingMs ?? 0)}`;
   if (node.refused) return node.refused;
   return node.no_fix ? "it answers, but has no fix" : "";

@@ -1,0 +1,53 @@
+#include "firmware/nodes/absent_units.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace etcm::firmware {
+
+bool AbsentUnits::look(const Settings& settings, const Poller& poller, const Presence& presence,
+                       const NodeTable& nodes, port::Instant now) {
+  if (!since_) since_ = now;
+  std::swap(absent_, before_);
+  absent_.clear();
+  if (now - *since_ <= settings.poll.leave_after) return absent_ != before_;
+  for (BusIndex bus{0}; bus.value < poller.bus_count(); ++bus.value) {
+    if (presence.is_silent(bus)) continue;
+    const BusSettings& line = poller.bus(bus);
+    for (const DeviceSettings& device : line.devices) {
+      for (const UnitRange& range : device.units) {
+        for (std::uint32_t address = range.first; address <= range.last; ++address) {
+          look_at_unit(settings, poller, nodes, bus, address);
+        }
+      }
+    }
+    for (const NodeSettings& node : settings.nodes) {
+      if (node.bus == line.name) look_at_unit(settings, poller, nodes, bus, node.address);
+    }
+    for (const NodeName& node : settings.node_names) {
+      const bool is_there = node.serial.is_none() && node.bus == line.name;
+      if (is_there) look_at_unit(settings, poller, nodes, bus, node.address);
+    }
+  }
+  // Named twice, as a device and as a node, it is one unit.
+  std::sort(absent_.begin(), absent_.end(),
+            [](const AbsentUnit& a, const AbsentUnit& b) { return a.unit.value < b.unit.value; });
+  const auto is_same = [](const AbsentUnit& a, const AbsentUnit& b) { return a.unit == b.unit; };
+  absent_.erase(std::unique(absent_.begin(), absent_.end(), is_same), absent_.end());
+  return absent_ != before_;
+}
+
+void AbsentUnits::look_at_unit(const Settings& settings, const Poller& poller,
+                               const NodeTable& nodes, BusIndex bus, std::uint32_t address) {
+  const ModbusAddress at{static_cast<std::uint8_t>(address)};
+  const UnitIndex unit = poller.unit_at(bus, at);
+  if (unit.is_none() || poller.counters(unit).has_answered()) return;
+  const Serial serial = device_serial(settings, bus.value, at);
+  if (nodes.find(serial) != nullptr) return;
+  const NodeSettings* const node = node_at(settings, poller.bus(bus), at);
+  absent_.push_back({.unit = unit,
+                     .serial = serial,
+                     .position = node != nullptr ? node->position : std::nullopt});
+}
+
+}  // namespace etcm::firmware

@@ -1,0 +1,52 @@
+// Units that the settings name one by one, by [[bus.device]] or [[node]], and that nobody has
+// answered at since the start. Who is known from an earlier run is missing instead (presence.h);
+// the other `units` of a bus may be there or not.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "etcm/port/clock.h"
+#include "etcm/types.h"
+#include "firmware/config/settings.h"
+#include "firmware/nodes/presence.h"
+#include "firmware/polling/poller.h"
+#include "firmware/records/node_table.h"
+
+namespace etcm::firmware {
+
+// What to do about one.
+inline constexpr std::string_view absent_cure =
+    "look at its supply, its cable, its address and its profile; if it is not to be there, take it "
+    "out of the settings";
+
+struct AbsentUnit {
+  UnitIndex unit{};
+  Serial serial{};                     // that its node would have, unless it tells one
+  std::optional<Position> position{};  // where it was surveyed
+  friend bool operator==(const AbsentUnit&, const AbsentUnit&) = default;
+};
+
+class AbsentUnits {
+ public:
+  // Finds them; false: they are those of the last look. None is absent before leave_after has
+  // passed from the first look, nor on a silent bus: there it is the bus that wants looking at. O(u
+  // log u) for u units that are named.
+  bool look(const Settings& settings, const Poller& poller, const Presence& presence,
+            const NodeTable& nodes, port::Instant now);
+
+  // By unit.
+  std::span<const AbsentUnit> list() const { return absent_; }
+
+ private:
+  void look_at_unit(const Settings& settings, const Poller& poller, const NodeTable& nodes,
+                    BusIndex bus, std::uint32_t address);
+
+  std::vector<AbsentUnit> absent_;
+  std::vector<AbsentUnit> before_;
+  std::optional<port::Instant> since_{};
+};
+
+}  // namespace etcm::firmware
