@@ -118,7 +118,7 @@ void AlarmWatch::add_waiting_feature(TextLine& text, Serial serial) const {
                        [](const WaitingEnd& end, Serial wanted) { return end.serial < wanted; });
   if (found == waiting_.end() || found->serial != serial) return;
   const FeatureSettings& feature = sources_.gateway.features()[found->feature].settings;
-  text << "; " << CalledFeature{found->feature + 1, feature.name} << " waits for it";
+  text << "; " << PlacedFeature{found->feature + 1, feature} << " waits for it";
 }
 
 void AlarmWatch::look_at_services(port::Instant now) {
@@ -236,8 +236,7 @@ void AlarmWatch::look_at_refused(const QuarantineEntry& entry) {
     if (entry.feature > gateway.features().size()) return;
     const FeatureSettings& feature = gateway.features()[entry.feature - 1].settings;
     key = {AlarmKind::refused_feature, subject_of(feature)};
-    text << CalledFeature{entry.feature, feature.name} << " (" << feature.source
-         << ") is not in the mesh";
+    text << PlacedFeature{entry.feature, feature} << " is not in the mesh";
   } else {
     key = {AlarmKind::refused_anchor, subject_of(entry.position)};
     text << "the anchor at (" << entry.position.x << ", " << entry.position.y
@@ -247,7 +246,7 @@ void AlarmWatch::look_at_refused(const QuarantineEntry& entry) {
   if (entry.blocker && entry.blocker->number < gateway.features().size()) {
     const Blocker& blocker = *entry.blocker;
     const FeatureSettings& other = gateway.features()[blocker.number].settings;
-    text << " [with " << CalledFeature{blocker.number + 1, other.name};
+    text << " [with " << PlacedFeature{blocker.number + 1, other};
     if (blocker.near) text << ", near (" << blocker.near->x << ", " << blocker.near->y << ")";
     text << "]";
   }

@@ -70,8 +70,7 @@ void UnheardEnds::explain(const NodeEnd& end, const NodeTable& nodes, TextLine& 
   text << nodes.called(end.serial)
        << (end.is_heard ? " has left or was dismissed, and "
                         : " has not been heard since the start, and ")
-       << CalledFeature{end.feature + 1, feature.name} << " (" << feature.source
-       << ") waits for it";
+       << PlacedFeature{end.feature + 1, feature} << " waits for it";
 }
 
 }  // namespace etcm::firmware

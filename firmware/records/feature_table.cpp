@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "firmware/logging/text_line.h"
+
 namespace etcm::firmware {
 
 FeatureTable::FeatureTable(std::span<const FeatureSettings> features, std::uint32_t feature_ids_max)
@@ -64,11 +66,9 @@ void FeatureTable::clear_rejection(FeatureRecord& record) {
 }
 
 std::string FeatureTable::name(std::uint32_t number) const {
-  const FeatureSettings& feature = records_[number].settings;
-  return "feature " + std::to_string(number + 1) +
-         (feature.name.empty() ? " (" + to_string(feature.from) + "-" + to_string(feature.to) + ", "
-                               : " '" + feature.name + "' (") +
-         feature.source + ")";
+  TextLine line;
+  line << PlacedFeature{number + 1, records_[number].settings};
+  return std::string(line.view());
 }
 
 }  // namespace etcm::firmware

@@ -9,6 +9,7 @@
 
 #include "etcm/mesh.h"
 #include "firmware/config/settings.h"
+#include "firmware/records/name_book.h"
 
 namespace etcm::firmware {
 
@@ -18,6 +19,22 @@ struct Blocker {
   std::optional<Position> near{};  // where they cross, to the unit; none: they overlap
   friend constexpr bool operator==(const Blocker&, const Blocker&) = default;
 };
+
+// How a line for people names a feature with its place in the settings: "feature 3 'north fence'
+// (site.geojson:31)", or by its ends "feature 3 (1001-1004, site.toml:31)". `number` counts from 1.
+struct PlacedFeature {
+  std::uint32_t number;
+  const FeatureSettings& settings;
+};
+template <class Text>
+Text& operator<<(Text& text, const PlacedFeature& feature) {
+  const FeatureSettings& settings = feature.settings;
+  text << CalledFeature{feature.number, settings.name} << " (";
+  if (settings.name.empty()) {
+    text << to_string(settings.from) << "-" << to_string(settings.to) << ", ";
+  }
+  return text << settings.source << ")";
+}
 
 struct FeatureRecord {
   FeatureSettings settings;
@@ -53,7 +70,7 @@ class FeatureTable {
   std::uint32_t active_count() const { return active_count_; }
   std::uint32_t rejected_count() const { return rejected_count_; }
 
-  // "feature 3 'north fence' (site.geojson:31)", or "feature 3 (1001-1004, site.toml:31)".
+  // As PlacedFeature.
   std::string name(std::uint32_t number) const;
 
  private:

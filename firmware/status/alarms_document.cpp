@@ -49,7 +49,9 @@ const Alarm* AlarmWalk::next(const AlarmBook& book, Cursor& cursor, bool wants_e
 bool AlarmsDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const {
   switch (cursor.section) {
     case alarms_head:
-      piece << "{\"time\":\"";
+      piece << "{";
+      write_site(piece);
+      piece << "\"time\":\"";
       piece.utc(wall_clock_.milliseconds())
           << "\",\"on\":" << book_.on_count()
           << ",\"unacknowledged\":" << book_.unacknowledged_count()
@@ -76,6 +78,14 @@ bool AlarmsDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWrit
     default:
       return false;
   }
+}
+
+void AlarmsDocument::write_site(TextWriter& piece) const {
+  const std::string_view name =
+      gateway_ == nullptr ? std::string_view() : gateway_->nodes().names()->site();
+  if (name.empty()) return;
+  piece << "\"site\":";
+  piece.json(name) << ",";
 }
 
 const Alarm* AlarmsDocument::next_ended(Cursor& cursor) const {

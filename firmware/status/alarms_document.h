@@ -44,6 +44,8 @@ class AlarmsDocument final : public Document {
  private:
   // Null where those that have ended before come to their end.
   const Alarm* next_ended(Cursor& cursor) const;
+  // Its name, where it has one.
+  void write_site(TextWriter& piece) const;
   void write_alarm(const Alarm& alarm, port::Instant asked_at, TextWriter& piece) const;
 
   const AlarmBook& book_;

@@ -20,6 +20,14 @@ void write_build(const MetricContext& context, std::uint32_t, TextWriter& piece)
   piece.label(context.sources.version) << "} 1\n";
 }
 
+// Of one that has a name.
+void write_site(const MetricContext& context, std::uint32_t, TextWriter& piece) {
+  const std::string_view name = context.snapshot().names->site();
+  if (name.empty()) return;
+  piece << context.name << "{site=";
+  piece.label(name) << "} 1\n";
+}
+
 void write_state(const MetricContext& context, std::uint32_t, TextWriter& piece) {
   const auto flag = [&](const char* name, std::uint16_t bit) {
     piece << context.name << "{flag=\"" << name << "\"} "
@@ -140,6 +148,8 @@ void write_memory(const MetricContext& context, std::uint32_t, TextWriter& piece
 constexpr MetricFamily gateway_families[] = {
     MetricFamily{"etcm_build_info", "gauge", "Version of the gateway.", MetricScope::gateway,
                  write_build},
+    MetricFamily{"etcm_site_info", "gauge", "1, with the name of the site, where it has one.",
+                 MetricScope::gateway, write_site},
     MetricFamily{
         "etcm_uptime_seconds", "gauge", "Time since the gateway was started.", MetricScope::gateway,
         [](const MetricContext& context, std::uint32_t, TextWriter& piece) {

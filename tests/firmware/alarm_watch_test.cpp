@@ -223,7 +223,7 @@ TEST_F(AlarmWatchOfFeatures, ANodeThatNobodyHasHeardIsOne) {
   run(20s);
   ASSERT_EQ(wrong().size(), 1u);
   EXPECT_TRUE(wrong()[0].starts_with(
-      "minor: node 4711 has not been heard since the start, and feature 2 (site.toml:1) "
+      "minor: node 4711 has not been heard since the start, and feature 2 (1001-4711, site.toml:1) "
       "waits for it -> correct the serial"))
       << wrong()[0];
 }
@@ -244,8 +244,9 @@ TEST_F(AlarmWatchOfFeatures, AFeatureThatWaitsForAMissingNodeIsNamed) {
   rig_.bus.silence(2);
   run(10s);
   ASSERT_FALSE(wrong().empty());
-  EXPECT_TRUE(wrong()[0].starts_with(
-      "major: node 1002, unit 2 of yard, is missing; feature 1 waits for it -> look at"))
+  EXPECT_TRUE(
+      wrong()[0].starts_with("major: node 1002, unit 2 of yard, is missing; feature 1 (1001-1002, "
+                             "site.toml:1) waits for it -> look at"))
       << wrong()[0];
 }
 
@@ -254,8 +255,9 @@ TEST_F(AlarmWatchOfACrossing, TheOtherFeatureIsNamed) {
   run(10s);
   EXPECT_EQ(
       wrong(),
-      (Lines{"major: feature 2 (site.toml:1) is not in the mesh: The feature would "
-             "cross or touch the inside of another [with feature 1 'north fence', near (50, 50)] "
+      (Lines{"major: feature 2 (1002-1004, site.toml:1) is not in the mesh: The feature would "
+             "cross or touch the inside of another [with feature 1 'north fence' (site.toml:1), "
+             "near (50, 50)] "
              "-> put a node where they meet."}));
 }
 

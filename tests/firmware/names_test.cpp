@@ -208,6 +208,14 @@ TEST_F(Names, ChangeWithAReload) {
   EXPECT_FALSE(has(mesh, "Harbour"));
 }
 
+TEST_F(Names, OfTheSiteIsToldWithAlarmsAndMetrics) {
+  start();
+  rig_.run(1s);
+  page_->advance(rig_.clock.now());
+  EXPECT_TRUE(get_sound("/alarms.json").starts_with(R"({"site":"Harbour )"));
+  EXPECT_TRUE(has(get("/metrics"), "\netcm_site_info{site=\"Harbour "));
+}
+
 TEST_F(Names, OfTheSiteStandFirstInFiles) {
   rig_.settings.files.emplace();
   rig_.settings.files->interval = 1s;

@@ -718,7 +718,8 @@ TEST_F(NeverHeard, IsSaidOfAMistypedSerialOnceAllUnitsWereAsked) {
   EXPECT_EQ(unheard(), "\"unheard\":[],");
   rig_.run(3s);
   const std::string why =
-      "node 9004 has not been heard since the start, and feature 2 (site.toml:1) waits for it; "
+      "node 9004 has not been heard since the start, and feature 2 (1002-9004, site.toml:1) waits "
+      "for it; "
       "correct the "
       "serial there, or look for the node";
   EXPECT_EQ(unheard(), "\"unheard\":[{\"serial\":9004,\"why\":\"" + why + "\"}],");
