@@ -209,6 +209,7 @@ struct SiteSettings {
   SiteOrigin origin;                     // the mesh's (0, 0)
   bool round = false;                    // to the nearest unit
   std::string crs;                       // of the plane, as given
+  std::int64_t metres = 0;               // 10^-9 metres in what the plane counts in; 0: not said
   // What `crs` and the degrees of the site make of it; with no degrees in it, null.
   std::shared_ptr<const port::Projection> projection;
   // The origin was given in degrees: it is the middle of the plane.
@@ -219,8 +220,11 @@ struct SiteSettings {
 
   SitePlane plane() const {
     const SiteOrigin at = has_origin_in_degrees ? SiteOrigin{} : origin;
-    return {
-        .unit_length = unit_length, .origin_x = at.x, .origin_y = at.y, .projection = projection};
+    return {.unit_length = unit_length,
+            .origin_x = at.x,
+            .origin_y = at.y,
+            .projection = projection,
+            .metres = metres};
   }
 };
 

@@ -70,6 +70,10 @@ constexpr Key site_keys[] = {
     {"unit", scale<&Settings::site, &SiteSettings::unit_length>(), standard(R"("1")"), at_once,
      "length of a unit of the mesh, in what the plane counts in: metres, where the site is in "
      "degrees"},
+    {"metres", scale<&Settings::site, &SiteSettings::metres>(), unset(R"("0.001")", "nobody knows"),
+     at_once,
+     "metres in what the plane counts in, where it is nowhere on the earth: lengths are shown in "
+     "metres then"},
     {"origin", origin<&Settings::site, &SiteSettings::origin>(), standard(R"(["0", "0"])"), at_once,
      "place in the plane that is (0, 0) to the nodes; longitude and latitude where the site is in "
      "degrees and has no `crs`"},

@@ -94,6 +94,11 @@ class SiteProjector {
         (in_degrees_ || frame.kind != SiteFrame::Kind::plane)) {
       take_local(frame);
     }
+    if (site_.projection != nullptr && site_.metres != 0) {
+      fail(site_.source,
+           "metres in [site] is for a plane that is nowhere on the earth, and where this one is "
+           "says how long a unit is; take metres out");
+    }
     return frame;
   }
 

@@ -48,8 +48,9 @@ std::optional<Position> nearest_position(const SitePlane& plane, port::EarthPoin
 }
 
 double metres_per_unit(const SitePlane& plane) {
-  if (plane.projection == nullptr) return 0;
-  return plane.projection->metres() * static_cast<double>(plane.unit_length) / 1e9;
+  const double metres = plane.projection != nullptr ? plane.projection->metres()
+                                                    : static_cast<double>(plane.metres) / 1e9;
+  return metres * static_cast<double>(plane.unit_length) / 1e9;
 }
 
 std::optional<port::EarthPoint> earth_point(const SitePlane& plane, const Point& place) {

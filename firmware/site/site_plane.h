@@ -17,6 +17,8 @@ struct SitePlane {
   std::int64_t origin_y = 0;
   // Null: where on the earth it is, nobody has said.
   std::shared_ptr<const port::Projection> projection{};
+  // Without a projection: 10^-9 metres in what the site counts in; 0 where nobody has said.
+  std::int64_t metres = 0;
 
   friend bool operator==(const SitePlane&, const SitePlane&) = default;
 };

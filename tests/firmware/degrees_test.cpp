@@ -215,6 +215,10 @@ INSTANTIATE_TEST_SUITE_P(
               "site.geojson:1: the coordinate system 'nonsense' cannot be had: PROJ does not know "
               "it; "
               "write its code as \"EPSG:25833\""},
+        Wrong{
+            "length_of_a_unit_twice", "[10, 60], [11, 60]", "metres = \"0.01\"\n", "",
+            "site.toml:1: metres in [site] is for a plane that is nowhere on the earth, and where "
+            "this one is says how long a unit is; take metres out"},
         Wrong{"origin_that_is_none", "[10, 60], [11, 60]", "origin = [\"569000\", \"7034000\"]\n",
               "",
               "site.geojson:3: the origin is no longitude and latitude in degrees, in which the "
@@ -352,6 +356,17 @@ TEST_F(DegreesOnThePage, SayHowLongAUnitIs) {
   rig_.settings.site.unit_length = site_nano / 100;
   start();
   EXPECT_NE(get("/mesh.json").find(R"("metres_per_unit":0.01,)"), std::string::npos);
+}
+
+TEST_F(DegreesOnThePage, AreNotNeededToSayHowLongAUnitIs) {
+  rig_.settings.site.metres = site_nano / 100;
+  rig_.settings.site.unit_length = 5 * site_nano;
+  start();
+  EXPECT_NE(get("/mesh.json").find(R"("metres_per_unit":0.05,)"), std::string::npos);
+  rig_.put(1, 20, 0);
+  rig_.run(1s);
+  EXPECT_EQ(rig_.log.count("node 1001 moved 1 m from (0, 0) to (20, 0): "), 1u)
+      << testing::PrintToString(rig_.log.lines);
 }
 
 TEST_F(DegreesOnThePage, AreWrittenToFiles) {
