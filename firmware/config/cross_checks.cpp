@@ -81,6 +81,7 @@ class CrossCheck {
     check_lines();
     check_servers();
     if (settings_.mqtt) {
+      check_writing(*settings_.mqtt);
       check_broker(*settings_.mqtt);
       check_secrets(*settings_.mqtt);
     }
@@ -317,6 +318,14 @@ class CrossCheck {
           "the line " + std::string(later->line) + " is " + earlier->what +
               " already; give each a line of its own");
     }
+  }
+
+  // Neighbours of a node are nodes of other gateways too, which are known by MQTT.
+  void check_writing(const MqttSettings& mqtt) {
+    if (!settings_.write_back.is_enabled || mqtt.share != FleetShare::site) return;
+    add(mistakes_, find("write_back", {"enabled"}),
+        "[write_back] would write to devices here what other gateways tell by MQTT, with share = "
+        "\"site\" in [mqtt]; take enabled = true out, or write share = \"publish\"");
   }
 
   void check_broker(const MqttSettings& mqtt) {

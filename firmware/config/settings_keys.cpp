@@ -277,7 +277,9 @@ constexpr Key write_back_keys[] = {
     {"enabled", flag<&Settings::write_back, &WriteBackSettings::is_enabled>(), standard("false"),
      restart,
      "nodes are told their neighbours (registers 200...). Off until the operator says so: a "
-     "gateway that only reads can disturb nobody's device, whatever answers at a unit"},
+     "gateway that only reads can disturb nobody's device, whatever answers at a unit. Not "
+     "together "
+     "with `share = \"site\"` of `[mqtt]`"},
 };
 
 constexpr Key gpio_keys[] = {

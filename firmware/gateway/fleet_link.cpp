@@ -54,6 +54,7 @@ FleetLink::FleetLink(std::shared_ptr<const Settings> settings, const FleetPorts&
       wall_clock_(ports.wall_clock),
       log_(ports.log),
       is_shared_(settings->mqtt->share == FleetShare::site),
+      writes_back_(settings->write_back.is_enabled),
       version_(ports.version),
       plane_(settings->site.plane()),
       stale_after_(settings->poll.stale_after),
@@ -125,13 +126,14 @@ void FleetLink::tell_own(const NodeRecord& node, port::Instant now) {
   if (node.stale && !node.lacks_fix) member_.lose(node.serial, now);
 }
 
-// It is waited for as for any other that was heard before a restart.
+// It is waited for as for any other that was heard before a restart. Where neighbours are written
+// to devices it is nobody's before it answers here: its place has come by MQTT.
 void FleetLink::adopt(const FleetRecord& record, port::Instant now) {
   NodeRecord* const node = nodes_.add(record.node.serial, now);
   if (node == nullptr) return member_.remove(record.node.serial, LeftReason::removed, now);
   node->stale = true;
   node->status = record.node.status;
-  place(*node, record.node.position);
+  if (!writes_back_) place(*node, record.node.position);
 }
 
 void FleetLink::step(port::Instant now, std::uint32_t generation) {

@@ -3,7 +3,8 @@
 //
 // A node that another gateway hears has a record as any other, with an owner. It is in the mesh
 // where that gateway says, stale while it says so, and leaves when it does. Nothing that comes from
-// the fleet is ever written to a device.
+// the fleet is ever written to a device: where neighbours are, nodes of others are not taken
+// (cross_checks.cpp), nor places of its own nodes that only the broker remembers.
 #pragma once
 
 #include <cstdint>
@@ -143,6 +144,7 @@ class FleetLink final : private FleetListener {
   std::set<std::string, std::less<>> doubled_{};     // of these two go by one name
   bool has_name_news_ = false;
   const bool is_shared_;
+  const bool writes_back_;
   const std::string version_;
   SitePlane plane_;
   port::Duration stale_after_;

@@ -115,7 +115,8 @@ SavedNode StateTransfer::saved_node(const NodeRecord& node, port::Instant now) c
                   .position = node.position,
                   .age_ms = age_in_ms(now - node.positioned_at)};
   const UnitIndex unit = node.is_missing ? node.last_unit : node.unit_index;
-  if (!unit.is_none()) {
+  // Of one that another gateway has, the place is that one's word.
+  if (!unit.is_none() && !node.is_foreign()) {
     saved.bus = static_cast<std::uint16_t>(poller_.bus_of(unit).value);
     saved.address = poller_.address_of(unit).value;
   }

@@ -112,6 +112,12 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"direction_is_the_led",
             "[gpio]\nstatus_led = \"DE\"\n" + serial("rs485_line = \"DE\"\n"), 9,
             "the line DE is status_led already", "give each a line"},
+        Row{"neighbours_of_other_gateways_are_written",
+            bus("127.0.0.1:502") +
+                "[mqtt]\nbroker = \"10.1.1.1\"\nsite = \"yard\"\nname = \"north\"\nshare = "
+                "\"site\"\n[write_back]\nenabled = true\n",
+            13, "would write to devices here what other gateways tell by MQTT",
+            "take enabled = true out, or write share = \"publish\""},
         Row{"two_buses_switch_one_line",
             serial("rs485_line = \"DE\"\n") +
                 "[[bus]]\nrtu = \"/dev/ttyS1\"\nunits = \"1\"\nrs485_line = \"DE\"\n",

@@ -1,11 +1,13 @@
 // Gateways of one site that know of each other by a broker: who has which node, and whose mesh.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "firmware/protocol/register_pairs.h"
 #include "fleet_members.h"
 #include "page_reader.h"
 
@@ -355,6 +357,43 @@ TEST_F(FleetGateway, WhoLeavesTheFleetKeepsNoOthersOverARestart) {
   alone.run(15s);
   EXPECT_EQ(alone.gateway->node_count(), 2u);
   EXPECT_EQ(alone.log.count("is missing"), 0u);
+}
+
+// Whether the gateway has written this serial to a device as that of a neighbour.
+bool has_written(const Member& member, std::uint32_t serial) {
+  const auto& all = member.rig.bus.written;
+  return std::any_of(all.begin(), all.end(), [&](const ScriptedBus::Written& written) {
+    for (std::size_t at = configuration_head_count; at + 1 < written.values.size(); at += 2) {
+      if (load_u32(written.values, at) == serial) return true;
+    }
+    return false;
+  });
+}
+
+TEST_F(FleetGateway, NothingThatComesByMqttIsWrittenToADevice) {
+  Member writing(hub_, "writing", FleetShare::publish);
+  writing.rig.settings.write_back.is_enabled = true;
+  writing.rig.settings.poll.leave_after = 1min;
+  Member again(hub_, "writing", FleetShare::publish);
+  again.rig.settings = writing.rig.settings;
+  for (Member* const member : {&writing, &again}) {
+    member->put(21, 1, 0, 50);
+    member->put(22, 2, 90, 50);
+  }
+  writing.put(23, 3, 40, 90);
+  run({&west_, &writing}, 8s);
+  ASSERT_TRUE(has_written(writing, 23));
+  EXPECT_FALSE(has_written(writing, 1)) << "it is another gateway's";
+  // Its disk is lost, and the broker alone remembers its third node.
+  writing.client.lose();
+  again.rig.clock = writing.rig.clock;
+  run({&west_, &again}, 8s);
+  EXPECT_TRUE(has_written(again, 22));
+  ASSERT_NE(again.find(23), nullptr) << "it is waited for";
+  EXPECT_FALSE(has_written(again, 23));
+  again.put(23, 3, 40, 90);
+  run({&west_, &again}, 3s);
+  EXPECT_TRUE(has_written(again, 23)) << "it has answered here";
 }
 
 std::string health_now(Member& member) {
