@@ -236,10 +236,28 @@ void check_topic(TomlTable& toml_table, const char* key, const std::string& topi
                                             : "'/', '+' and '#'"));
 }
 
+// What a gateway may write, etcm/v1/SITE/NAME/#, has the topic above it in it: that of the site.
+void check_names(TomlTable& toml_table, const MqttSettings& mqtt) {
+  struct Name {
+    const char* key;
+    const std::string& value;
+  };
+  for (const Name& name : {Name{"name", mqtt.name}, Name{"user", mqtt.user},
+                           Name{"psk_identity", mqtt.psk_identity}}) {
+    if (name.value != "site") continue;
+    toml_table.mistake(*toml_table.find(name.key),
+                       std::string("'") + name.key +
+                           "' may not be \"site\", for a broker could let it write the site of "
+                           "all; give it another name, such as \"north\"");
+    return;
+  }
+}
+
 void check_mqtt(TomlTable& toml_table, Settings& settings) {
   constexpr std::uint16_t plain_port = 1883;
   constexpr std::uint16_t tls_port = 8883;
   MqttSettings& mqtt = *settings.mqtt;
+  check_names(toml_table, mqtt);
   check_tls(toml_table, mqtt);
   mqtt.is_alone = mqtt.share == FleetShare::publish && toml_table.find("share") != nullptr;
   check_topic(toml_table, "sparkplug", mqtt.sparkplug, false);

@@ -278,8 +278,7 @@ constexpr Key write_back_keys[] = {
      restart,
      "nodes are told their neighbours (registers 200...). Off until the operator says so: a "
      "gateway that only reads can disturb nobody's device, whatever answers at a unit. Not "
-     "together "
-     "with `share = \"site\"` of `[mqtt]`"},
+     "together with `share = \"site\"` of `[mqtt]`"},
 };
 
 constexpr Key gpio_keys[] = {
@@ -373,7 +372,7 @@ constexpr Key mqtt_keys[] = {
     {"site", name<&Settings::mqtt, &MqttSettings::site>(), required(R"("harbour")"), restart,
      "the same for all gateways of a site"},
     {"name", name<&Settings::mqtt, &MqttSettings::name>(), required(R"("north")"), restart,
-     "of this gateway; no other one of the site has it"},
+     "of this gateway; no other one of the site has it, and none is called `site`"},
     {"share", choice<shares, &Settings::mqtt, &MqttSettings::share>(), standard(R"("publish")"),
      restart,
      "`publish`: others learn the nodes of this gateway; `site`: and the nodes of the others are "

@@ -204,6 +204,17 @@ TEST_F(MqttSettingsFile, NamesAreLevelsOfATopic) {
   }
 }
 
+// By the access list it could write the site of all.
+TEST_F(MqttSettingsFile, NoGatewayIsCalledSite) {
+  const std::string begin = "broker = \"a\"\nsite = \"site\"\nname = ";
+  read(begin + "\"site\"\n");
+  expect_mistake(9, "'name' may not be \"site\"", "give it another name");
+  read(begin + "\"north\"\nuser = \"site\"\n");
+  expect_mistake(10, "'user' may not be \"site\"", "give it another name");
+  read(begin + "\"sites\"\n");
+  EXPECT_TRUE(mistakes_.empty()) << testing::PrintToString(mistakes_);
+}
+
 TEST_F(MqttSettingsFile, SparkplugAndHomeAssistantArePartsOfTopics) {
   const Settings settings =
       read_good("sparkplug = \"Plant 1 \u00e4\"\nhome_assistant = \"ha/found\"\n");

@@ -15,7 +15,7 @@ from broker import SITE, Broker, add_users
 from gateway_test import PROGRAMS, GatewayCase
 from programs import PATIENCE_S, free_port, wait_for
 
-USERS = {"north": "n0rth", "south": "s0uth", "viewer": "view"}
+USERS = {"north": "n0rth", "south": "s0uth", "viewer": "view", "site": "s1te"}
 
 
 class MqttCase(GatewayCase):
@@ -101,7 +101,7 @@ class Members(MqttCase):
                               r"its access list does not allow that to user 'north'; allow it there")
         for user, topic in (("north", "south/header"), ("north", "south/node/00000001"),
                             ("viewer", "north/header"), ("viewer", "viewer/header"),
-                            ("viewer", "site"), ("south", "site")):
+                            ("viewer", "site"), ("south", "site"), ("site", "site")):
             with self.subTest(user=user, topic=topic):
                 self.assertIn("Not authorized",
                               self.publish(f"etcm/v1/{SITE}/{topic}", "{}", user))
