@@ -51,6 +51,42 @@ const ReportedMember* member_of_subject(const FleetReport* fleet, std::uint64_t 
   return found == fleet->members.end() ? nullptr : &*found;
 }
 
+Serial node_of_subject(AlarmKey key) {
+  switch (key.kind) {
+    case AlarmKind::missing_node:
+    case AlarmKind::no_fix:
+    case AlarmKind::low_battery:
+    case AlarmKind::refused_node:
+    case AlarmKind::unheard_end:
+      return Serial{static_cast<std::uint32_t>(key.subject)};
+    case AlarmKind::identity_conflict:
+      return Serial{static_cast<std::uint32_t>(key.subject >> 32)};
+    default:
+      return Serial::none();
+  }
+}
+
+bool is_about_here(const Gateway& gateway, AlarmKey key) {
+  switch (key.kind) {
+    case AlarmKind::gone_gateway:
+    case AlarmKind::other_mesh:
+    case AlarmKind::rejected_gateway:
+      return false;
+    case AlarmKind::name_taken:
+      return gateway.fleet() != nullptr && key.subject == subject_of(gateway.fleet()->name);
+    case AlarmKind::missing_node:
+    case AlarmKind::refused_node: {
+      const NodeRecord* const node = gateway.nodes().find(node_of_subject(key));
+      return node != nullptr && !node->is_foreign();
+    }
+    case AlarmKind::identity_conflict:
+      // It answers at a unit here (look_at_refused()).
+      return static_cast<std::uint32_t>(key.subject) != 0;
+    default:
+      return true;
+  }
+}
+
 bool is_there(const Gateway& gateway, AlarmKey key) {
   const std::uint64_t subject = key.subject;
   const auto is_it = [subject](const auto& each) { return subject_of(each) == subject; };

@@ -24,6 +24,12 @@ BusIndex bus_of_subject(const Poller& poller, std::uint64_t subject);
 UnitIndex unit_of_subject(const Poller& poller, std::uint64_t subject);
 const ReportedMember* member_of_subject(const FleetReport* fleet, std::uint64_t subject);
 
+// The node that it is about; none where it is about none, or no number says which.
+Serial node_of_subject(AlarmKey key);
+
+// False: about another gateway, or a node of another one.
+bool is_about_here(const Gateway& gateway, AlarmKey key);
+
 // For a person: the gateway that hears it, or has. REQUIRES: another one.
 std::string_view gateway_of(const Gateway& gateway, const NodeRecord& node);
 

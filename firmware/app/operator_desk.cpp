@@ -31,6 +31,7 @@ OperatorDesk::OperatorDesk(const Settings& settings, const AlarmSources& sources
 
 void OperatorDesk::open(const Settings& settings, Gateway& gateway, const StatusSources& sources,
                         port::EventLoop& loop) {
+  teller_.emplace(watch_.book(), gateway, sources.wall_clock);
   const std::string path = control_socket_of(settings);
   if (path.empty()) return;
   control_.emplace(gateway, watch_.book(), sources, log_);
@@ -39,6 +40,7 @@ void OperatorDesk::open(const Settings& settings, Gateway& gateway, const Status
 
 void OperatorDesk::step(port::Instant now) {
   watch_.step(now);
+  if (teller_) teller_->step(now);
   if (keeper_) keeper_->step(now);
   if (!socket_) return;
   control_->advance(now);
@@ -47,6 +49,7 @@ void OperatorDesk::step(port::Instant now) {
 
 port::Instant OperatorDesk::next_deadline() const {
   port::Instant deadline = watch_.next_deadline();
+  if (teller_) deadline = std::min(deadline, teller_->next_deadline());
   if (keeper_) deadline = std::min(deadline, keeper_->next_deadline());
   if (socket_) {
     deadline = std::min({deadline, control_->next_deadline(), socket_->next_deadline()});

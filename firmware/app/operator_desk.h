@@ -8,6 +8,7 @@
 #include "etcm/port/log.h"
 #include "etcm/port/wall_clock.h"
 #include "firmware/alarms/alarm_keeper.h"
+#include "firmware/alarms/alarm_teller.h"
 #include "firmware/alarms/alarm_watch.h"
 #include "firmware/config/settings.h"
 #include "firmware/control/control.h"
@@ -30,7 +31,8 @@ class OperatorDesk {
   // Null where they are not saved.
   const DiskWriter* disk_of_alarms() const { return keeper_ ? &keeper_->disk() : nullptr; }
 
-  // Takes commands from now on, where the settings have a place for it. `sources` has these alarms.
+  // Tells the alarms, and takes commands from now on, where the settings have a place for it.
+  // `sources` has these alarms.
   void open(const Settings& settings, Gateway& gateway, const StatusSources& sources,
             port::EventLoop& loop);
 
@@ -44,6 +46,7 @@ class OperatorDesk {
   AlarmWatch watch_;
   std::unique_ptr<port::BackgroundStore> store_;
   std::optional<AlarmKeeper> keeper_;
+  std::optional<AlarmTeller> teller_;
   std::optional<Control> control_;
   std::optional<port::CommandSocket> socket_;
 };

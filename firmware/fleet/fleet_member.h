@@ -57,13 +57,6 @@ struct FleetSettings {
   std::uint32_t members_max = 32;
 };
 
-struct FleetAlarm {
-  std::string name;  // one word, the same for alarms of one kind
-  std::string text;
-  Serial serial{};  // of the node it is about; none: of the gateway
-  friend bool operator==(const FleetAlarm&, const FleetAlarm&) = default;
-};
-
 // Who knows the same nodes and has the same mesh of them; of who is to be alone in its mesh, the
 // nodes count.
 struct FleetAgreement {
@@ -130,7 +123,9 @@ class FleetMember final : public port::BrokerListener {
   // What this gateway's mesh says of a node that it owns; told to those who read along. None: it
   // is in no mesh.
   void set_neighbours(Serial serial, std::uint32_t generation, std::span<const Serial> neighbours);
-  void set_alarms(std::vector<FleetAlarm> alarms);
+  // For those who read along, as schema/alarms.json has them: other members do not. REQUIRES:
+  // within broker_message_bytes_max with its topic.
+  void set_alarms(std::string message);
   // As in the settings, where the plane is another one now.
   void set_apart_min(std::int64_t units);
   // Of the mesh of the nodes that for_each_node() visits.

@@ -29,17 +29,6 @@ std::string encode_neighbours(Serial serial, std::span<const Serial> neighbours,
   return json.end().end().take();
 }
 
-std::string encode_alarms(const std::vector<FleetAlarm>& alarms) {
-  JsonText json;
-  json.object().key("alarms").array();
-  for (const FleetAlarm& alarm : alarms) {
-    json.object().key("name").text(alarm.name).key("text").text(alarm.text);
-    if (!alarm.serial.is_none()) json.key("serial").number(alarm.serial.value);
-    json.end();
-  }
-  return json.end().end().take();
-}
-
 }  // namespace
 
 bool FleetMember::State::wants(OutKey key) const {
@@ -201,7 +190,7 @@ OutMessage FleetMember::State::encode(OutKey key, port::Instant now) {
       return {.payload = encode_set(
                   {.run = header.run, .count = out.node_count(), .hash = out.node_hash()})};
     case TopicKind::alarms:
-      return {.payload = encode_alarms(alarms)};
+      return {.payload = alarms};
     case TopicKind::clashes:
       return {.payload = encode_clashes(told_clashes)};
     case TopicKind::site:
@@ -241,9 +230,9 @@ void FleetMember::set_neighbours(Serial serial, std::uint32_t generation,
   state.out.mark(key, port::Instant{});
 }
 
-void FleetMember::set_alarms(std::vector<FleetAlarm> alarms) {
-  if (alarms == state_->alarms) return;
-  state_->alarms = std::move(alarms);
+void FleetMember::set_alarms(std::string message) {
+  if (message == state_->alarms) return;
+  state_->alarms = std::move(message);
   state_->out.mark(alarms_key, port::Instant{});
 }
 

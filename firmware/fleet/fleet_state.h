@@ -237,7 +237,7 @@ struct FleetMember::State {
     std::uint32_t generation = 0;
   };
   std::map<Serial, Neighbours> neighbours{};
-  std::vector<FleetAlarm> alarms{};
+  std::string alarms{R"({"alarms":[]})"};
 
   FleetHeader header{};
   std::uint32_t told_merged_count = 0;  // in the header that was sent last

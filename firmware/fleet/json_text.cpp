@@ -1,5 +1,10 @@
 #include "firmware/fleet/json_text.h"
 
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+
 #include "etcm/files/decimal.h"
 #include "etcm/port/utf8.h"
 
@@ -41,6 +46,21 @@ void append_escaped(std::string& out, std::string_view value) {
 }
 
 }  // namespace
+
+std::string utc_text(std::int64_t unix_s) {
+  // The last second of the year 9999: a later one has no such text.
+  const std::chrono::sys_seconds at{
+      std::chrono::seconds(std::min<std::int64_t>(unix_s, 253'402'300'799))};
+  const auto day = std::chrono::floor<std::chrono::days>(at);
+  const std::chrono::year_month_day date{day};
+  const std::chrono::hh_mm_ss time{at - day};
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%04d-%02u-%02uT%02d:%02d:%02dZ",
+                static_cast<int>(date.year()), static_cast<unsigned>(date.month()),
+                static_cast<unsigned>(date.day()), static_cast<int>(time.hours().count()),
+                static_cast<int>(time.minutes().count()), static_cast<int>(time.seconds().count()));
+  return text.data();
+}
 
 std::string hex_text(std::uint64_t value, std::size_t digits) {
   std::string text(digits, '0');

@@ -41,6 +41,9 @@ class JsonText {
   bool is_first_ = true;
 };
 
+// "2026-03-01T14:03:10Z", of seconds since the beginning of 1970.
+std::string utc_text(std::int64_t unix_s);
+
 // The digits of a number, so many of them.
 std::string hex_text(std::uint64_t value, std::size_t digits);
 

@@ -1,12 +1,11 @@
 #include "firmware/gateway/fleet_link.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <utility>
 
 #include "etcm/files/decimal.h"
 #include "firmware/config/fleet_settings.h"
+#include "firmware/fleet/json_text.h"
 #include "firmware/logging/text_line.h"
 
 namespace etcm::firmware {
@@ -18,20 +17,6 @@ using namespace std::chrono_literals;
 // In this run or an earlier one. Else the fleet alone has told of it.
 bool was_heard_here(const NodeRecord& node) {
   return !node.unit_index.is_none() || !node.last_unit.is_none();
-}
-
-// "2026-03-01T14:03:10Z"
-std::string time_text(std::int64_t seconds) {
-  const std::chrono::sys_seconds at{std::chrono::seconds(seconds)};
-  const auto day = std::chrono::floor<std::chrono::days>(at);
-  const std::chrono::year_month_day date{day};
-  const std::chrono::hh_mm_ss time{at - day};
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%04d-%02u-%02uT%02d:%02d:%02dZ",
-                static_cast<int>(date.year()), static_cast<unsigned>(date.month()),
-                static_cast<unsigned>(date.day()), static_cast<int>(time.hours().count()),
-                static_cast<int>(time.minutes().count()), static_cast<int>(time.seconds().count()));
-  return text.data();
 }
 
 // What is in 10^-9.
@@ -153,22 +138,10 @@ void FleetLink::take(const Snapshot& snapshot, std::span<const QuarantineEntry> 
     if (vertex.kind != VertexKind::node || vertex.is_anchor || !vertex.owner.is_none()) continue;
     member_.set_neighbours(vertex.serial, snapshot.generation, neighbours_.of(snapshot, row));
   }
-  std::vector<FleetAlarm>& alarms = alarms_;
-  alarms.clear();
   mesh_lack_.clear();
   for (const QuarantineEntry& entry : quarantine) {
     if (mesh_lack_.empty() && is_want_of_room(entry.rejection)) mesh_lack_ = explain(entry);
-    const NodeRecord* const node = nodes_.find(entry.serial);
-    const bool is_clash = entry.conflict == IdentityConflict::other_gateway;
-    const bool is_here = is_clash && !entry.unit_index.is_none();
-    if (node != nullptr && node->is_foreign() && !is_here) continue;
-    alarms.push_back({.name = "quarantined", .text = explain(entry), .serial = entry.serial});
   }
-  for (const SnapshotUnplacedNode& node : snapshot.unplaced_nodes) {
-    if (!node.is_missing || !node.owner.is_none()) continue;
-    alarms.push_back({.name = "missing", .text = "does not answer", .serial = node.serial});
-  }
-  tell_alarms();
 }
 
 FleetNode FleetLink::told_of(const NodeRecord& node, const ReadingSnapshot& readings,
@@ -197,7 +170,7 @@ FleetNode FleetLink::told_of(const NodeRecord& node, const ReadingSnapshot& read
                              .unit = quantity.unit,
                              .nano = reading.is_stale ? std::nullopt : reading.nano});
   }
-  if (wall_clock_ != nullptr) told.heard_at = time_text(wall_clock_->seconds());
+  if (wall_clock_ != nullptr) told.heard_at = utc_text(wall_clock_->seconds());
   told.age_s = static_cast<std::uint32_t>((now - node.heard_at) / 1s);
   return told;
 }

@@ -77,6 +77,9 @@ class FleetLink final : private FleetListener {
   // There is another generation of the mesh. O(n).
   void take(const Snapshot& snapshot, std::span<const QuarantineEntry> quarantine);
 
+  // Of this gateway, all that are on, as schema/alarms.json has them.
+  void tell_alarms(std::string message) { member_.set_alarms(std::move(message)); }
+
   // As the operator has them.
   void update_settings(std::shared_ptr<const Settings> settings, port::Instant now);
   // The settings with the site that holds, where these are others than before; else null.
@@ -120,7 +123,6 @@ class FleetLink final : private FleetListener {
   void take_readings(const FleetRecord& record, port::Instant taken_at, bool is_stale);
   void place(NodeRecord& node, std::optional<Position> position);
   void make_report(port::Instant now);
-  void tell_alarms();
   bool is_dismissed(const PeerReport& peer, const char* why);
   void dismiss_long_gone(port::Instant now);
   bool misses_nodes_of(const std::string& gateway) const;
@@ -160,8 +162,7 @@ class FleetLink final : private FleetListener {
   std::uint32_t mesh_nodes_ = 0;
   std::string mesh_lack_;  // why something is not in the mesh for want of room, or empty
   LastingDifferences differences_;
-  bool is_full_ = false;            // a node of another gateway found no room
-  std::vector<FleetAlarm> alarms_;  // but for that of the site
+  bool is_full_ = false;  // a node of another gateway found no room
   FleetSite site_;
   bool has_begun_ = false;
   FleetMember member_;

@@ -60,14 +60,6 @@ std::string why_of(const PeerReport& peer, const OwnStand& own, bool differs,
 
 }  // namespace
 
-void FleetLink::tell_alarms() {
-  std::vector<FleetAlarm> alarms = alarms_;
-  if (!report_.site_trouble.empty()) {
-    alarms.push_back({.name = "site", .text = report_.site_trouble});
-  }
-  member_.set_alarms(std::move(alarms));
-}
-
 void FleetLink::make_report(port::Instant now) {
   report_due_ = now + report_pause;
   const FleetStatus status = member_.status();
@@ -81,11 +73,7 @@ void FleetLink::make_report(port::Instant now) {
   const SiteDocument* const site = member_.site();
   report_.site_number = status.site.number;
   report_.site_gateway = site == nullptr ? "" : site->gateway;
-  const std::string& trouble = site_.find_trouble(member_, status);
-  if (report_.site_trouble != trouble) {
-    report_.site_trouble = trouble;
-    tell_alarms();
-  }
+  report_.site_trouble = site_.find_trouble(member_, status);
   report_.members.clear();
   report_.members.push_back(own_row(status));
   const OwnStand own = own_stand(status);

@@ -110,6 +110,12 @@ class Gateway final : private ReadingListener, private RequestSource {
   // False: none of this name is gone.
   bool dismiss_gateway(std::string_view name, port::Instant now);
 
+  // Those who read along over the broker are given this message, where there is one
+  // (alarm_teller.h).
+  void tell_alarms(std::string message) {
+    if (fleet_) fleet_->tell_alarms(std::move(message));
+  }
+
   // With the site that holds, which may be that of another gateway.
   const Settings& settings() const { return *settings_; }
 

@@ -217,6 +217,7 @@ TEST_P(OneSerial, AtTwoGatewaysIsAnAlarmOfBothUntilItIsOver) {
 
 TEST_P(OneSerial, IsToldByWhoHearsNeitherToo) {
   Member office(hub_, "office");
+  office.put(77, 1, 5000, 5000);
   put_west();
   put_east();
   run({&west_, &east_, &office}, 23s);

@@ -5,15 +5,42 @@
 
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "fakes.h"
+#include "firmware/alarms/alarm_teller.h"
+#include "firmware/alarms/alarm_watch.h"
 #include "firmware/fleet/site_codec.h"
 #include "memory_store.h"
 #include "message_hub.h"
 
 namespace etcm::firmware {
+
+// What looks for alarms at a gateway, and tells them to the fleet.
+struct AlarmDesk {
+  explicit AlarmDesk(Rig& rig)
+      : started_at(rig.clock.now()),
+        wall_clock(rig.clock),
+        watch({.gateway = *rig.gateway,
+               .masters = masters,
+               .readers = nullptr,
+               .refusal = refusal,
+               .started_at = started_at}),
+        teller(watch.book(), *rig.gateway, wall_clock) {}
+  void step(port::Instant now) {
+    watch.step(now);
+    teller.step(now);
+  }
+
+  const port::Instant started_at;
+  const port::ServiceCounters masters{};
+  const std::string refusal{};
+  FollowingWallClock wall_clock;
+  AlarmWatch watch;
+  AlarmTeller teller;
+};
 
 // A gateway with a bus, in a fleet.
 struct Member {
@@ -61,16 +88,23 @@ struct Member {
   const FleetReport& fleet() const { return *rig.gateway->fleet(); }
   std::span<const FeatureRecord> features() const { return rig.gateway->features(); }
 
+  void run(port::Duration duration) {
+    rig.run(duration);
+    if (!desk) desk.emplace(rig);
+    desk->step(rig.clock.now());
+  }
+
   // The gateway lives in the rig and speaks to both until it ends.
   MemoryStore store;
   HubClient client;
   Rig rig;
+  std::optional<AlarmDesk> desk{};  // from the first run
 };
 
 inline void run(std::initializer_list<Member*> members, port::Duration duration) {
   constexpr port::Duration step = std::chrono::milliseconds(10);
   for (port::Duration passed{}; passed < duration; passed += step) {
-    for (Member* const member : members) member->rig.run(step);
+    for (Member* const member : members) member->run(step);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "firmware/alarms/alarm_teller.h"
 #include "firmware/fleet/fleet_hash.h"
 #include "firmware/fleet/fleet_member.h"
 #include "firmware/fleet/fleet_topics.h"
@@ -115,8 +116,7 @@ class Sampler {
     pass(1s);
     const Serial neighbours[] = {Serial{0}};
     member_->set_neighbours(Serial{1001}, 3, neighbours);
-    member_->set_alarms({{.name = "missing", .text = "node 5", .serial = Serial{5}},
-                         {.name = "bus", .text = "silent\n"}});
+    member_->set_alarms(alarms());
     member_->set_mesh(3, 0x1234567890abcdef, 2);
     SiteDocument site{.plane = {.crs = "EPSG:25833", .unit = 10'000'000, .x = 390'000'000'000'000}};
     site.anchors = {{1, 2}};
@@ -127,6 +127,22 @@ class Sampler {
     site.plane = {.is_about_place = true, .unit = 1'000'000'000, .x = 13'377'000'000};
     member_->set_site(site, true, now_);
     pass(1s);
+  }
+
+  // One has a cure, and began now; of the other it is not known when.
+  std::string alarms() const {
+    Alarm bus, node;
+    bus.key = {.kind = AlarmKind::silent_bus, .subject = 9};
+    bus.severity = Severity::critical;
+    bus.since.at = now_;
+    node.key = {.kind = AlarmKind::missing_node, .subject = 5};
+    node.severity = Severity::major;
+    if (!bus.set_words("bus \"yard\" is silent", "look\nat its cable") ||
+        !node.set_words("node 5 is missing", "")) {
+      std::printf("not taken\n");
+    }
+    const Alarm* const both[] = {&bus, &node};
+    return encode_told_alarms(both, 3, now_, 1'800'000'000'000);
   }
 
   void pass(port::Duration time) {

@@ -72,6 +72,8 @@ class Content(ProgramCase):
                      "usr/share/doc/etcm-gateway/guide/README.md",
                      "usr/share/doc/etcm-gateway/guide/devices.png",
                      "usr/share/doc/etcm-gateway/guide/page.png",
+                     "usr/share/doc/etcm-gateway/fleet/schema/alarms.json",
+                     "usr/share/doc/etcm-gateway/fleet/schema/node.json",
                      "usr/share/etcm/profiles/ebyte-e108.toml",
                      "usr/share/etcm/profiles/victron-gx.toml"]:
             self.assertIn(path, found)

@@ -21,6 +21,10 @@ function plain(text) {
     if (title == "") title = plain($0)
     sub(/>/, " id=\"" anchor($0) "\">")
   }
+  # What is beside the guide is not served.
+  while (match($0, /<a href="\.\.\/[^"]*">[^<]*<\/a>/)) {
+    $0 = substr($0, 1, RSTART - 1) plain(substr($0, RSTART, RLENGTH)) substr($0, RSTART + RLENGTH)
+  }
   gsub(/\.md"/, ".html\"")
   gsub(/\.md#/, ".html#")
   # A name of a page in the text is that of its file.
