@@ -151,6 +151,28 @@ void look_at_names(const StatusSources& sources, Reasons& reasons) {
   if (named != nullptr) reasons.add() << "fleet: gateway " << named->name << ": " << named->why;
 }
 
+// The first of those that are gone is named. One that starts again is back in less, and who was
+// apart itself knows nothing of the others yet.
+void look_at_gone(const StatusSources& sources, port::Instant now, Reasons& reasons) {
+  const FleetReport* const fleet = sources.gateway.fleet();
+  if (fleet == nullptr || !fleet->is_connected) return;
+  const port::Duration patience = sources.gateway.settings().poll.leave_after;
+  const ReportedMember* first = nullptr;
+  std::uint32_t count = 0;
+  for (const ReportedMember& member : fleet->members) {
+    const port::Instant since = std::max(member.since, fleet->connected_or_not_since);
+    if (member.state != MemberState::gone || now - since <= patience) continue;
+    if (count++ == 0) first = &member;
+  }
+  if (first == nullptr) return;
+  TextWriter& reason = reasons.add();
+  reason << "fleet: gateway " << first->name
+         << " is gone: look at its machine, its power and its network; if it is gone for good: "
+            "sudo etcm-gateway ctl dismiss "
+         << first->name;
+  if (count > 1) reason << "; and " << count - 1 << " more gone";
+}
+
 // What a gateway forgets with the next restart is not kept.
 void look_at_disks(const StatusSources& sources, Reasons& reasons) {
   const auto look_at = [&](const DiskWriter* disk, std::string_view what) {
@@ -172,6 +194,7 @@ bool is_healthy(const StatusSources& sources, port::Instant now, TextWriter& wri
   if (sources.refusal != nullptr && !sources.refusal->empty()) reasons.add() << *sources.refusal;
   look_at_buses(sources, now, reasons);
   look_at_names(sources, reasons);
+  look_at_gone(sources, now, reasons);
   look_at_missing(sources, reasons);
   look_at_absent(sources, reasons);
   look_at_fleet(sources, now, reasons);

@@ -465,6 +465,8 @@ TEST_F(FleetGateway, TheNodesOfADeadGatewayAreSoughtThere) {
     using PageReader::get;
   } page(west_.rig);
   EXPECT_EQ(page.get("/healthz"),
+            "fleet: gateway east is gone: look at its machine, its power and its network; if it is "
+            "gone for good: sudo etcm-gateway ctl dismiss east\n"
             "2 nodes are missing: node 11, last heard by gateway east, and 1 more; that gateway is "
             "gone: look at its machine, its power and its network\n");
   const std::string status = page.get("/status.json");

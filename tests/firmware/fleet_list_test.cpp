@@ -277,6 +277,31 @@ class RetiredGateway : public testing::Test {
   Member office_;
 };
 
+TEST_F(RetiredGateway, IsToldByHealthAlsoWhereItHeardNoNode) {
+  retire(office_);
+  run({&west_, &east_}, 1s);
+  EXPECT_EQ(ListReader(west_.rig).get("/healthz"), "ok\n") << "it may start again";
+  run({&west_, &east_}, 15s);
+  const std::string gone =
+      " is gone: look at its machine, its power and its network; if it is gone for good: sudo "
+      "etcm-gateway ctl dismiss ";
+  EXPECT_EQ(ListReader(west_.rig).get("/healthz"), "fleet: gateway office" + gone + "office\n");
+  retire(east_);
+  run({&west_}, 15s);
+  const std::string both = ListReader(west_.rig).get("/healthz");
+  EXPECT_EQ(both.find("fleet: gateway east" + gone + "east; and 1 more gone\n1 node is missing: "),
+            0u)
+      << both;
+  // Who is apart itself does not know.
+  hub_.go();
+  run({&west_}, 10s);
+  EXPECT_EQ(ListReader(west_.rig)
+                .get("/healthz")
+                .find("is gone: look at its machine, its power "
+                      "and its network; if"),
+            std::string::npos);
+}
+
 TEST_F(RetiredGateway, IsDismissedByWordOnceItsNodesHaveLeft) {
   retire(east_);
   run({&west_, &office_}, 1s);
