@@ -14,12 +14,14 @@ class Broker:
     """A broker with one of the configurations in firmware/examples/mosquitto, in `folder`, and the
     lines `more`."""
 
-    def __init__(self, case, example="etcm.conf", name="broker", port=None, more=()):
+    def __init__(self, case, example="etcm.conf", name="broker", port=None, more=(),
+                 address="127.0.0.1"):
         self.case = case
         self.example = example
         self.more = more
         self.name = name
         self.port = port or free_port()
+        self.address = address
         self.program = None
         (case.folder / "etcm.acl").write_text((EXAMPLES / "mosquitto/etcm.acl").read_text())
         self.start()
@@ -27,7 +29,7 @@ class Broker:
     def start(self):
         text = (EXAMPLES / "mosquitto" / self.example).read_text()
         text = text.replace("/etc/mosquitto", str(self.case.folder))
-        text, count = re.subn(r"(?m)^listener \d+$", f"listener {self.port} 127.0.0.1", text)
+        text, count = re.subn(r"(?m)^listener \d+$", f"listener {self.port} {self.address}", text)
         self.case.assertEqual(count, 1)
         text += "".join(line + "\n" for line in self.more)
         # As root it would go on as another user, who cannot read this folder.

@@ -77,12 +77,15 @@ class FleetCase(ProgramCase):
 
     vertices_max = 600
     interval = "100ms"
+    with_files = ()   # those that write their mesh to out-NAME
 
     def write_gateway(self, name, buses, share="site", as_name=None):
         """`share`: None where it is not written."""
         features = "".join(f"[[feature]]\nfrom = {a}\nto = {b}\n" for a, b in self.features)
         if self.site_file:
             features += f'[site]\nfile = "{self.site_file}"\ncrs = "plane"\n'
+        if name in self.with_files:
+            features += f'[files]\nfolder = "out-{name}"\ninterval = "1s"\n'
         (self.folder / f"{name}.toml").write_text(f"""
 [mesh]
 vertices_max = {self.vertices_max}
@@ -167,8 +170,16 @@ period_min = "100ms"
 
 
 class Sharing(FleetCase):
+    def written(self, name):
+        """Serial to place, of the nodes in the files of its mesh; none while there are none."""
+        path = self.folder / f"out-{name}" / "mesh.node"
+        text = path.read_text() if path.exists() else ""
+        rows = [line.split() for line in text.splitlines() if line.strip() and line[0] != "#"]
+        return {int(row[3]): (int(float(row[1])), int(float(row[2]))) for row in rows[1:]}
+
     def test_gateways_and_an_office_have_one_mesh(self):
         west, east = grid(1, 12, 0), grid(101, 12, 5000)
+        self.with_files = ("office",)
         self.features = [(1, 101), (12, 108)]
         self.start_broker()
         self.start_gateway("west", west)
@@ -181,6 +192,9 @@ class Sharing(FleetCase):
         self.assertEqual(owners, {serial: "west" for serial in west} |
                          {serial: "east" for serial in east})
         self.assertEqual(self.status("office")["features_active"], 2)
+        wait_for("the files of the office",
+                 lambda: (west | east).items() <= self.written("office").items())
+        self.assertTrue((self.folder / "out-office" / "mesh.ele").exists())
         port = re.search(r"serves the mesh on \S+:(\d+)", self.running["office"].log()).group(1)
         count = subprocess.run(["mbpoll", "-m", "tcp", "-p", port, "-a", "1", "-t", "3:hex", "-0",
                                 "-r", "10", "-c", "2", "-1", "127.0.0.1"], capture_output=True,

@@ -50,7 +50,7 @@ password_file = "{secret}"
         return self.start(program, [PROGRAMS / "etcm-gateway", "--config", config])
 
     def client(self, program, *arguments, user="viewer", port=None):
-        return [program, "-V", "mqttv5", "-h", "127.0.0.1", "-p", str(port or self.broker.port),
+        return [program, "-V", "mqttv5", "-h", self.broker.address, "-p", str(port or self.broker.port),
                 "-u", user, "-P", USERS[user], *arguments]
 
     def publish(self, topic, text, user, *arguments):
@@ -88,6 +88,19 @@ class Members(MqttCase):
         gateways["south"].process.kill()
         for name in gateways:
             self.wait_for_online(name, False)
+
+    def test_a_session_over_ipv6_is_one_as_any(self):
+        self.broker.stop()
+        self.broker = Broker(self, name="ipv6", address="::1")
+        gateway = self.start_member("north", host="[::1]")
+        gateway.wait_for_line(f"connected as {SITE}:north")
+        self.wait_for_online("north", True)
+        self.broker.stop()
+        gateway.wait_for_line(r"broker \[::1\]:\d+: .*; trying again")
+        self.broker.start()
+        wait_for("a second session", lambda: gateway.log().count(f"as {SITE}:north") == 2)
+        gateway.process.kill()
+        self.wait_for_online("north", False)
 
     def test_a_wrong_password_is_told_with_its_cure(self):
         gateway = self.start_member("north", password="wrong")
