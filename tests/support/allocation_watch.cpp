@@ -1,5 +1,7 @@
 #include "support/allocation_watch.h"
 
+#include <malloc.h>
+
 #include <atomic>
 #include <cstdlib>
 #include <new>
@@ -9,9 +11,26 @@ namespace {
 // What other threads allocate counts too.
 std::atomic<bool> watching = false;
 std::atomic<std::size_t> counted = 0;
+std::atomic<std::ptrdiff_t> held = 0;
 
 void count() noexcept {
   if (watching) ++counted;
+}
+
+// With what the heap keeps beside it.
+std::ptrdiff_t size_in_heap(void* memory) noexcept {
+  if (memory == nullptr) return 0;
+  return static_cast<std::ptrdiff_t>(malloc_usable_size(memory) + sizeof(std::size_t));
+}
+
+void* taken(void* memory) noexcept {
+  if (watching) held += size_in_heap(memory);
+  return memory;
+}
+
+void give_back(void* memory) noexcept {
+  if (watching) held -= size_in_heap(memory);
+  std::free(memory);
 }
 
 }  // namespace
@@ -48,33 +67,36 @@ void* __wrap_aligned_alloc(std::size_t alignment, std::size_t size) {
 // program that replaces one must replace the other.
 void* operator new(std::size_t size) {
   count();
-  if (void* memory = __real_malloc(size == 0 ? 1 : size)) return memory;
+  if (void* memory = __real_malloc(size == 0 ? 1 : size)) return taken(memory);
   throw std::bad_alloc();
 }
 void* operator new(std::size_t size, std::align_val_t alignment) {
   count();
   const auto step = static_cast<std::size_t>(alignment);
-  if (void* memory = __real_aligned_alloc(step, (size + step - 1) / step * step)) return memory;
+  void* const memory = __real_aligned_alloc(step, (size + step - 1) / step * step);
+  if (memory != nullptr) return taken(memory);
   throw std::bad_alloc();
 }
 // As std::stable_sort asks.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   count();
-  return __real_malloc(size == 0 ? 1 : size);
+  return taken(__real_malloc(size == 0 ? 1 : size));
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory) noexcept { give_back(memory); }
+void operator delete(void* memory, const std::nothrow_t&) noexcept { give_back(memory); }
+void operator delete(void* memory, std::size_t) noexcept { give_back(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { give_back(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { give_back(memory); }
 
 namespace etcm::test {
 
 AllocationWatch::AllocationWatch() noexcept {
   counted = 0;
+  held = 0;
   watching = true;
 }
 AllocationWatch::~AllocationWatch() { watching = false; }
 std::size_t AllocationWatch::allocations() const noexcept { return counted; }
+std::ptrdiff_t AllocationWatch::held_bytes() const noexcept { return held; }
 
 }  // namespace etcm::test

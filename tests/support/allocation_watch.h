@@ -15,6 +15,9 @@ class AllocationWatch {
   AllocationWatch& operator=(const AllocationWatch&) = delete;
 
   std::size_t allocations() const noexcept;
+  // By operator new alone: what was taken and not given back, as large as the heap makes it.
+  // Less than 0 where more was given back.
+  std::ptrdiff_t held_bytes() const noexcept;
 };
 
 }  // namespace etcm::test
