@@ -222,7 +222,7 @@ void ModelClient::connect_if_due(Instant now) {
   if (is_connected() || !has_network_ || now < retry_at_) return;
   session_ = broker_.connect(side_, filters_, will_, now);
   is_told_ = true;
-  listener_->on_connected(now);
+  listener_->on_connected(clock_.at(now));
 }
 
 void ModelClient::take_incoming(Instant now) {
@@ -240,7 +240,7 @@ void ModelClient::take_incoming(Instant now) {
       listener_->on_message({.topic = next.message.topic,
                              .payload = next.message.payload,
                              .retained = next.was_retained},
-                            now);
+                            clock_.at(now));
     }
   }
 }
@@ -251,7 +251,9 @@ void ModelClient::step(Instant now) {
     broker_.end(*session_, random_.below(2) == 0, now);
     session_ = nullptr;
     retry_at_ = now + std::chrono::milliseconds(200 * (1 + random_.below(10)));
-    if (std::exchange(is_told_, false)) listener_->on_disconnected("the connection is lost", now);
+    if (std::exchange(is_told_, false)) {
+      listener_->on_disconnected("the connection is lost", clock_.at(now));
+    }
   }
   connect_if_due(now);
   if (!is_connected()) return;
@@ -259,7 +261,7 @@ void ModelClient::step(Instant now) {
   while (!acknowledged.empty() && acknowledged.begin()->first <= now) {
     const std::uint32_t token = acknowledged.begin()->second;
     acknowledged.erase(acknowledged.begin());
-    listener_->on_delivered(token, now);
+    listener_->on_delivered(token, clock_.at(now));
   }
   take_incoming(now);
 }

@@ -25,6 +25,7 @@
 
 #include "etcm/port/message_broker.h"
 #include "inputs/random.h"
+#include "member_clock.h"
 
 namespace etcm::test {
 
@@ -120,11 +121,12 @@ struct BrokerModel::Session {
   Instant last_incoming{};
 };
 
-// One connection that is brought back for ever.
+// One connection that is brought back for ever. Its time is that of the broker; its listener hears
+// the times of the clock.
 class ModelClient final : public port::MessageBroker {
  public:
-  ModelClient(BrokerModel& broker, Random& random, std::size_t side)
-      : broker_(broker), random_(random), side_(side) {}
+  ModelClient(BrokerModel& broker, Random& random, std::size_t side, const MemberClock& clock)
+      : broker_(broker), random_(random), side_(side), clock_(clock) {}
   ~ModelClient() { close(false, Instant{}); }
   ModelClient(const ModelClient&) = delete;
   ModelClient& operator=(const ModelClient&) = delete;
@@ -152,6 +154,7 @@ class ModelClient final : public port::MessageBroker {
   BrokerModel& broker_;
   Random& random_;
   std::size_t side_;
+  const MemberClock& clock_;
   port::BrokerListener* listener_ = nullptr;
   port::BrokerCounters counters_;
   ModelMessage will_;

@@ -32,13 +32,15 @@ std::vector<FeatureEnds> model_features() {
 MeshConfig model_mesh() { return {.vertices_max = 1000, .features_max = 100}; }
 
 GatewayModel::GatewayModel(const FleetSettings& settings, std::uint32_t number, BrokerModel& broker,
-                           Random& random, std::size_t side, Disk& disk, Instant now)
+                           Random& random, std::size_t side, const MemberClock& clock, Disk& disk,
+                           Instant time)
     : settings_(settings),
       number_(number),
       random_(random),
+      clock_(clock),
       disk_(disk),
-      client_(broker, random, side),
-      member_(std::make_unique<FleetMember>(settings_, client_, *this, *this, now)),
+      client_(broker, random, side, clock),
+      member_(std::make_unique<FleetMember>(settings_, client_, *this, *this, clock.at(time))),
       mesh_(model_mesh()) {
   for (const Position anchor : model_anchors()) {
     VertexId id;
@@ -48,25 +50,27 @@ GatewayModel::GatewayModel(const FleetSettings& settings, std::uint32_t number, 
     FeatureId id;
     if (mesh_->add_feature(ends, id) != Status::ok) std::abort();
   }
+  const Instant now = clock_.at(time);
   if (disk_.saved) {
     const std::string wrong = member_->restore(*disk_.saved, now);
     if (!wrong.empty()) write(port::Level::error, "restore: " + wrong);
   }
   for (const Serial serial : disk_.table) table_[serial] = {.at = now, .is_lost = true};
-  read_site_file(false, now);
+  read_site_file(false, time);
 }
 
-void GatewayModel::read_site_file(bool is_changed, Instant now) {
+void GatewayModel::read_site_file(bool is_changed, Instant time) {
   if (disk_.site_file == 0) return member_->clear_site();
   firmware::SiteDocument site{.plane = {.unit = 1}};
   site.anchors = {{.x = static_cast<std::int32_t>(disk_.site_file), .y = 0}};
-  member_->set_site(std::move(site), is_changed, now);
+  member_->set_site(std::move(site), is_changed, clock_.at(time));
 }
 
-void GatewayModel::step(const World& world, Instant now) {
-  client_.step(now);
+void GatewayModel::step(const World& world, Instant time) {
+  client_.step(time);
+  const Instant now = clock_.at(time);
   if (now >= next_poll_) {
-    poll(world, now);
+    poll(world, clock_.time_of_day(time), now);
     next_poll_ = now + std::chrono::milliseconds(700 + random_.below(500));
   }
   member_->step(now);
@@ -78,15 +82,15 @@ void GatewayModel::step(const World& world, Instant now) {
   }
 }
 
-void GatewayModel::poll(const World& world, Instant now) {
+void GatewayModel::poll(const World& world, const std::string& time_of_day, Instant now) {
   for (const auto& [serial, node] : world) {
     if ((node.hearers >> number_ & 1) == 0) continue;
     if (node.is_leaving) {
       if (table_.erase(serial) > 0) member_->remove(serial, LeftReason::asked, now);
       continue;
     }
-    const bool is_taken =
-        member_->hear({.serial = serial, .position = node.position, .status = 1}, now);
+    const bool is_taken = member_->hear(
+        {.serial = serial, .position = node.position, .status = 1, .heard_at = time_of_day}, now);
     if (is_taken) table_[serial] = {.at = now};
   }
   for (auto at = table_.begin(); at != table_.end();) {

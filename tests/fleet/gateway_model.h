@@ -1,5 +1,5 @@
 // A gateway as far as a fleet is concerned: it hears the nodes within its reach, gives up those
-// that fall silent, keeps a mesh of the set that its member knows, and has a disk.
+// that fall silent, keeps a mesh of the set that its member knows, and has clocks and a disk.
 #pragma once
 
 #include <map>
@@ -42,13 +42,15 @@ class GatewayModel final : public firmware::FleetListener, public port::Log {
   static constexpr port::Duration lose_after = std::chrono::seconds(3);
   static constexpr port::Duration remove_after = std::chrono::seconds(40);
 
-  // `number` is its bit in WorldNode::hearers.
+  // `number` is its bit in WorldNode::hearers. All times that it is given are those of the
+  // simulation; its member knows those of `clock` alone.
   GatewayModel(const FleetSettings& settings, std::uint32_t number, BrokerModel& broker,
-               Random& random, std::size_t side, Disk& disk, Instant now);
+               Random& random, std::size_t side, const MemberClock& clock, Disk& disk,
+               Instant time);
 
-  void step(const World& world, Instant now);
+  void step(const World& world, Instant time);
   // Its site file is another one, and is read again.
-  void read_site_file(bool is_changed, Instant now);
+  void read_site_file(bool is_changed, Instant time);
 
   ModelClient& client() { return client_; }
   FleetMember& member() { return *member_; }
@@ -77,13 +79,14 @@ class GatewayModel final : public firmware::FleetListener, public port::Log {
     Instant at;
     bool is_lost = false;
   };
-  void poll(const World& world, Instant now);
+  void poll(const World& world, const std::string& time_of_day, Instant now);
   void save(Instant now);
   void follow_set();
 
   FleetSettings settings_;
   std::uint32_t number_;
   Random& random_;
+  const MemberClock& clock_;
   Disk& disk_;
   ModelClient client_;
   std::unique_ptr<FleetMember> member_;

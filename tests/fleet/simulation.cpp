@@ -4,7 +4,10 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
-#include <set>
+#include <utility>
+
+#include "rubbish.h"
+#include "site_world.h"
 
 namespace etcm::test {
 
@@ -49,7 +52,7 @@ class Simulation {
       places_.back().name = places_.front().name;
       places_.back().starts_at += seconds(random_.below(60));
     }
-    for (std::uint32_t i = 0; i < 4 + random_.below(12); ++i) add_node();
+    for (std::uint32_t i = 0; i < 4 + random_.below(12); ++i) world_.add_node(places_.size());
   }
 
   Outcome run() {
@@ -95,6 +98,8 @@ class Simulation {
   struct Place {
     std::string name;
     std::size_t side = 0;
+    MemberClock clock;
+    bool boots = true;  // before it starts again
     Disk disk;
     std::unique_ptr<GatewayModel> gateway;
     Instant starts_at{};
@@ -123,7 +128,7 @@ class Simulation {
       if (!place.gateway && !place.is_gone && now_ >= place.starts_at) start(number);
       if (!place.gateway) continue;
       if (now_ >= place.network_back) place.gateway->client().set_network(true);
-      place.gateway->step(world_, now_);
+      place.gateway->step(world_.nodes(), now_);
       if (place.gateway->client().is_dead()) {
         note(place.name + " dies");
         place.gateway->client().close(random_.below(2) == 0, now_);
@@ -135,60 +140,17 @@ class Simulation {
   void start(std::uint32_t number) {
     Place& place = places_[number];
     note(place.name + "#" + std::to_string(number) + " starts");
-    place.gateway = std::make_unique<GatewayModel>(settings_of(place.name, random_.next()), number,
-                                                   broker_, random_, place.side, place.disk, now_);
+    if (theme_.clocks && std::exchange(place.boots, false)) place.clock.boot(random_, now_);
+    place.gateway =
+        std::make_unique<GatewayModel>(settings_of(place.name, random_.next()), number, broker_,
+                                       random_, place.side, place.clock, place.disk, now_);
   }
 
   bool chance(std::uint64_t in) { return random_.below(in) == 0; }
 
-  // --- the world
-  Position free_place() {
-    while (true) {
-      const Position place{.x = random_.between(-1500, 1500), .y = random_.between(-1500, 1500)};
-      if (taken_.insert({place.x, place.y}).second) return place;
-    }
-  }
-  std::uint32_t any_hearers() {
-    std::uint32_t hearers = 1u << random_.below(places_.size());
-    if (chance(4)) hearers |= 1u << random_.below(places_.size());
-    return hearers;
-  }
-  void add_node() {
-    if (world_.size() >= 24) return;
-    const Serial serial{static_cast<std::uint32_t>(1 + random_.below(40))};
-    if (world_.contains(serial)) return;
-    world_[serial] = {.position = free_place(), .hearers = any_hearers()};
-  }
-
-  void change_world() {
-    if (chance(4)) add_node();
-    if (world_.empty()) return;
-    auto at = world_.begin();
-    std::advance(at, static_cast<std::ptrdiff_t>(random_.index(world_.size())));
-    WorldNode& node = at->second;
-    switch (random_.below(6)) {
-      case 0:
-      case 1:
-        node.position = free_place();
-        break;
-      case 2:
-      case 3:
-        node.hearers = any_hearers();  // it goes to other gateways
-        if (chance(2)) node.position = free_place();
-        break;
-      case 4:
-        node.hearers = chance(2) ? 0 : any_hearers();  // it falls silent for now
-        break;
-      default:
-        node.is_leaving = !node.is_leaving;
-    }
-    note("node " + std::to_string(at->first.value) + " heard by " + std::to_string(node.hearers) +
-         (node.is_leaving ? " leaving" : "") + " at " + std::to_string(node.position.x));
-  }
-
   // --- faults
   void happen() {
-    if (chance(8)) change_world();
+    if (chance(8)) note(world_.change(places_.size()));
     if (chance(200)) edit_site_file(places_[random_.index(places_.size())]);
     const std::uint32_t any = static_cast<std::uint32_t>(random_.index(places_.size()));
     Place& place = places_[any];
@@ -211,6 +173,7 @@ class Simulation {
     }
     if (theme_.doubles && chance(12)) broker_.redeliver(now_);
     if (theme_.rubbish && chance(15)) throw_rubbish();
+    if (theme_.clocks && chance(60)) place.clock.jump(random_);
   }
 
   // Also of one that does not run.
@@ -224,6 +187,7 @@ class Simulation {
     note(place.name + " is to die");
     place.gateway->client().die_after(static_cast<std::uint32_t>(random_.below(12)));
     place.starts_at = now_ + milliseconds(2000 + random_.below(chance(3) ? 100000 : 20000));
+    if (theme_.clocks) place.boots = place.boots || chance(2);
     if (chance(6)) {
       place.disk.saved.reset();
       place.disk.table.clear();
@@ -232,36 +196,7 @@ class Simulation {
 
   void throw_rubbish() {
     const std::size_t side = theme_.splits ? random_.index(2) : 0;
-    const auto& retained = broker_.retained(side);
-    ModelMessage message{
-        .topic = "etcm/v1/yard/stranger/node/0000000" + std::to_string(random_.below(10)),
-        .payload = "{}",
-        .is_retained = !chance(3)};
-    if (!retained.empty() && !chance(5)) {
-      auto at = retained.begin();
-      std::advance(at, static_cast<std::ptrdiff_t>(random_.index(retained.size())));
-      message.topic = at->first;
-      message.payload = at->second;
-    }
-    std::string& text = message.payload;
-    switch (random_.below(5)) {
-      case 0:
-        text.resize(random_.index(text.size() + 1));
-        break;
-      case 1:
-        for (int i = 0; i < 3; ++i) {
-          text[random_.index(text.size())] = static_cast<char>(random_.below(256));
-        }
-        break;
-      case 2:
-        text = std::string(1 + random_.index(3000), '[');
-        break;
-      case 3:
-        text = R"({"serial":99999999999999999999,"owner":5,"x":1e999})";
-        break;
-      default:
-        text = chance(2) ? "" : "null";
-    }
+    ModelMessage message = rubbish(broker_.retained(side), random_);
     note("rubbish at " + message.topic);
     broker_.inject(side, std::move(message), now_);
   }
@@ -305,7 +240,7 @@ class Simulation {
 
   std::map<Serial, WorldNode> truth() const {
     std::map<Serial, WorldNode> nodes;
-    for (const auto& [serial, node] : world_) {
+    for (const auto& [serial, node] : world_.nodes()) {
       WorldNode heard = node;
       heard.hearers = 0;
       for (std::uint32_t number = 0; number < places_.size(); ++number) {
@@ -351,13 +286,25 @@ class Simulation {
     return judge_broker();
   }
 
+  // Where nothing else happens all of them know who was there before.
+  bool is_order_of_twins_known() const {
+    return !theme_.deaths && !theme_.cuts && !theme_.splits && !theme_.forgets;
+  }
+
   // One of them speaks, and where one was there before the other it is that one.
   std::string judge_twins() const {
-    if (!theme_.twins || !places_.front().gateway || !places_.back().gateway) return "";
-    const bool is_first_silent = places_.front().gateway->is_read_only();
-    if (is_first_silent == places_.back().gateway->is_read_only()) {
+    if (!theme_.twins) return "";
+    const GatewayModel* const first = places_.front().gateway.get();
+    const GatewayModel* const second = places_.back().gateway.get();
+    if (first == nullptr || second == nullptr) {
+      const GatewayModel* const only = first == nullptr ? second : first;
+      return only != nullptr && only->is_read_only() ? "the only one of its name is silent" : "";
+    }
+    const bool is_first_silent = first->is_read_only();
+    if (is_first_silent == second->is_read_only()) {
       return is_first_silent ? "both of one name are silent" : "both of one name speak";
     }
+    if (!is_order_of_twins_known()) return "";
     const port::Duration later = places_.back().starts_at - places_.front().starts_at;
     const bool has_first_begun = later > 2 * settings_of("", 0).settle + seconds(2);
     return is_first_silent && has_first_begun ? "who was there first is silent" : "";
@@ -431,8 +378,7 @@ class Simulation {
   const Instant begin_ = Instant{} + seconds(1000);
   Instant now_ = begin_;
   std::vector<Place> places_;
-  World world_;
-  std::set<std::pair<std::int32_t, std::int32_t>> taken_;
+  SiteWorld world_{random_};
 };
 
 }  // namespace

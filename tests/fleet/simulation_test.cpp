@@ -53,6 +53,9 @@ TEST(FleetSimulation, BrokersForget) {
 TEST(FleetSimulation, MessagesComeAgain) { run({.name = "doubles", .doubles = true}, 30); }
 TEST(FleetSimulation, TwoHaveOneName) { run({.name = "twins", .twins = true}, 40); }
 TEST(FleetSimulation, SomebodyTalksRubbish) { run({.name = "rubbish", .rubbish = true}, 40); }
+TEST(FleetSimulation, ClocksDiffer) {
+  run({.name = "clocks", .deaths = true, .cuts = true, .clocks = true}, 50);
+}
 TEST(FleetSimulation, AllOfItHappens) {
   run({.name = "all",
        .deaths = true,
@@ -60,7 +63,9 @@ TEST(FleetSimulation, AllOfItHappens) {
        .splits = true,
        .forgets = true,
        .doubles = true,
-       .rubbish = true},
+       .twins = true,
+       .rubbish = true,
+       .clocks = true},
       60);
 }
 
