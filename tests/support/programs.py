@@ -17,14 +17,14 @@ import unittest
 PATIENCE_S = 120
 
 
-def wait_for(what, condition):
-    deadline = time.monotonic() + PATIENCE_S
+def wait_for(what, condition, patience_s=PATIENCE_S):
+    deadline = time.monotonic() + patience_s
     while time.monotonic() < deadline:
         found = condition()
         if found:
             return found
         time.sleep(0.05)
-    raise AssertionError(f"waited {PATIENCE_S} s for {what}")
+    raise AssertionError(f"waited {patience_s} s for {what}")
 
 
 def free_port():

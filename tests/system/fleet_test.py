@@ -41,6 +41,8 @@ def shipped_sizes():
 
 class FleetCase(ProgramCase):
     leave_after = "60s"
+    # A period of the fleet is no longer than that.
+    period_max_s = 30
 
     def setUp(self):
         super().setUp()
@@ -108,6 +110,7 @@ broker = "127.0.0.1:{self.broker_port}"
 site = "site"
 name = "{as_name or name}"
 period_min = "100ms"
+period_max = "{self.period_max_s}s"
 {'' if share is None else f'share = "{share}"'}
 """ + "".join(f'[[bus]]\ntcp = "{end}"\nunits = "{units}"\n' for end, units in buses) + features)
         (self.folder / f"state-{name}").mkdir(exist_ok=True)
@@ -165,8 +168,8 @@ period_min = "100ms"
             return None
         return hashes.pop()
 
-    def wait_for_agreement(self, names, nodes):
-        return wait_for(f"{names} to agree", lambda: self.agree(names, nodes))
+    def wait_for_agreement(self, names, nodes, patience_s=PATIENCE_S):
+        return wait_for(f"{names} to agree", lambda: self.agree(names, nodes), patience_s)
 
 
 class Sharing(FleetCase):
@@ -372,6 +375,31 @@ class Deaths(FleetCase):
 
 
 class Killing(FleetCase):
+    def wait_two_periods_for_agreement(self, names, nodes, what):
+        """From the last fault, when all run again; firmware/fleet/README.md has this bound."""
+        began = time.monotonic()
+        self.wait_for_agreement(names, nodes, 2 * self.period_max_s)
+        print(f"{what}: agreed after {time.monotonic() - began:.1f} s")
+
+    def kill_while_the_broker_is_away(self, victim):
+        self.halt("broker", signal.SIGKILL)
+        wait_for("it to see that", lambda: not self.status(victim)["fleet"]["connected"])
+        self.halt(victim, signal.SIGKILL)
+        self.run_gateway(victim)
+        self.start_broker()
+
+    def test_killed_while_the_broker_is_away_a_gateway_comes_back_to_the_same_mesh(self):
+        west, east = grid(1, 12, 0), grid(101, 12, 5000)
+        everyone = ["west", "east", "office"]
+        self.start_broker()
+        self.start_gateway("west", west)
+        self.start_gateway("east", east)
+        self.start_gateway("office", {})
+        self.wait_for_agreement(everyone, west | east)
+        for victim in ("west", "office"):
+            self.kill_while_the_broker_is_away(victim)
+            self.wait_two_periods_for_agreement(everyone, west | east, victim)
+
     def test_killed_at_random_under_load_nothing_is_lost_and_nothing_doubled(self):
         names = ["a", "b", "c", "d"]
         everyone = [*names, "office"]
@@ -390,8 +418,12 @@ class Killing(FleetCase):
             self.start_gateway(name, nodes,
                                more=[f"{t},{serial},move,{x},{y}" for t, serial, x, y in moves])
             truth |= nodes | {serial: (x, y) for _, serial, x, y in moves}
+        moved_at = time.monotonic() + seconds
         self.start_gateway("office", {})
-        for _ in range(KILLS):
+        for kill in range(KILLS):
+            if kill == KILLS // 2:
+                self.kill_while_the_broker_is_away(random_number.choice(everyone))
+                continue
             victim = random_number.choice([*everyone, "broker"])
             self.halt(victim, signal.SIGKILL)
             if random_number.random() < 0.5:
@@ -402,7 +434,8 @@ class Killing(FleetCase):
                 self.start_broker()
             else:
                 self.run_gateway(victim)
-        self.wait_for_agreement(everyone, truth)
+        time.sleep(max(0.0, moved_at - time.monotonic()))
+        self.wait_two_periods_for_agreement(everyone, truth, f"{KILLS} kills")
         for name in everyone:
             self.assertEqual(self.halt(name), 0)
 
