@@ -160,8 +160,9 @@ bool FleetMember::State::take_peer_header(Peer& peer, const port::BrokerMessage&
 
 void FleetMember::State::check_complete(Peer& peer, port::Instant now) {
   const bool is_complete = peer.set.is_complete();
-  if (is_complete && !peer.is_believed) {
+  if (is_complete && (!peer.is_believed || peer.is_hidden)) {
     peer.is_believed = true;
+    peer.is_hidden = false;
     peer.set.for_each([&](const RecordPointer& record) { offer(record, peer.name, now); });
   }
   if (is_complete && peer.has_sound_header && !peer.quarantine.empty()) {

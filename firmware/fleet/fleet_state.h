@@ -31,6 +31,7 @@ struct Peer {
   std::vector<ToldClash> clashes{};
   bool is_believed = false;  // its set was complete once, or it was known before
   bool is_owner = false;     // of nodes that are known
+  bool is_hidden = false;    // something hid a part of its set, and was forgotten since
   bool is_doubted = false;   // others may not have its set, though this member has it
   port::Instant set_changed_at{};
   port::Instant incomplete_since = port::never;  // or since it was told what is here of it

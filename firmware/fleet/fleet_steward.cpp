@@ -93,13 +93,17 @@ void FleetMember::State::keep_covered(port::Instant now) {
   }
 }
 
-// A version may have come to say less than it did: then what is forgotten hid what is said now.
+// A version may have come to say less than it did: then what is forgotten hid what is said now. A
+// set that is not complete may be about to take it back: it is asked again when it is.
 void FleetMember::State::offer_what_is_said(Serial serial, port::Instant now) {
   std::vector<std::pair<RecordPointer, std::string_view>> said;
-  for (const auto& [name, peer] : peers) {
+  for (auto& [name, peer] : peers) {
     RecordPointer record = peer.set.find(serial);
-    if (record != nullptr && peer.is_believed && peer.set.is_complete()) {
+    if (record == nullptr || !peer.is_believed) continue;
+    if (peer.set.is_complete()) {
       said.emplace_back(std::move(record), name);
+    } else {
+      peer.is_hidden = true;
     }
   }
   for (auto& [record, name] : said) offer(std::move(record), name, now);

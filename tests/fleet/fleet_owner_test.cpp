@@ -135,6 +135,22 @@ TEST_F(FleetOwnerTest, WhereAVersionIsForgottenWhatIsSaidNowCounts) {
   EXPECT_EQ(member->find(Serial{7})->node.position->x, -1149);
 }
 
+// It may be about to take that back, too.
+TEST_F(FleetOwnerTest, WhatWasHiddenCountsAsSoonAsTheSetThatHasItIsComplete) {
+  settle();
+  const FleetRecord seven = record_of(7, 70, "b", 3, 1), nine = record_of(9, 90, "b", 3, 1);
+  meet("b", {seven});
+  meet("c", {record_of(7, 47, "c", 5, 1)});
+  say_node("b", nine);
+  say("c/node/00000007", "");
+  say_set("c", {});
+  pass(settings_.period / 2 + 5s);
+  EXPECT_EQ(member->find(Serial{7}), nullptr);
+  say_set("b", {seven, nine});
+  ASSERT_NE(member->find(Serial{7}), nullptr);
+  EXPECT_EQ(member->find(Serial{7})->owner, "b");
+}
+
 TEST_F(FleetOwnerTest, TheNodesOfADeadMemberLeaveAfterLeaveAfter) {
   settle();
   meet("b", {record_of(7, 70, "b", 3, 1)});
