@@ -186,7 +186,8 @@ bool FleetMember::State::know_owner(const std::string& name, port::Instant now) 
 
 void FleetMember::State::offer(RecordPointer record, std::string_view from, port::Instant now) {
   const Serial serial = record->node.serial;
-  if (!know_owner(record->owner, now)) return;
+  // It would hide what others say of the node.
+  if (is_strange(*record) || !know_owner(record->owner, now)) return;
   switch (merged.offer(std::move(record), now)) {
     case MergedSet::Offered::older:
     case MergedSet::Offered::same:

@@ -12,6 +12,11 @@ bool FleetMember::State::owns(const FleetRecord& record) const {
   return record.owner == settings.gateway && !is_read_only;
 }
 
+// It came late, or from another program of this name: this member knows by now what it speaks for.
+bool FleetMember::State::is_strange(const FleetRecord& record) const {
+  return is_settled && owns(record) && !record.has_left() && !local.contains(record.node.serial);
+}
+
 // Whether that member may be expected to speak for its nodes.
 bool FleetMember::State::is_available(const std::string& name, port::Instant now) const {
   const auto at = peers.find(name);
@@ -140,10 +145,7 @@ void FleetMember::State::forget(Serial serial, port::Instant now) {
 void FleetMember::State::reconcile(Serial serial, port::Instant now) {
   MergedNode* known = merged.find(serial);
   const auto heard = local.find(serial);
-  const bool is_strange = is_settled && heard == local.end() && known != nullptr &&
-                          owns(*known->record) && !known->record->has_left();
-  if (is_strange) {
-    // It came late, or from somebody else: this member knows by now what it speaks for.
+  if (known != nullptr && is_strange(*known->record)) {
     forget(serial, now);
     return;
   }

@@ -118,6 +118,7 @@ struct FleetMember::State {
 
   // --- fleet_owning.cpp: who speaks for a node.
   bool owns(const FleetRecord& record) const;
+  bool is_strange(const FleetRecord& record) const;
   bool is_available(const std::string& name, port::Instant now) const;
   bool may_claim(const LocalNode& here, const MergedNode& known, port::Instant now) const;
   void reconcile(Serial serial, port::Instant now);

@@ -172,6 +172,17 @@ TEST_F(FleetTwinsTest, OfThreeOneGoesOn) {
   EXPECT_TRUE(gateway.is_read_only);
 }
 
+// Who has died since, and whose record nobody takes back but this one.
+TEST_F(FleetTwinsTest, WhatATwinSaidOfANodeThatIsNotHeardHereHidesNobodysWord) {
+  settle();
+  meet("b", {record_of(7, 70, "b", 3, 5)});
+  say_node("a", record_of(7, 47, "a", 7, 1));
+  ASSERT_NE(member->find(Serial{7}), nullptr);
+  EXPECT_EQ(member->find(Serial{7})->owner, "b");
+  pass(settings_.settle + 1s);
+  EXPECT_EQ(broker.last(node_topic(7)), "") << "it is taken back";
+}
+
 // --- when it is over
 
 TEST_F(FleetTwinsTest, TheWillOfATwinEndsTheConflictSoon) {
