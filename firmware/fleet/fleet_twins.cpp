@@ -122,6 +122,7 @@ void FleetMember::State::judge_twins(port::Instant now) {
     // What was held is the other one's to hold.
     held.clear();
     neighbours.clear();
+    out.forget_nodes(now);
   }
   if (may_speak_again && is_settled) {
     settle(now);

@@ -87,6 +87,18 @@ void Outgoing::on_disconnected() {
   }
 }
 
+void Outgoing::forget_nodes(port::Instant now) {
+  for (auto& [key, slot] : slots_) {
+    if (key.kind != TopicKind::node) continue;
+    in_flight_.erase(slot.in_flight);
+    slot.in_flight = 0;
+    slot.hash = slot.record_hash = 0;
+  }
+  node_count_ = 0;
+  node_hash_ = 0;
+  mark({.kind = TopicKind::set}, now);
+}
+
 std::uint32_t Outgoing::waiting_count(port::Instant now) const {
   const auto due = std::count_if(due_.begin(), due_.end(),
                                  [now](const auto& each) { return each.first <= now; });

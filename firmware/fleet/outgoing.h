@@ -60,6 +60,8 @@ class Outgoing {
   // What was refused is not on the broker. As take_delivered().
   std::optional<OutKey> take_refused(std::uint32_t token, port::Instant now);
   void on_disconnected();
+  // Another program says from now on what there is of nodes.
+  void forget_nodes(port::Instant now);
 
   port::Instant next_due() const { return due_.empty() ? port::never : due_.begin()->first; }
   // Due by now or not delivered.

@@ -201,6 +201,26 @@ TEST_F(FleetTwinsTest, TheWillOfATwinEndsTheConflictSoon) {
   EXPECT_EQ(published(1).node.position->x, 11);
 }
 
+TEST_F(FleetTwinsTest, WhoSpeaksAgainCountsWhatItHoldsAndNothingOfBefore) {
+  hear(1, 10);
+  hear(2, 20);
+  settle();
+  pass(1s);
+  say_twin(11, 0, 5, own_instance);
+  ASSERT_TRUE(gateway.is_read_only);
+  member->lose(Serial{2}, now);
+  meet("b", {record_of(2, 21, "b", 9, 1)});
+  say(node_topic(2), "");
+  say_header("a", 0, false, 11);
+  pass(settings_.period);
+  ASSERT_FALSE(gateway.is_read_only);
+  std::string wrong;
+  const auto set = decode_set(broker.last("a/set"), wrong);
+  ASSERT_TRUE(set);
+  EXPECT_EQ(set->count, 1u);
+  EXPECT_EQ(set->hash, record_hash(published(1)));
+}
+
 TEST_F(FleetTwinsTest, TheWillOfAnEarlierConnectionOfATwinEndsNothing) {
   settle();
   say_twin(11, 0, 5, own_instance);
