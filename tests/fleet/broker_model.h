@@ -57,6 +57,8 @@ class BrokerModel {
   void restart(std::size_t side, Memory memory, Instant now);
   void set_bridge(bool is_up, Instant now);
   bool is_bridged() const { return is_bridged_; }
+  // Some connection has ended, and nobody knows.
+  bool has_will() const { return !wills_.empty(); }
   // Sends again what some session has had, in the same order by topic.
   void redeliver(Instant now);
   void remember();  // the older state

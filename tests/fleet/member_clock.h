@@ -20,6 +20,8 @@ class MemberClock {
   void boot(inputs::Random& random, port::Instant time);
   // Somebody sets the time of day.
   void jump(inputs::Random& random);
+  // The machine has slept, and its steady clock stood still meanwhile.
+  void stand_still(port::Instant from, port::Instant to) { origin_ -= at(to) - at(from); }
 
   // Both at a time of the simulation, which is no earlier than the last start.
   port::Instant at(port::Instant time) const;

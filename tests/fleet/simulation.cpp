@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <utility>
 
 #include "rubbish.h"
@@ -70,8 +71,9 @@ class Simulation {
                          GatewayModel::remove_after + 4 * settings.period;
     while (now_ < rest) {
       pass();
-      // A death is a fault until all have noticed it.
-      if (agreed == Instant{} && is_any_death_unnoticed()) faultless = now_;
+      // A death is a fault until all have noticed it, and so are two of one name.
+      const bool is_unnoticed = is_any_death_unnoticed() || is_any_twin_unnoticed();
+      if (agreed == Instant{} && is_unnoticed) faultless = now_;
       if (agreed == Instant{} && differing().empty()) agreed = now_;
       if (agreed == Instant{}) note(differing());
     }
@@ -104,7 +106,9 @@ class Simulation {
     std::unique_ptr<GatewayModel> gateway;
     Instant starts_at{};
     Instant network_back{};
-    bool is_gone = false;  // and does not come back
+    Instant asleep_until{};
+    std::optional<Instant> clock_stood_at{};  // since it has been asleep
+    bool is_gone = false;                     // and does not come back
   };
 
   BrokerModel::Habits habits() {
@@ -126,7 +130,10 @@ class Simulation {
     for (std::uint32_t number = 0; number < places_.size(); ++number) {
       Place& place = places_[number];
       if (!place.gateway && !place.is_gone && now_ >= place.starts_at) start(number);
-      if (!place.gateway) continue;
+      if (!place.gateway || now_ < place.asleep_until) continue;
+      if (place.clock_stood_at) {
+        place.clock.stand_still(*std::exchange(place.clock_stood_at, std::nullopt), now_);
+      }
       if (now_ >= place.network_back) place.gateway->client().set_network(true);
       place.gateway->step(world_.nodes(), now_);
       if (place.gateway->client().is_dead()) {
@@ -174,13 +181,22 @@ class Simulation {
     if (theme_.doubles && chance(12)) broker_.redeliver(now_);
     if (theme_.rubbish && chance(15)) throw_rubbish();
     if (theme_.clocks && chance(60)) place.clock.jump(random_);
+    if (theme_.clocks && chance(150) && place.gateway && now_ >= place.asleep_until) sleep(place);
+  }
+
+  // As a machine that sleeps, or a program that waits for its disk. The broker takes it for gone.
+  void sleep(Place& place) {
+    note(place.name + " sleeps");
+    place.asleep_until = now_ + milliseconds(1000 + random_.below(60000));
+    if (chance(2)) place.clock_stood_at = now_;
+    if (place.asleep_until - now_ > seconds(5)) place.gateway->client().close(false, now_);
   }
 
   // Also of one that does not run.
   void edit_site_file(Place& place) {
     place.disk.site_file = chance(4) ? 0 : static_cast<std::uint32_t>(1 + random_.below(5));
     note(place.name + " has site file " + std::to_string(place.disk.site_file));
-    if (place.gateway) place.gateway->read_site_file(true, now_);
+    if (place.gateway && now_ >= place.asleep_until) place.gateway->read_site_file(true, now_);
   }
 
   void kill(Place& place) {
@@ -205,6 +221,7 @@ class Simulation {
     note("faults end");
     if (!broker_.is_bridged()) broker_.set_bridge(true, now_);
     for (Place& place : places_) {
+      place.asleep_until = now_;
       if (place.gateway) {
         place.gateway->client().set_network(true);
         place.gateway->client().die_after(0xffffffff);
@@ -230,6 +247,13 @@ class Simulation {
       }
     }
     return false;
+  }
+
+  // Not one speaks, or the end of one is still to be told as if it were the end of the other.
+  bool is_any_twin_unnoticed() const {
+    if (!theme_.twins || (!places_.front().gateway && !places_.back().gateway)) return false;
+    const bool does_last_speak = speaks(static_cast<std::uint32_t>(places_.size() - 1));
+    return speaks(0) == does_last_speak || broker_.has_will();
   }
 
   // --- what should be

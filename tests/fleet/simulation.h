@@ -20,7 +20,7 @@ struct Theme {
   bool doubles = false;  // messages that come again
   bool twins = false;    // two programs with one name
   bool rubbish = false;  // from gateways and strangers
-  bool clocks = false;   // that differ, in their rates too; times of day that are wrong and jump
+  bool clocks = false;   // that differ and stand still; times of day that are wrong and jump
 };
 
 struct Outcome {
