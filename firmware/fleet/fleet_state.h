@@ -143,6 +143,7 @@ struct FleetMember::State {
 
   // --- fleet_steward.cpp: that the broker has all that anybody knows, and nothing for ever.
   void keep_covered(port::Instant now);
+  bool is_disowned(const FleetRecord& record) const;
   bool is_covered(Serial serial, const FleetRecord& record) const;
   bool is_held_by_better(Serial serial, const FleetRecord& record) const;
   bool has_older(Serial serial, const FleetRecord& record) const;

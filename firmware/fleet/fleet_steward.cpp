@@ -20,9 +20,21 @@ std::uint32_t FleetMember::State::rank_for(const std::string& key) const {
   return rank;
 }
 
+// Its owner is there and does not say it. One that has died may still have it on the broker in
+// trust, where nobody else can take it back.
+bool FleetMember::State::is_disowned(const FleetRecord& record) const {
+  const auto owner = peers.find(record.owner);
+  if (record.has_left() || owner == peers.end()) return false;
+  const Peer& peer = owner->second;
+  if (peer.state != PeerState::online || !peer.set.is_complete()) return false;
+  const RecordPointer said = peer.set.find(record.node.serial);
+  return said == nullptr || compare(*said, record) < 0;
+}
+
 bool FleetMember::State::is_covered(Serial serial, const FleetRecord& record) const {
   const auto mine = held.find(serial);
   if (mine != held.end() && compare(*mine->second.record, record) >= 0) return true;
+  if (is_disowned(record)) return false;
   const auto has = [&](const Peer& peer) {
     if (peer.is_doubted || !peer.set.is_complete()) return false;
     const RecordPointer theirs = peer.set.find(serial);
@@ -63,6 +75,8 @@ bool FleetMember::State::is_anywhere(Serial serial) const {
 // What a member that is there does not say any more is not so. For one that is not, one of the
 // others says what it said.
 void FleetMember::State::keep_covered(port::Instant now) {
+  // With many members the last of them would wait for longer than all have to agree.
+  const port::Duration wait_most = std::max(settings.settle, settings.period / 2);
   std::vector<Serial> withdrawn;
   for (auto& [serial, node] : merged.nodes()) {
     const FleetRecord& record = *node.record;
@@ -81,7 +95,7 @@ void FleetMember::State::keep_covered(port::Instant now) {
       if (passed >= settings.period / 2 && owner->second.set.is_complete()) {
         withdrawn.push_back(serial);
       }
-    } else if (passed >= settings.settle * (1 + rank_for(record.owner))) {
+    } else if (passed >= std::min(settings.settle * (1 + rank_for(record.owner)), wait_most)) {
       hold(node.record, now, now);
       node.uncovered_since = port::never;
     }
@@ -99,7 +113,7 @@ void FleetMember::State::offer_what_is_said(Serial serial, port::Instant now) {
   std::vector<std::pair<RecordPointer, std::string_view>> said;
   for (auto& [name, peer] : peers) {
     RecordPointer record = peer.set.find(serial);
-    if (record == nullptr || !peer.is_believed) continue;
+    if (record == nullptr || !peer.is_believed || is_disowned(*record)) continue;
     if (peer.set.is_complete()) {
       said.emplace_back(std::move(record), name);
     } else {

@@ -243,6 +243,35 @@ TEST_F(FleetOwnerTest, WhatTheDeadSaidIsHeldInTrust) {
   EXPECT_FALSE(member->is_stale(*member->find(Serial{7})));
 }
 
+class FleetCrowdTest : public FleetMemberTest {
+ protected:
+  static FleetSettings crowded() {
+    FleetSettings settings = member_settings();
+    settings.members_max = 32;
+    return settings;
+  }
+  FleetCrowdTest() : FleetMemberTest(crowded()) {}
+};
+
+// However many come before it that know nothing of the node.
+TEST_F(FleetCrowdTest, WhatTheDeadSaidIsHeldInTrustWithinHalfAPeriod) {
+  settle();
+  meet("dead", {record_of(7, 70, "dead", 3, 2)});
+  say_header("dead", 2, false);
+  const auto all_are_there = [this](std::uint32_t beat) {
+    for (int i = 0; i < 28; ++i) meet("c" + std::to_string(i), {}, beat);
+  };
+  all_are_there(1);
+  pass(1s);
+  say("dead/node/00000007", "");
+  say("dead/set", "");
+  pass(settings_.period / 2 - 1s);
+  EXPECT_EQ(broker.count(node_topic(7)), 0u) << "most of them come before this one";
+  all_are_there(2);
+  pass(5s);
+  EXPECT_EQ(published(7).owner, "dead");
+}
+
 TEST_F(FleetOwnerTest, WhatALivingMemberDoesNotSayAnyMoreIsNotSo) {
   settle();
   const FleetRecord seven = record_of(7, 70, "b", 3, 1), eight = record_of(8, 80, "b", 3, 1);
@@ -252,6 +281,21 @@ TEST_F(FleetOwnerTest, WhatALivingMemberDoesNotSayAnyMoreIsNotSo) {
   pass(5s);
   EXPECT_NE(member->find(Serial{7}), nullptr);
   pass(10s);
+  EXPECT_EQ(member->find(Serial{7}), nullptr);
+  EXPECT_NE(member->find(Serial{8}), nullptr);
+}
+
+// It held the record for another one, and nobody else can take that back.
+TEST_F(FleetOwnerTest, WhatTheDeadStillSayForALivingMemberIsNotSo) {
+  settle();
+  const FleetRecord seven = record_of(7, 70, "b", 3, 1), eight = record_of(8, 80, "b", 3, 1);
+  meet("c", {seven});
+  say_header("c", 2, false);
+  meet("b", {eight});
+  EXPECT_NE(member->find(Serial{7}), nullptr);
+  pass(settings_.period / 2 + 3s);
+  EXPECT_EQ(member->find(Serial{7}), nullptr);
+  pass(settings_.period);
   EXPECT_EQ(member->find(Serial{7}), nullptr);
   EXPECT_NE(member->find(Serial{8}), nullptr);
 }
