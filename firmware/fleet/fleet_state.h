@@ -150,6 +150,7 @@ struct FleetMember::State {
   bool is_anywhere(Serial serial) const;
   std::uint32_t rank_for(const std::string& key) const;
   void offer_what_is_said(Serial serial, port::Instant now);
+  void offer_what_is_held_for(const std::string& owner, port::Instant now);
   void drop_needless(port::Instant now);
   void forget_tombstones(port::Instant now);
   void bury_nodes_of_the_gone(port::Instant now);

@@ -123,6 +123,20 @@ void FleetMember::State::offer_what_is_said(Serial serial, port::Instant now) {
   for (auto& [record, name] : said) offer(std::move(record), name, now);
 }
 
+// Who might disown it is not there any more. REQUIRES: a peer.
+void FleetMember::State::offer_what_is_held_for(const std::string& owner, port::Instant now) {
+  std::vector<std::pair<RecordPointer, std::string_view>> held_for_it;
+  for (auto& [name, peer] : peers) {
+    if (name == owner || !peer.is_believed) continue;
+    peer.is_hidden = peer.is_hidden || !peer.set.is_complete();
+    if (!peer.set.is_complete()) continue;
+    peer.set.for_each([&, from = std::string_view(name)](const RecordPointer& record) {
+      if (record->owner == owner) held_for_it.emplace_back(record, from);
+    });
+  }
+  for (auto& [record, name] : held_for_it) offer(std::move(record), name, now);
+}
+
 void FleetMember::State::drop_needless(port::Instant now) {
   const auto is_needless = [&](Serial serial, const HeldRecord& each) {
     const FleetRecord& record = *each.record;

@@ -63,6 +63,7 @@ void FleetMember::State::set_peer_state(Peer& peer, PeerState state, port::Insta
     if (node.record->owner == peer.name) nodes.push_back(serial);
   }
   for (const Serial serial : nodes) reconcile(serial, now);
+  if (state != PeerState::online) offer_what_is_held_for(peer.name, now);
 }
 
 void FleetMember::State::watch_peers(port::Instant now) {

@@ -300,6 +300,17 @@ TEST_F(FleetOwnerTest, WhatTheDeadStillSayForALivingMemberIsNotSo) {
   EXPECT_NE(member->find(Serial{8}), nullptr);
 }
 
+TEST_F(FleetOwnerTest, WhatIsHeldForAMemberCountsAgainWhenItIsGone) {
+  settle();
+  meet("c", {record_of(7, 70, "b", 3, 2)});
+  meet("b", {record_of(7, 60, "b", 3, 1)});
+  pass(settings_.period / 2 + 3s);
+  ASSERT_NE(member->find(Serial{7}), nullptr);
+  EXPECT_EQ(member->find(Serial{7})->sequence, 1u);
+  say_header("b", 2, false);
+  EXPECT_EQ(member->find(Serial{7})->sequence, 2u) << "as for who comes now";
+}
+
 // Two brokers have kept two versions of what a dead member said, at the same place: one of them
 // may count an owner for a living one, and nobody would ever bury the node.
 TEST_F(FleetOwnerTest, WhatTheDeadSaidIsSaidAgainWhereOthersKnowAnotherVersionOfIt) {
