@@ -21,6 +21,22 @@ const bool is_verbose = std::getenv("ETCM_FLEET_VERBOSE") != nullptr;
 
 }  // namespace
 
+FleetSettings model_settings(const std::string& name, std::uint64_t instance) {
+  FleetSettings settings;
+  settings.site = "yard";
+  settings.gateway = name;
+  settings.instance = instance;
+  settings.period = std::chrono::seconds(8);
+  settings.silent_after = std::chrono::seconds(25);
+  settings.leave_after = std::chrono::seconds(60);
+  settings.report_min = std::chrono::seconds(2);
+  settings.report_max = std::chrono::seconds(40);
+  settings.settle = std::chrono::milliseconds(1500);
+  settings.nodes_max = model_nodes_max;
+  settings.members_max = 16;
+  return settings;
+}
+
 std::vector<Position> model_anchors() {
   return {{-2000, -2000}, {2100, 1900}, {-2000, 1800}, {1900, -2100}, {0, 2500}, {2600, 300}};
 }

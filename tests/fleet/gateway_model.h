@@ -106,6 +106,7 @@ class GatewayModel final : public firmware::FleetListener, public port::Log {
 };
 
 inline constexpr std::uint32_t model_nodes_max = 64;
+FleetSettings model_settings(const std::string& name, std::uint64_t instance);
 // Between these, in every mesh of the models, run the features.
 std::vector<Position> model_anchors();
 std::vector<FeatureEnds> model_features();

@@ -20,22 +20,6 @@ using std::chrono::seconds;
 constexpr port::Duration turn = milliseconds(200);
 constexpr port::Duration faults_end = seconds(150);
 
-FleetSettings settings_of(const std::string& name, std::uint64_t instance) {
-  FleetSettings settings;
-  settings.site = "yard";
-  settings.gateway = name;
-  settings.instance = instance;
-  settings.period = seconds(8);
-  settings.silent_after = seconds(25);
-  settings.leave_after = seconds(60);
-  settings.report_min = seconds(2);
-  settings.report_max = seconds(40);
-  settings.settle = milliseconds(1500);
-  settings.nodes_max = model_nodes_max;
-  settings.members_max = 16;
-  return settings;
-}
-
 class Simulation {
  public:
   Simulation(const Theme& theme, std::uint64_t seed)
@@ -66,7 +50,7 @@ class Simulation {
     const Instant ended = now_;
     Instant faultless = now_;
     Instant agreed{};
-    const auto& settings = settings_of("", 0);
+    const auto& settings = model_settings("", 0);
     const Instant rest = now_ + settings.silent_after + settings.leave_after +
                          GatewayModel::remove_after + 4 * settings.period;
     while (now_ < rest) {
@@ -149,7 +133,7 @@ class Simulation {
     note(place.name + "#" + std::to_string(number) + " starts");
     if (theme_.clocks && std::exchange(place.boots, false)) place.clock.boot(random_, now_);
     place.gateway =
-        std::make_unique<GatewayModel>(settings_of(place.name, random_.next()), number, broker_,
+        std::make_unique<GatewayModel>(model_settings(place.name, random_.next()), number, broker_,
                                        random_, place.side, place.clock, place.disk, now_);
   }
 
@@ -330,7 +314,7 @@ class Simulation {
     }
     if (!is_order_of_twins_known()) return "";
     const port::Duration later = places_.back().starts_at - places_.front().starts_at;
-    const bool has_first_begun = later > 2 * settings_of("", 0).settle + seconds(2);
+    const bool has_first_begun = later > 2 * model_settings("", 0).settle + seconds(2);
     return is_first_silent && has_first_begun ? "who was there first is silent" : "";
   }
 
