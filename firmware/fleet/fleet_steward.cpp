@@ -215,7 +215,7 @@ void FleetMember::State::doubt_the_absent(port::Instant now) {
   }
   const bool is_long =
       differing_places.last(has_same_places, merged.hash(), settings.period / 2, now) ||
-      differing_records.last(has_same_records, merged.record_hash(), settings.period * 3 / 4, now);
+      differing_records.last(has_same_records, merged.record_hash(), settings.period / 2, now);
   if (!is_long) return;
   differing_places.since = differing_records.since = now;
   for (auto& [name, peer] : peers) {
