@@ -22,6 +22,41 @@ TEST(Status, EveryCodeHasANameOfItsOwn) {
   EXPECT_STREQ(etcm::to_string(etcm::Status::crossing_features), "crossing_features");
 }
 
+// Logs of devices in the field have them, so a new one goes behind the last.
+TEST(Status, HasItsNumberForGood) {
+  const char* const names[] = {"ok",
+                               "bad_config",
+                               "storage_too_small",
+                               "bad_coordinate",
+                               "duplicate_vertex",
+                               "unknown_vertex",
+                               "unknown_feature",
+                               "stale_handle",
+                               "zero_length_feature",
+                               "repeated_feature",
+                               "overlapping_features",
+                               "crossing_features",
+                               "endpoint_in_use",
+                               "mesh_not_empty",
+                               "mesh_unresolved",
+                               "buffer_too_small",
+                               "out_of_vertices",
+                               "out_of_features",
+                               "out_of_handles",
+                               "steiner_budget",
+                               "work_limit",
+                               "grid_exhausted",
+                               "not_a_mesh",
+                               "wrong_version",
+                               "wrong_byte_order",
+                               "wrong_id_width",
+                               "damaged"};
+  int number = 0;
+  for (const char* const name : names) {
+    EXPECT_STREQ(etcm::to_string(static_cast<etcm::Status>(number++)), name);
+  }
+}
+
 TEST(Status, EveryCodeIsExplainedInOneSentence) {
   std::set<std::string> sentences;
   for (int code = 0; code <= static_cast<int>(last_status); ++code) {
