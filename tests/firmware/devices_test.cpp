@@ -202,7 +202,7 @@ TEST_F(Devices, ThatNeverAnswerAreAbsentWhereTheyWereSurveyed) {
   start();
   rig_.run(2900ms);
   EXPECT_EQ(rig_.gateway->snapshot().absent_count, 0u) << "leave_after has not passed";
-  rig_.run(500ms);
+  rig_.run(1500ms);
   const Snapshot& snapshot = rig_.gateway->snapshot();
   EXPECT_EQ(snapshot.absent_count, 2u) << "units 3 and 7";
   EXPECT_EQ(snapshot.missing_count, 0u);
