@@ -43,10 +43,10 @@ class DeviceBus final : public port::NodeBus {
     if (!request_ || now_ < done_at_) return false;
     answer = {.address = request_->address, .ticket = request_->ticket, .registers = {}};
     handed_.clear();
-    const auto& registers = devices[request_->address];
     if (is_silent(request_->address)) {
       answer.result = port::BusResult::timeout;
     } else {
+      const auto& registers = devices.at(request_->address);
       for (unsigned at = request_->first; at < request_->first + unsigned{request_->count}; ++at) {
         const auto found = registers.find(static_cast<std::uint16_t>(at));
         if (found == registers.end()) {
