@@ -66,7 +66,7 @@ TEST_F(Measuring, AChangedValueMakesNoGeneration) {
   put_tank(2, 1);
   put_tank(3, 2);
   start();
-  rig_.run(1s);
+  rig_.run(5s);  // until it is known which devices never answer
   const std::uint32_t generation = rig_.gateway->generation();
   const std::uint32_t sequence = published().sequence;
   for (std::int16_t level = 10; level < 20; ++level) {
@@ -221,6 +221,7 @@ TEST_F(Measuring, FilesHaveWhatNodesMeasureAndFollowIt) {
             (Values{{"serial", 1002 * nano_per_one}, {"reading level (m)", 1'500'000'000}}));
   EXPECT_EQ(values_of(*rig_.files.last, 1003),
             (Values{{"serial", 1003 * nano_per_one}, {"reading level (m)", std::nullopt}}));
+  rig_.run(3s);  // until it is known which devices never answer
   const std::uint32_t attempts = rig_.files.attempts;
   rig_.run(2s);
   EXPECT_EQ(rig_.files.attempts, attempts) << "the same values are in the files";
