@@ -59,6 +59,23 @@ class Content(ProgramCase):
         run("dpkg-deb", "-x", package, root)
         return root
 
+    def test_projects_build_with_what_developers_install(self):
+        root = self.unpacked(DEVELOPMENT)
+        description, = root.rglob("etcm.pc")
+        environment = {**os.environ, "PKG_CONFIG_PATH": str(description.parent)}
+        for name in ("outside", "outside_c"):
+            source = pathlib.Path(__file__).parents[1] / "install" / name
+            build = self.folder / name
+            for command in (["-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={root}/usr"],
+                            ["--build", build]):
+                done = subprocess.run([os.environ["ETCM_CMAKE"], *map(str, command)],
+                                      capture_output=True, text=True, env=environment,
+                                      timeout=PATIENCE_S)
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            suffix = name.removeprefix("outside")
+            for program in (f"example{suffix}", f"example{suffix}_pkg_config"):
+                self.assertEqual(run(build / program), "ok: 4 triangles, 1 Steiner vertices\n")
+
     def test_everything_is_where_debian_wants_it(self):
         found = files_under(self.unpacked(GATEWAY))
         for path in [*(f"usr/bin/{name}" for name in PROGRAMS), "etc/etcm/gateway.toml",
