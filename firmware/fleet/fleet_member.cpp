@@ -128,6 +128,7 @@ void FleetMember::on_delivered(std::uint32_t token, port::Instant) {
   const auto delivered = state_->out.take_delivered(token);
   if (!delivered) return;
   if (delivered->key.kind == TopicKind::header) state_->is_refused = false;
+  if (delivered->key.kind == TopicKind::site) state_->note_site_delivered(delivered->hash);
   state_->note_on_broker(delivered->key, delivered->hash);
 }
 

@@ -101,7 +101,7 @@ class FleetMember final : public port::BrokerListener {
   // knew is known, as stale. Before anything else, or not at all. Returns what is wrong with it, as
   // in "it is cut off": then nothing is taken. O(n log n).
   std::string restore(std::span<const std::byte> saved, port::Instant now);
-  // The site in what was saved; none where there is none that is sound.
+  // The fleet's site in what was saved; none where there is none that is sound.
   static std::optional<SiteDocument> saved_site(std::span<const std::byte> saved);
   // What restore() wants. At most save_bytes_max(settings).
   std::vector<std::byte> save() const;
@@ -135,8 +135,9 @@ class FleetMember final : public port::BrokerListener {
   // the fleet where it `is_changed`, just now, by somebody; where there is none; and where the one
   // there is came from this gateway. Else the other's holds. After restore().
   void set_site(SiteDocument own, bool is_changed, port::Instant now);
-  // It has none any more; that of the fleet holds.
-  void clear_site();
+  // It has none; that of the fleet holds. What was set before is the fleet's where the broker has
+  // had it, and else is never told. After restore().
+  void clear_site(port::Instant now);
   // One that the listener refused may be good now.
   void retry_site(port::Instant now);
   // That holds; null: none.

@@ -1,7 +1,7 @@
 // What a member knows, as bytes that outlive a restart. All numbers are little-endian:
 //   u32 version of this form, 2; u32 epoch; u32 count of records
 //   record: u8 1 where this member had it published, else 0; u16 length, the JSON of it
-//   u32 length, the JSON of the site; 0: there was none
+//   u32 length, the JSON of the site; 0: there was none; bit 31: the broker has never had it
 //   u32 count of members that were dismissed; u8 length of the name, the name
 //   u64 FNV-1a of all before
 #include <algorithm>
@@ -20,6 +20,7 @@ namespace {
 constexpr std::uint32_t blob_form = 2;
 constexpr std::size_t blob_head_size = 12;
 constexpr std::size_t blob_sum_size = 8;
+constexpr std::uint32_t own_site_bit = 1u << 31;
 
 struct Saved {
   struct Entry {
@@ -29,6 +30,7 @@ struct Saved {
   std::uint32_t epoch = 0;
   std::vector<Entry> entries{};
   std::optional<SiteDocument> site{};
+  bool is_fleets_site = true;
   std::vector<std::string> dismissed{};
 };
 
@@ -80,7 +82,9 @@ std::string decode(std::span<const std::byte> bytes, std::uint32_t nodes_max, Sa
     if (!record) return "a record of it is not sound";
     saved.entries.push_back({.record = std::move(*record), .is_held = is_held});
   }
-  const std::string_view site = reader.take_text(reader.take<std::uint32_t>());
+  const auto site_size = reader.take<std::uint32_t>();
+  const std::string_view site = reader.take_text(site_size & ~own_site_bit);
+  saved.is_fleets_site = (site_size & own_site_bit) == 0;
   take_dismissed(reader, saved);
   if (reader.is_cut_off()) return "it is cut off";
   if (reader.left() != 0) return "it is too long";
@@ -106,7 +110,9 @@ std::optional<SiteDocument> FleetMember::saved_site(std::span<const std::byte> s
     reader.take_text(reader.take<std::uint16_t>());
   }
   std::string wrong;
-  return decode_site(reader.take_text(reader.take<std::uint32_t>()), wrong);
+  const auto size = reader.take<std::uint32_t>();
+  if ((size & own_site_bit) != 0) return std::nullopt;
+  return decode_site(reader.take_text(size), wrong);
 }
 
 std::vector<std::byte> FleetMember::State::save() const {
@@ -124,7 +130,8 @@ std::vector<std::byte> FleetMember::State::save() const {
   }
   const bool has_site = site.held && site.version.number > 0;
   const std::string document = has_site ? encode_site(*site.held) : std::string();
-  port::put_number(saved, static_cast<std::uint32_t>(document.size()));
+  const std::uint32_t own_bit = has_site && !site.is_fleets ? own_site_bit : 0;
+  port::put_number(saved, static_cast<std::uint32_t>(document.size()) | own_bit);
   port::put_text(saved, document);
   port::put_number(saved, static_cast<std::uint32_t>(dismissed.size()));
   for (const std::string& name : dismissed) {
@@ -157,7 +164,12 @@ std::string FleetMember::State::restore(std::span<const std::byte> bytes, port::
       dismissed.insert(std::move(name));
     }
   }
-  if (saved.site) consider_site(std::move(*saved.site), now);
+  if (saved.site && saved.is_fleets_site) {
+    consider_site(std::move(*saved.site), now);
+  } else if (saved.site) {
+    // Whether its file is still there is said next.
+    hold_site(std::move(*saved.site), false, now);
+  }
   for (auto& [serial, node] : merged.nodes()) tell_node(serial, node, now);
   has_news_to_save = true;
   return "";

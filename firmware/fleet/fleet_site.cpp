@@ -29,10 +29,21 @@ void FleetMember::State::mark_site(port::Instant now) {
   out.mark(site_key, is_ours ? now : now + settings.period / 2);
 }
 
+// Whoever had it in a file, from now on it is the fleet's.
+void FleetMember::State::note_site_taken() {
+  site.trouble.clear();
+  site.passed_over.reset();
+  if (!std::exchange(site.is_fleets, true)) has_news_to_save = true;
+}
+
+void FleetMember::State::note_site_delivered(std::uint64_t hash) {
+  if (site.held && payload_hash(encode_site(*site.held)) == hash) note_site_taken();
+}
+
 // Those who only pass another's on need no right to.
 void FleetMember::State::note_site_refused() {
   site.denied = site.version;
-  if (!site.held || site.held->gateway != settings.gateway) return;
+  if (!site.held || !site.own || site.held->gateway != settings.gateway) return;
   site.trouble =
       "the broker does not let this gateway tell its site: the others do not have it; allow it "
       "to write etcm/v1/" +
@@ -40,7 +51,13 @@ void FleetMember::State::note_site_refused() {
   log.write(port::Level::error, "fleet: " + site.trouble);
 }
 
-void FleetMember::State::hold_site(SiteDocument document, port::Instant now) {
+void FleetMember::State::hold_site(SiteDocument document, bool is_fleets, port::Instant now) {
+  if (is_fleets) {
+    site.passed_over.reset();
+  } else if (site.held && site.is_fleets) {
+    site.passed_over = std::move(site.held);
+  }
+  site.is_fleets = is_fleets;
   site.held = std::move(document);
   site.version = site.held->version();
   site.refused.reset();
@@ -50,13 +67,26 @@ void FleetMember::State::hold_site(SiteDocument document, port::Instant now) {
   tell_site(now);
 }
 
+// It was never the fleet's; what is, holds again.
+void FleetMember::State::drop_site(port::Instant now) {
+  site.dropped_number = std::max(site.dropped_number, site.version.number);
+  site.held.reset();
+  site.version = {};
+  out.unmark(site_key);
+  has_news_to_save = true;
+  mark_header();
+  std::optional<SiteDocument> fleets = std::exchange(site.passed_over, std::nullopt);
+  if (fleets) consider_site(std::move(*fleets), now);
+}
+
 // Before it is known what the broker has, it is less than all.
 void FleetMember::State::hold_own_site(port::Instant now) {
   const std::uint32_t refused = site.refused ? site.refused->number : 0;
-  const std::uint32_t greatest = std::max({site.version.number, site.on_broker.number, refused});
+  const std::uint32_t greatest =
+      std::max({site.version.number, site.on_broker.number, site.dropped_number, refused});
   SiteDocument document = *site.own;
   document.number = is_settled || greatest > 0 ? std::min(fleet_number_max - 1, greatest) + 1 : 0;
-  hold_site(std::move(document), now);
+  hold_site(std::move(document), false, now);
 }
 
 void FleetMember::State::settle_site(port::Instant now) {
@@ -68,17 +98,23 @@ void FleetMember::State::settle_site(port::Instant now) {
 
 void FleetMember::State::consider_site(SiteDocument document, port::Instant now) {
   const SiteVersion version = document.version();
-  if (version <= site.version || (site.refused && version == site.refused->version())) return;
+  if (site.refused && version == site.refused->version()) return;
+  if (version <= site.version) {
+    if (!site.is_fleets && version != site.version) site.passed_over = std::move(document);
+    return;
+  }
   // Later it is of a second program with this name, and the two would go on for ever.
   const bool is_own_of_before = site.own && !site.is_settled &&
                                 document.gateway == settings.gateway &&
                                 version.hash != site.own->version().hash;
   if (is_own_of_before) {
     site.version.number = document.number;
-    return hold_own_site(now);
+    hold_own_site(now);
+    site.passed_over = std::move(document);
+    return;
   }
   const std::string refusal = listener.on_site(document, now);
-  if (refusal.empty()) return hold_site(std::move(document), now);
+  if (refusal.empty()) return hold_site(std::move(document), true, now);
   site.trouble = document.name() + " is refused: " + refusal;
   log.write(port::Level::error, "fleet: " + site.trouble + "; the old one stays");
   site.refused = std::move(document);
@@ -104,7 +140,7 @@ void FleetMember::State::take_site(std::string_view payload, port::Instant now) 
   }
   site.on_broker = document->version();
   if (site.on_broker >= site.version) out.unmark(site_key);
-  if (site.on_broker == site.version) site.trouble.clear();
+  if (site.on_broker == site.version) note_site_taken();
   tell_site(now);
   consider_site(std::move(*document), now);
 }
@@ -116,17 +152,15 @@ void FleetMember::set_site(SiteDocument own, bool is_changed, port::Instant now)
   const std::optional<SiteDocument>& held = state.site.held;
   const bool is_same = held && state.site.own->version().hash == state.site.version.hash;
   if (is_same) return;
-  if (!held || is_changed || held->gateway == state.settings.gateway) state.hold_own_site(now);
+  const bool was_own = held && (!state.site.is_fleets || held->gateway == state.settings.gateway);
+  if (!held || is_changed || was_own) state.hold_own_site(now);
 }
 
-void FleetMember::clear_site() {
+void FleetMember::clear_site(port::Instant now) {
   State::Site& site = state_->site;
   site.own.reset();
-  // Nobody has ever heard of it.
-  if (site.version.number == 0) {
-    site.held.reset();
-    site.version = {};
-  }
+  if (site.denied) site.trouble.clear();
+  if (site.held && !site.is_fleets) state_->drop_site(now);
 }
 
 void FleetMember::retry_site(port::Instant now) {

@@ -166,7 +166,10 @@ struct FleetMember::State {
   // --- fleet_site.cpp: which document of the site counts.
   void take_site(std::string_view payload, port::Instant now);
   void consider_site(SiteDocument document, port::Instant now);
-  void hold_site(SiteDocument document, port::Instant now);
+  void hold_site(SiteDocument document, bool is_fleets, port::Instant now);
+  void drop_site(port::Instant now);
+  void note_site_taken();
+  void note_site_delivered(std::uint64_t hash);
   void hold_own_site(port::Instant now);
   void settle_site(port::Instant now);
   void tell_site(port::Instant now);
@@ -253,9 +256,12 @@ struct FleetMember::State {
     std::optional<SiteDocument>
         held{};                         // that counts; number 0: it is of here, and nobody knows it
     SiteVersion version{};              // of that
+    bool is_fleets = false;             // the broker has had it; else it is of `own` alone
     std::optional<SiteDocument> own{};  // as this gateway's file has it
-    std::optional<SiteDocument> refused{};  // the newest that the gateway does not take
-    std::optional<SiteVersion> denied{};    // that the broker does not let this gateway tell
+    std::optional<SiteDocument> refused{};      // the newest that the gateway does not take
+    std::optional<SiteVersion> denied{};        // that the broker does not let this gateway tell
+    std::optional<SiteDocument> passed_over{};  // the fleet's, while the one held is not
+    std::uint32_t dropped_number = 0;           // the greatest that was not
     SiteVersion on_broker{};
     port::Instant behind_since = port::never;  // other members are, or since they were told again
     port::Duration mend_pause{};

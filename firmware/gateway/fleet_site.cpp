@@ -50,7 +50,8 @@ FleetSite::Pointer FleetSite::restored(std::span<const std::byte> saved) {
 }
 
 void FleetSite::begin(FleetMember& member, port::Instant now) {
-  if (own_) member.set_site(*own_, false, now);
+  if (own_) return member.set_site(*own_, false, now);
+  member.clear_site(now);
 }
 
 void FleetSite::update_settings(Pointer own, FleetMember& member, port::Instant now) {
@@ -63,7 +64,7 @@ void FleetSite::update_settings(Pointer own, FleetMember& member, port::Instant 
   if (own_) {
     member.set_site(*own_, !before || before->version().hash != own_hash_, now);
   } else {
-    member.clear_site();
+    member.clear_site(now);
   }
   member.retry_site(now);
 }

@@ -33,6 +33,12 @@ void draw_site(Settings& settings, Position from, Position to) {
   settings.features = {site_line(from, to, "fence")};
 }
 
+void take_out_site(Settings& settings) {
+  settings.site.path.clear();
+  settings.features.clear();
+  settings.anchors.clear();
+}
+
 class FleetSiteGateway : public testing::Test {
  protected:
   FleetSiteGateway() : west_(hub_, "west"), east_(hub_, "east"), office_(hub_, "office") {
@@ -127,9 +133,7 @@ TEST_F(FleetSiteGateway, OfTwoFilesOneHoldsForBothAndTheOtherIsNamed) {
   EXPECT_EQ(loser.rig.log.count("differs from this gateway's own"), 1u);
   EXPECT_EQ(office_.fleet().site_trouble, "");
   // It is taken out there: nothing is wrong any more.
-  loser.rig.settings.site.path.clear();
-  loser.rig.settings.features.clear();
-  loser.rig.settings.anchors.clear();
+  take_out_site(loser.rig.settings);
   loser.rig.update_settings();
   run_all(2s);
   expect_line(line_of_all.from.position, line_of_all.to.position);
@@ -256,6 +260,47 @@ TEST_F(FleetSiteGateway, AFileThatWasEditedBeforeARestartIsTheNextOne) {
   EXPECT_EQ(sent().number, 2u);
   EXPECT_EQ(office_.features()[0].settings.from, FeatureEnd::anchor({20, 60}));
   EXPECT_EQ(office_.mesh_hash(), again->mesh_hash());
+}
+
+TEST_F(FleetSiteGateway, AFileThatTheBrokerRefusesIsGoneWhenItIsTakenOut) {
+  run_all();
+  east_.client.denied = site_topic;
+  draw_site(east_.rig.settings, {10, 40}, {90, 41});
+  east_.rig.update_settings();
+  run_all(3s);
+  EXPECT_NE(east_.fleet().site_trouble.find("does not let this gateway tell its site"),
+            std::string::npos)
+      << east_.fleet().site_trouble;
+  EXPECT_EQ(east_.features()[0].settings.from, FeatureEnd::anchor({10, 40}));
+  take_out_site(east_.rig.settings);
+  east_.rig.update_settings();
+  run_all(3s);
+  expect_line({10, 50}, {90, 51});
+  EXPECT_EQ(east_.fleet().site_trouble, "");
+  // Nor does it come back when it may write.
+  east_.client.denied.clear();
+  east_.rig.update_settings();
+  run_all(3s);
+  expect_line({10, 50}, {90, 51});
+  EXPECT_EQ(sent().number, 1u);
+}
+
+TEST_F(FleetSiteGateway, AFileThatTheBrokerRefusedIsGoneWhenItIsTakenOutBeforeARestart) {
+  run_all();
+  east_.client.denied = site_topic;
+  draw_site(east_.rig.settings, {10, 40}, {90, 41});
+  east_.rig.update_settings();
+  run_all(3s);
+  take_out_site(east_.rig.settings);
+  const std::unique_ptr<Member> again = east_.restarted(hub_, 77);
+  EXPECT_TRUE(again->features().empty());
+  run({&west_, again.get(), &office_}, 6s);
+  ASSERT_EQ(again->features().size(), 1u);
+  EXPECT_EQ(again->features()[0].settings.from, FeatureEnd::anchor({10, 50}));
+  EXPECT_EQ(again->mesh_hash(), west_.mesh_hash());
+  EXPECT_EQ(again->fleet().agreeing, 3u);
+  EXPECT_EQ(again->fleet().site_trouble, "");
+  EXPECT_EQ(sent().number, 1u);
 }
 
 TEST_F(FleetSiteGateway, ABrokerThatForgotIsToldAgain) {

@@ -54,7 +54,8 @@ class HubClient final : public port::MessageBroker {
   }
   bool publish(const port::BrokerMessage& message, std::uint32_t token) override {
     if (!is_connected_) return false;
-    if (is_denied) {
+    const bool may_write = denied.empty() || message.topic != denied;
+    if (is_denied || !may_write) {
       denied_.push_back(token);
       return true;
     }
@@ -95,6 +96,7 @@ class HubClient final : public port::MessageBroker {
   }
   bool is_cut_off = false;  // does not connect again
   bool is_denied = false;   // may write nothing
+  std::string denied;       // the topic that it may not write, or empty
   // Messages whose topic has this in it are dropped, as a broker does whose queue is full.
   std::string dropped;
 

@@ -23,6 +23,21 @@ class FleetSiteTest : public FleetMemberTest {
   void say_site(const SiteDocument& site) { say("site", encode_site(site)); }
   std::string on_broker() { return broker.last("yard/site"); }
   std::uint32_t number() { return member->site_version().number; }
+  // Its own goes out while it runs, and the broker refuses it.
+  void refuse_own(std::int32_t x) {
+    member->set_site(drawing(x), true, now);
+    member->step(now);
+    const RecordingBroker::Published sent = broker.published.back();
+    ASSERT_TRUE(sent.topic.ends_with("yard/site"));
+    member->on_refused(sent.token, "not allowed", now);
+  }
+  // Starts again with what was saved, and no file.
+  void restart_without_file() {
+    const std::vector<std::byte> saved = member->save();
+    start();
+    ASSERT_EQ(member->restore(saved, now), "");
+    member->clear_site(now);
+  }
   bool holds(std::int32_t x) {
     return member->site() != nullptr && member->site()->anchors[0].x == x;
   }
@@ -253,10 +268,101 @@ TEST_F(FleetSiteTest, WhoMayNotTellItsSiteIsTold) {
 
 TEST_F(FleetSiteTest, AFileThatIsTakenOutBeforeItWasToldIsNothing) {
   member->set_site(drawing(5), false, now);
-  member->clear_site();
+  member->clear_site(now);
   EXPECT_EQ(member->site(), nullptr);
   settle();
   EXPECT_EQ(broker.count("yard/site"), 0u);
+}
+
+TEST_F(FleetSiteTest, AFileTakenOutThatTheBrokerRefusedGivesWayToTheFleets) {
+  settle();
+  say_site(numbered(3, 7));
+  refuse_own(5);
+  EXPECT_TRUE(holds(5));
+  EXPECT_EQ(number(), 4u);
+  member->clear_site(now);
+  member->retry_site(now);
+  EXPECT_TRUE(holds(7));
+  EXPECT_EQ(number(), 3u);
+  EXPECT_EQ(member->status().site_trouble, "");
+  pass(settings_.report_max);
+  EXPECT_EQ(broker.count("yard/site"), 1u);
+}
+
+TEST_F(FleetSiteTest, WhatCameOfTheFleetMeanwhileHoldsWhenTheFileIsTakenOut) {
+  settle();
+  say_site(numbered(8, 7));
+  refuse_own(5);
+  say_site(numbered(2, 6));
+  member->clear_site(now);
+  EXPECT_TRUE(holds(6));
+}
+
+TEST_F(FleetSiteTest, AFileTakenOutBeforeARestartIsNeverTold) {
+  settle();
+  say_site(numbered(3, 7));
+  refuse_own(5);
+  EXPECT_FALSE(FleetMember::saved_site(member->save()));
+  restart_without_file();
+  EXPECT_EQ(member->site(), nullptr);
+  settle();
+  pass(settings_.report_max);
+  EXPECT_EQ(broker.count("yard/site"), 0u);
+  say_site(numbered(3, 7));
+  EXPECT_TRUE(holds(7));
+  EXPECT_EQ(member->status().site_trouble, "");
+}
+
+TEST_F(FleetSiteTest, AFileThatWasRefusedAndIsStillThereOutlivesARestart) {
+  settle();
+  say_site(numbered(3, 7));
+  refuse_own(5);
+  const std::vector<std::byte> saved = member->save();
+  start();
+  ASSERT_EQ(member->restore(saved, now), "");
+  member->set_site(drawing(5), false, now);
+  connect();
+  say_site(numbered(3, 7));
+  pass(settings_.settle + 1s);
+  EXPECT_EQ(on_broker(), encode_site(numbered(4, 5, "a")));
+}
+
+TEST_F(FleetSiteTest, AFileTakenOutBeforeItWasSentIsNeverTold) {
+  settle();
+  say_site(numbered(3, 7));
+  disconnect();
+  member->set_site(drawing(5), true, now);
+  pass(1s);
+  member->clear_site(now);
+  EXPECT_TRUE(holds(7));
+  connect();
+  say_site(numbered(3, 7));
+  pass(settings_.report_max);
+  EXPECT_EQ(broker.count("yard/site"), 0u);
+}
+
+TEST_F(FleetSiteTest, AFileTakenOutThatTheBrokerTookStaysTheFleets) {
+  settle();
+  say_site(numbered(3, 7));
+  member->set_site(drawing(5), true, now);
+  pass(1s);
+  member->clear_site(now);
+  EXPECT_TRUE(holds(5));
+  restart_without_file();
+  EXPECT_TRUE(holds(5));
+  settle();
+  pass(settings_.period);
+  EXPECT_EQ(on_broker(), encode_site(numbered(4, 5, "a")));
+}
+
+// It may be on the broker by now.
+TEST_F(FleetSiteTest, AFileAfterOneThatWasTakenOutUnsentIsNewerThanThat) {
+  settle();
+  say_site(numbered(3, 7));
+  refuse_own(5);
+  member->clear_site(now);
+  member->set_site(drawing(6), true, now);
+  EXPECT_EQ(number(), 5u);
 }
 
 TEST_F(FleetSiteTest, NoSavedSiteIsNoneInRubbish) {

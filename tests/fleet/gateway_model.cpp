@@ -76,7 +76,7 @@ GatewayModel::GatewayModel(const FleetSettings& settings, std::uint32_t number, 
 }
 
 void GatewayModel::read_site_file(bool is_changed, Instant time) {
-  if (disk_.site_file == 0) return member_->clear_site();
+  if (disk_.site_file == 0) return member_->clear_site(clock_.at(time));
   firmware::SiteDocument site{.plane = {.unit = 1}};
   site.anchors = {{.x = static_cast<std::int32_t>(disk_.site_file), .y = 0}};
   member_->set_site(std::move(site), is_changed, clock_.at(time));
