@@ -142,6 +142,15 @@ void FleetMember::State::tell_peers(port::Instant now) {
   }
 }
 
+namespace {
+
+// An empty mesh has the hash 0 too: without the count it is that of who does not tell.
+bool tells_mesh(const FleetHeader& header) {
+  return header.mesh_hash != 0 || header.mesh_nodes.has_value();
+}
+
+}  // namespace
+
 FleetAgreement FleetMember::State::agreement() const {
   FleetAgreement agreement;
   for (const auto& [name, peer] : peers) {
@@ -149,7 +158,7 @@ FleetAgreement FleetMember::State::agreement() const {
     ++agreement.online;
     const FleetHeader& theirs = *peer.header;
     const bool is_comparable =
-        theirs.mesh_hash != 0 && header.mesh_hash != 0 && !theirs.is_alone && !header.is_alone;
+        tells_mesh(theirs) && tells_mesh(header) && !theirs.is_alone && !header.is_alone;
     const bool has_same_mesh = !is_comparable || theirs.mesh_hash == header.mesh_hash;
     if (theirs.merged_count == merged.count() && theirs.merged_hash == merged.hash() &&
         has_same_mesh && theirs.site == site.version) {

@@ -189,6 +189,28 @@ TEST_F(FleetList, NamesWhoHasItsOwnNodesAlone) {
             "set share = \"site\" in [mqtt] there for the mesh of all\n");
 }
 
+// Of an office whose `share` was forgotten: the mesh is empty, and no less another one.
+TEST_F(FleetList, NamesWhoHasNoNodesAtAll) {
+  Member office(hub_, "office", FleetShare::publish);
+  office.rig.clock = west_.rig.clock;
+  run({&west_, &office}, 8s);
+  EXPECT_EQ(west_.fleet().agreeing, 1u);
+  EXPECT_EQ(
+      row_of(west_, "office").why,
+      "its mesh has its own nodes alone, 0 of 4; set share = \"site\" in [mqtt] there for the "
+      "mesh of all");
+  EXPECT_EQ(row_of(office, "west").why,
+            "this gateway has its own nodes alone in its mesh; set share = \"site\" in [mqtt] here "
+            "for the mesh of all");
+  EXPECT_NE(health().find("gateway office has another mesh than this one: "), std::string::npos);
+  office.rig.settings.mqtt->is_alone = true;
+  const std::unique_ptr<Member> meant = office.restarted(hub_, 77);
+  run({&west_, meant.get()}, 8s);
+  EXPECT_EQ(west_.fleet().agreeing, 2u);
+  EXPECT_EQ(row_of(west_, "office").why, "");
+  EXPECT_EQ(row_of(*meant, "west").why, "");
+}
+
 TEST_F(FleetList, WhoIsToHaveItsOwnNodesAloneIsNotBlamed) {
   Member own(hub_, "own", FleetShare::publish);
   own.rig.settings.mqtt->is_alone = true;
