@@ -142,6 +142,12 @@ class CrossCheck {
   void check_buses() {
     const bool has_others = settings_.mqtt && settings_.mqtt->share == FleetShare::site;
     if (!settings_.buses.empty() || has_others) return;
+    if (settings_.mqtt) {
+      add(warnings_, find("mqtt", {"share"}),
+          "there is no [[bus]], and no share = \"site\", so the mesh stays empty; set share = "
+          "\"site\" in [mqtt] for the nodes of the other gateways, or add a [[bus]]");
+      return;
+    }
     add(warnings_, nullptr,
         "there is no [[bus]], so nobody is asked where it stands; add one with tcp or rtu, and "
         "units");

@@ -224,6 +224,20 @@ TEST_F(CrossChecks, NobodyIsAskedWithoutABus) {
                                   .cure = "add one with tcp or rtu, and units"});
 }
 
+TEST_F(CrossChecks, AnOfficeWithoutShareIsToldOfIt) {
+  const std::string mqtt = "[mqtt]\nbroker = \"10.1.1.1\"\nsite = \"mill\"\nname = \"office\"\n";
+  for (const char* const share : {"", "share = \"publish\"\n"}) {
+    const std::vector<std::string> warnings = read(mqtt + share).warnings;
+    ASSERT_EQ(warnings.size(), 1u) << testing::PrintToString(warnings);
+    EXPECT_NE(
+        warnings[0].find("there is no [[bus]], and no share = \"site\", so the mesh stays empty; "
+                         "set share = \"site\" in [mqtt]"),
+        std::string::npos)
+        << warnings[0];
+  }
+  EXPECT_TRUE(read(mqtt + "share = \"site\"\n").warnings.empty());
+}
+
 TEST_F(CrossChecks, AFileIsNoSerialPort) {
   const std::string path = folder_.write("ttyUSB0", "");
   read("[[bus]]\nrtu = \"" + path + "\"\nunits = \"1\"\n");
