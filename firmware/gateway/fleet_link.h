@@ -129,6 +129,7 @@ class FleetLink final : private FleetListener {
   void note_apart(const FleetStatus& status, port::Instant now);
   void tell_presence(const PeerReport& peer, const FleetStatus& status, port::Instant now);
   void tell_twin(const PeerReport& peer);
+  void tell_difference(const ReportedMember& row);
   void note_refusal(const FleetStatus& status);
   ReportedMember peer_row(const PeerReport& peer, const OwnStand& own, const FleetStatus& status,
                           bool agrees, port::Instant now);
@@ -144,6 +145,7 @@ class FleetLink final : private FleetListener {
   port::Log& log_;
   std::map<std::string, bool, std::less<>> here_{};  // other gateways, as was told last
   std::set<std::string, std::less<>> doubled_{};     // of these two go by one name
+  std::set<std::string, std::less<>> differing_{};   // of these another mesh was told last
   bool has_name_news_ = false;
   const bool is_shared_;
   const bool writes_back_;

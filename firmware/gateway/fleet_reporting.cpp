@@ -85,6 +85,7 @@ void FleetLink::make_report(port::Instant now) {
     tell_presence(peer, status, now);
     tell_twin(peer);
     report_.members.push_back(peer_row(peer, own, status, agrees, now));
+    tell_difference(report_.members.back());
   }
   std::sort(report_.members.begin(), report_.members.end(),
             [](const ReportedMember& a, const ReportedMember& b) { return a.name < b.name; });
@@ -121,6 +122,19 @@ void FleetLink::tell_twin(const PeerReport& peer) {
   }
 }
 
+// As soon as the list says why. Who is gone meanwhile, or differs in something else, has not come
+// to agree.
+void FleetLink::tell_difference(const ReportedMember& row) {
+  if (row.state != MemberState::here) return;
+  if (row.agrees) {
+    if (differing_.erase(row.name) == 0) return;
+    log_.write(port::Level::info, TextLine() << "gateway " << row.name << " agrees again");
+  } else if (row.differs && !row.why.empty() && differing_.insert(row.name).second) {
+    log_.write(port::Level::warning, TextLine() << "gateway " << row.name
+                                                << " has another mesh than this one: " << row.why);
+  }
+}
+
 bool FleetLink::is_gone(std::string_view gateway) const {
   return std::any_of(report_.members.begin(), report_.members.end(), [&](const auto& member) {
     return member.name == gateway && member.state == MemberState::gone;
@@ -130,6 +144,7 @@ bool FleetLink::is_gone(std::string_view gateway) const {
 bool FleetLink::is_dismissed(const PeerReport& peer, const char* why) {
   if (peer.state == PeerState::online || peer.node_count > 0) return false;
   if (!member_.dismiss(peer.name)) return false;
+  differing_.erase(peer.name);
   log_.write(port::Level::info,
              TextLine() << "gateway " << peer.name << " is no longer in the list: " << why);
   report_due_ = {};

@@ -128,6 +128,27 @@ TEST_F(FleetList, HealthTellsOfAnotherMeshThatLasts) {
   EXPECT_EQ(health(), "ok\n");
 }
 
+TEST_F(FleetList, TheLogTellsOnceOfAnotherMeshAndOfItsEnd) {
+  FleetHeader header = same_header();
+  header.merged_count = 3;
+  tell(header);
+  run({&west_}, 1500ms);
+  EXPECT_EQ(west_.rig.log.count("another mesh"), 0u) << "the list does not say it yet";
+  const std::string why = row_after(header).why;
+  EXPECT_EQ(west_.rig.log.count("gateway far has another mesh than this one: " + why), 1u);
+  header.merged_count = 2;
+  row_after(header);
+  west_.client.lose();
+  run({&west_}, 10s);
+  row_after(header);
+  EXPECT_EQ(west_.rig.log.count("another mesh"), 1u);
+  EXPECT_EQ(west_.rig.log.count("agrees again"), 0u);
+  row_after(same_header());
+  EXPECT_EQ(west_.rig.log.count("gateway far agrees again"), 1u);
+  row_after(header);
+  EXPECT_EQ(west_.rig.log.count("another mesh"), 2u);
+}
+
 // Where nodes move all the time no two gateways know the same places; their counts tell.
 TEST_F(FleetList, AmongNodesThatMoveOnlyWhatLastsIsToldOf) {
   FleetHeader header = same_header();
@@ -237,7 +258,7 @@ TEST_F(FleetList, WhoHasTooLittleRoomIsToldSoByBothPages) {
   EXPECT_EQ(row_of(small, "west").state, MemberState::here) << "it has said nothing wrong";
   EXPECT_EQ(row_of(small, "west").why, "it knows 4 nodes, this one 3; " + cure);
   EXPECT_EQ(small.rig.log.count("says what is not sound"), 0u);
-  EXPECT_EQ(small.rig.log.count("raise vertices_max in [mesh]"), 1u);
+  EXPECT_EQ(small.rig.log.count("fleet: there is no room for node"), 1u);
   const std::string why = row_of(west_, "small").why;
   EXPECT_EQ(why.find("it knows 3 nodes, this one 4; "), 0u) << why;
   EXPECT_NE(why.find("vertices_max in [mesh] there"), std::string::npos) << why;
