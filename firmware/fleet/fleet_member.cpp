@@ -87,7 +87,9 @@ FleetStatus FleetMember::status() const {
                      .rejected_count = state.rejected_count,
                      .sent_count = state.out.sent_count(),
                      .site = state.site.version,
-                     .site_trouble = state.site.trouble};
+                     .site_trouble = state.site.trouble,
+                     .is_site_refused = !state.site.is_fleets && state.site.held &&
+                                        state.site.denied == state.site.version};
   for_each_node([&](const FleetRecord& record, bool is_stale) {
     if (is_stale) ++status.stale_count;
     if (state.owns(record)) ++status.own_count;

@@ -84,7 +84,8 @@ struct FleetStatus {
   std::uint64_t rejected_count = 0;  // messages that were not sound, ever
   std::uint64_t sent_count = 0;      // messages, ever
   SiteVersion site{};
-  std::string site_trouble{};  // what is wrong with the newest; empty: nothing
+  std::string site_trouble{};    // what is wrong with the newest; empty: nothing
+  bool is_site_refused = false;  // by the broker, which does not let this member tell it
 };
 
 class FleetMember final : public port::BrokerListener {

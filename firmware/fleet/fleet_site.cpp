@@ -45,9 +45,10 @@ void FleetMember::State::note_site_refused() {
   site.denied = site.version;
   if (!site.held || !site.own || site.held->gateway != settings.gateway) return;
   site.trouble =
-      "the broker does not let this gateway tell its site: the others do not have it; allow it "
-      "to write etcm/v1/" +
-      settings.site + "/site there and reload this gateway, or take the site out here";
+      "the broker does not let this gateway tell its site: the others do not have it; take the "
+      "site out here, or add `topic readwrite etcm/v1/" +
+      settings.site + "/site` under `user " + settings.gateway +
+      "` in etcm.acl, reload the broker and then this gateway";
   log.write(port::Level::error, "fleet: " + site.trouble);
 }
 

@@ -32,18 +32,23 @@ std::string number_text(const SiteVersion& site) {
 
 std::string difference_of_sites(const PeerReport& peer, const OwnStand& own) {
   if (peer.site.number == own.site.number) {
-    return "it goes by another site document of the number " + std::to_string(own.site.number) +
-           "; if that stays so, reload the gateway with the site file";
+    const std::string numbers =
+        "it goes by another site document of the number " + std::to_string(own.site.number) + "; ";
+    if (own.is_site_refused) return numbers + std::string(own.site_trouble);
+    return numbers + "if that stays so, reload the gateway with the site file";
   }
   const std::string theirs =
       peer.site.number == 0 ? "no site document" : "site document " + number_text(peer.site);
   const std::string numbers =
       "it goes by " + theirs + ", this one by " + number_text(own.site) + "; ";
   if (peer.site < own.site) {
+    if (own.is_site_refused) return numbers + std::string(own.site_trouble);
     return numbers + "it has not got that yet, or has refused it: its page says why";
   }
   if (!own.site_trouble.empty()) return numbers + std::string(own.site_trouble);
-  return numbers + "it has not come here yet, or is refused: the log says why";
+  return numbers +
+         "it has not come here yet; if that stays so, the broker does not take it from '" +
+         peer.name + "': take the site out there, or let it write that, as its page says";
 }
 
 // Of as many nodes and the same site.

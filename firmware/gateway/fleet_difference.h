@@ -22,6 +22,7 @@ struct OwnStand {
   std::uint32_t mesh_nodes = 0;
   SiteVersion site{};
   std::string_view site_trouble{};  // why it does not go by another one, or empty
+  bool is_site_refused = false;     // by the broker: the others cannot have it
   std::string_view version{};
   std::string_view lack{};  // of room, with the cure; or empty
 };

@@ -238,6 +238,7 @@ OwnStand FleetLink::own_stand(const FleetStatus& status) const {
                .mesh_nodes = mesh_nodes_,
                .site = status.site,
                .site_trouble = report_.site_trouble,
+               .is_site_refused = status.is_site_refused,
                .version = version_,
                .lack = mesh_lack_};
   if (is_full_ || status.lacks_room) own.lack = lack_of_room;

@@ -113,7 +113,8 @@ std::string FleetSite::difference(const FleetMember& member) const {
   return site->name() + " holds here too, and differs from this gateway's own, " +
          (path.empty() ? settings_->site.source : path) +
          "; take that out here, or copy the one of '" + site->gateway +
-         "'; or change it and reload, and it holds for all";
+         "'; or change it and reload, and it holds for all, if etcm.acl lets '" +
+         settings_->mqtt->name + "' write etcm/v1/" + settings_->mqtt->site + "/site";
 }
 
 const std::string& FleetSite::find_trouble(const FleetMember& member, const FleetStatus& status) {

@@ -170,8 +170,9 @@ TEST_F(FleetList, NamesTheSitesWhereTheyDiffer) {
   FleetHeader header = same_header();
   header.site = {.number = 3, .hash = 7};
   EXPECT_EQ(row_after(header).why,
-            "it goes by site document number 3, this one by none; it has not come here yet, or is "
-            "refused: the log says why");
+            "it goes by site document number 3, this one by none; it has not come here yet; if "
+            "that stays so, the broker does not take it from 'far': take the site out there, or "
+            "let it write that, as its page says");
 }
 
 TEST_F(FleetList, NamesTheVersionsWhereNothingElseDiffers) {

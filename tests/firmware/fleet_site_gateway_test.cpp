@@ -70,6 +70,13 @@ class FleetSiteGateway : public testing::Test {
     std::string wrong;
     return decode_site(retained(), wrong).value_or(SiteDocument{});
   }
+  // As the list of this one has it of that one.
+  static std::string why_differs(const Member& member, const std::string& name) {
+    for (const ReportedMember& row : member.fleet().members) {
+      if (row.name == name) return row.why;
+    }
+    return "it is not in the list";
+  }
   // Somebody with the rights of a gateway says so.
   void say(SiteDocument document) {
     document.gateway = "sly";
@@ -271,6 +278,11 @@ TEST_F(FleetSiteGateway, AFileThatTheBrokerRefusesIsGoneWhenItIsTakenOut) {
   EXPECT_NE(east_.fleet().site_trouble.find("does not let this gateway tell its site"),
             std::string::npos)
       << east_.fleet().site_trouble;
+  const std::string cure = "add `topic readwrite etcm/v1/site/site` under `user east` in etcm.acl";
+  EXPECT_NE(why_differs(east_, "west").find(cure), std::string::npos) << why_differs(east_, "west");
+  EXPECT_NE(why_differs(office_, "east").find("the broker does not take it from 'east'"),
+            std::string::npos)
+      << why_differs(office_, "east");
   EXPECT_EQ(east_.features()[0].settings.from, FeatureEnd::anchor({10, 40}));
   take_out_site(east_.rig.settings);
   east_.rig.update_settings();

@@ -120,7 +120,7 @@ TEST_F(FleetSiteTest, WhoMayNotTellItsSiteTriesAgainOnlyWhenAsked) {
   member->retry_site(now);
   pass(1s);
   EXPECT_EQ(broker.count("yard/site"), 2u);
-  EXPECT_EQ(count_lines("and reload this gateway"), 1u);
+  EXPECT_EQ(count_lines("reload the broker and then this gateway"), 1u);
 }
 
 TEST_F(FleetSiteTest, ASecondOfItsNameIsNotOutbid) {
@@ -263,6 +263,10 @@ TEST_F(FleetSiteTest, WhoMayNotTellItsSiteIsTold) {
   EXPECT_NE(
       member->status().site_trouble.find("the broker does not let this gateway tell its site"),
       std::string::npos);
+  EXPECT_NE(member->status().site_trouble.find(
+                "add `topic readwrite etcm/v1/yard/site` under `user a` in etcm.acl"),
+            std::string::npos);
+  EXPECT_TRUE(member->status().is_site_refused);
   EXPECT_EQ(count_lines("does not let this gateway tell its site"), 1u);
 }
 

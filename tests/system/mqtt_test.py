@@ -129,7 +129,8 @@ class Members(MqttCase):
     def test_who_may_not_tell_its_site_is_told(self):
         feature = "[[feature]]\nfrom = 1\nto = 2\n"
         self.start_member("south", keys=feature).wait_for_line(
-            rf"the broker does not let this gateway tell its site: .*; allow it to write etcm/v1/{SITE}/site")
+            rf"the broker does not let this gateway tell its site: .*"
+            rf"add `topic readwrite etcm/v1/{SITE}/site`")
         north = self.start_member("north", keys=feature)
         north.wait_for_line("connected")
         listened = subprocess.run(
