@@ -305,8 +305,7 @@ void AlarmWatch::look_at_member(const ReportedMember& member, port::Instant now)
       // One that starts again is back in less.
       if (now - member.since <= sources_.gateway.settings().poll.leave_after) return;
       TextLine cure;
-      cure << "look at its machine, its power and its network; if it is gone for good: "
-              "sudo etcm-gateway ctl dismiss "
+      cure << gone_cure << "; if it is gone for good: sudo etcm-gateway ctl dismiss "
            << member.name;
       return book_.hold({AlarmKind::gone_gateway, subject}, member.since, text << " is gone", cure);
     }

@@ -38,6 +38,10 @@ constexpr std::string_view to_string(MemberState state) {
   return "";
 }
 
+// What to do about a gateway that is gone.
+inline constexpr std::string_view gone_cure =
+    "look at its machine, its power, its network and its log: the broker may refuse it";
+
 struct ReportedMember {
   std::string name{};
   MemberState state = MemberState::waiting;

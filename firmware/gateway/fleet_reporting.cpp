@@ -109,7 +109,7 @@ void FleetLink::tell_presence(const PeerReport& peer, const FleetStatus& status,
              TextLine() << "gateway " << peer.name << " is gone: "
                         << (peer.state == PeerState::offline ? "its connection to the broker ended"
                                                              : "nothing comes of it any more")
-                        << "; look at its machine, its power and its network");
+                        << "; " << gone_cure);
 }
 
 void FleetLink::tell_twin(const PeerReport& peer) {

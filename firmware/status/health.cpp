@@ -70,7 +70,7 @@ void look_at_missing(const StatusSources& sources, Reasons& reasons) {
   }
   if (count > 1) reason << ", and " << count - 1 << " more";
   if (is_with_its_gateway(sources.gateway, *first)) {
-    reason << "; that gateway is gone: look at its machine, its power and its network";
+    reason << "; that gateway is gone: " << gone_cure;
   } else {
     TextLine cure;
     write_missing_cure(cure, sources.gateway, *first);
@@ -166,10 +166,8 @@ void look_at_gone(const StatusSources& sources, port::Instant now, Reasons& reas
   }
   if (first == nullptr) return;
   TextWriter& reason = reasons.add();
-  reason << "fleet: gateway " << first->name
-         << " is gone: look at its machine, its power and its network; if it is gone for good: "
-            "sudo etcm-gateway ctl dismiss "
-         << first->name;
+  reason << "fleet: gateway " << first->name << " is gone: " << gone_cure
+         << "; if it is gone for good: sudo etcm-gateway ctl dismiss " << first->name;
   if (count > 1) reason << "; and " << count - 1 << " more gone";
 }
 

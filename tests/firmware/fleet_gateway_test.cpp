@@ -465,10 +465,11 @@ TEST_F(FleetGateway, TheNodesOfADeadGatewayAreSoughtThere) {
     using PageReader::get;
   } page(west_.rig);
   EXPECT_EQ(page.get("/healthz"),
-            "fleet: gateway east is gone: look at its machine, its power and its network; if it is "
-            "gone for good: sudo etcm-gateway ctl dismiss east\n"
+            "fleet: gateway east is gone: look at its machine, its power, its network and its log: "
+            "the broker may refuse it; if it is gone for good: sudo etcm-gateway ctl dismiss east\n"
             "2 nodes are missing: node 11, last heard by gateway east, and 1 more; that gateway is "
-            "gone: look at its machine, its power and its network\n");
+            "gone: look at its machine, its power, its network and its log: the broker may refuse "
+            "it\n");
   const std::string status = page.get("/status.json");
   const std::size_t missing = status.find("\"missing\":[{\"serial\":11,");
   ASSERT_NE(missing, std::string::npos) << status;

@@ -327,8 +327,8 @@ TEST_F(RetiredGateway, IsToldByHealthAlsoWhereItHeardNoNode) {
   EXPECT_EQ(ListReader(west_.rig).get("/healthz"), "ok\n") << "it may start again";
   run({&west_, &east_}, 15s);
   const std::string gone =
-      " is gone: look at its machine, its power and its network; if it is gone for good: sudo "
-      "etcm-gateway ctl dismiss ";
+      " is gone: look at its machine, its power, its network and its log: the broker may refuse it"
+      "; if it is gone for good: sudo etcm-gateway ctl dismiss ";
   EXPECT_EQ(ListReader(west_.rig).get("/healthz"), "fleet: gateway office" + gone + "office\n");
   retire(east_);
   run({&west_}, 15s);
@@ -339,11 +339,7 @@ TEST_F(RetiredGateway, IsToldByHealthAlsoWhereItHeardNoNode) {
   // Who is apart itself does not know.
   hub_.go();
   run({&west_}, 10s);
-  EXPECT_EQ(ListReader(west_.rig)
-                .get("/healthz")
-                .find("is gone: look at its machine, its power "
-                      "and its network; if"),
-            std::string::npos);
+  EXPECT_EQ(ListReader(west_.rig).get("/healthz").find(gone), std::string::npos);
 }
 
 TEST_F(RetiredGateway, IsDismissedByWordOnceItsNodesHaveLeft) {
@@ -355,8 +351,9 @@ TEST_F(RetiredGateway, IsDismissedByWordOnceItsNodesHaveLeft) {
   run({&west_, &office_}, 15s);
   EXPECT_TRUE(is_listed(west_, "east")) << "its nodes were there";
   EXPECT_EQ(alarms_of(west_),
-            "critical: gateway east is gone -> look at its machine, its power and its network; if "
-            "it is gone for good: sudo etcm-gateway ctl dismiss east\n");
+            "critical: gateway east is gone -> look at its machine, its power, its network and its "
+            "log: the broker may refuse it; if it is gone for good: sudo etcm-gateway ctl dismiss "
+            "east\n");
   EXPECT_FALSE(west_.rig.gateway->dismiss_gateway("nobody", west_.rig.clock.now()));
   EXPECT_TRUE(west_.rig.gateway->dismiss_gateway("east", west_.rig.clock.now()));
   run({&west_, &office_}, 1s);
