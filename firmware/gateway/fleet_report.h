@@ -64,9 +64,10 @@ struct FleetReport {
   // Since when no connection has lasted, such as with a broker that refuses what it is told and
   // hangs up; none: this one has.
   std::optional<port::Instant> apart_since{};
-  port::Duration lasting{};  // a connection that has stood for so long is one
-  std::string trouble{};     // why there is none that lasts, for a person
-  std::string refusal{};     // why the others hear nothing from here though there is one; or empty
+  bool has_had_short = false;  // since then one has come and gone
+  port::Duration lasting{};    // a connection that has stood for so long is one
+  std::string trouble{};       // why there is none that lasts, for a person
+  std::string refusal{};  // why the others hear nothing from here though there is one; or empty
   port::BrokerCounters broker{};
   std::uint32_t agreeing = 0;
   std::uint32_t site_number = 0;  // of the document of the site; 0: none

@@ -64,9 +64,9 @@ void FleetLink::make_report(port::Instant now) {
   report_due_ = now + report_pause;
   const FleetStatus status = member_.status();
   const FleetAgreement agreement = member_.agreement();
+  note_apart(status, now);
   report_.is_connected = status.is_connected;
   report_.connected_or_not_since = status.since;
-  note_apart(status, now);
   note_refusal(status);
   report_.broker = broker_.counters();
   report_.agreeing = agreement.agreeing;
@@ -187,6 +187,10 @@ void FleetLink::note_apart(const FleetStatus& status, port::Instant now) {
     short_connections_ = was_short ? short_connections_ + 1 : 0;
     connected_at_.reset();
   }
+  // One may come and go between two reports.
+  const bool has_passed = !report_.is_connected && !status.is_connected &&
+                          status.since != report_.connected_or_not_since;
+  if (report_.apart_since && (has_ended || has_passed)) report_.has_had_short = true;
   if (status.is_connected) connected_at_ = status.since;
   const port::Duration stood =
       short_connections_ > short_connections_max ? lasting_after_short : lasting;
@@ -194,6 +198,7 @@ void FleetLink::note_apart(const FleetStatus& status, port::Instant now) {
   if (status.is_connected && now - status.since >= stood) {
     if (stood == lasting_after_short) short_connections_ = 0;
     report_.apart_since.reset();
+    report_.has_had_short = false;
     report_.trouble.clear();
     return;
   }

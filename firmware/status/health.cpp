@@ -121,12 +121,17 @@ void tell_apart(const FleetReport& fleet, port::Instant now, TextWriter& reason)
     reason << "fleet: no connection to the broker that lasts for " << apart << " s";
   } else {
     reason << "fleet: connected to the broker for "
-           << whole_seconds(age_of(fleet.connected_or_not_since, now))
-           << " s, and no connection lasted in the " << apart << " s before; this one counts after "
-           << whole_seconds(fleet.lasting) << " s";
+           << whole_seconds(age_of(fleet.connected_or_not_since, now)) << " s, and "
+           << (fleet.has_had_short ? "no connection lasted" : "there was none") << " in the "
+           << apart << " s before; this one counts after " << whole_seconds(fleet.lasting) << " s";
   }
   if (fleet.trouble.empty()) return;
-  reason << (fleet.is_connected ? "; what ended the last one: " : "; ") << fleet.trouble;
+  if (fleet.is_connected) {
+    reason << (fleet.has_had_short ? "; what ended the last one: " : "; why there was none: ");
+  } else {
+    reason << "; ";
+  }
+  reason << fleet.trouble;
 }
 
 // A broker that is started again is no trouble.

@@ -423,6 +423,24 @@ TEST_F(FleetGateway, ABrokerThatHangsUpAgainAndAgainIsToldOf) {
   EXPECT_EQ(health_now(west_), "ok\n");
 }
 
+TEST_F(FleetGateway, ABrokerThatWasAwayAllTheTimeIsNotSaidToHaveHungUp) {
+  west_.client.is_cut_off = true;
+  run({&west_}, 43s);
+  west_.client.is_cut_off = false;
+  run({&west_}, 3s);
+  const std::string health = health_now(west_);
+  EXPECT_EQ(health.find("fleet: connected to the broker for "), 0u) << health;
+  EXPECT_NE(health.find(" s, and there was none in the 43 s before; this one counts after 10 s"),
+            std::string::npos)
+      << health;
+  EXPECT_EQ(health.find("what ended the last one"), std::string::npos) << health;
+  // Where it hangs up then, that is said.
+  west_.client.lose();
+  run({&west_}, 3s);
+  EXPECT_NE(health_now(west_).find(" s, and no connection lasted in the "), std::string::npos)
+      << health_now(west_);
+}
+
 // Each connection stands long enough to be taken for one that lasts.
 TEST_F(FleetGateway, ABrokerThatHangsUpAfterAWhileIsToldOf) {
   west_.rig.settings.poll.leave_after = 30s;
