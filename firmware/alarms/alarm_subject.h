@@ -16,6 +16,9 @@ constexpr std::uint64_t subject_of(Position position) {
          static_cast<std::uint32_t>(position.y);
 }
 
+// Of disk_of_state: what is saved with the state has a disk writer of its own.
+inline constexpr std::uint64_t alarms_of_state = 1;
+
 // By its ends, whatever it is called and wherever it stands in the settings.
 std::uint64_t subject_of(const FeatureSettings& feature);
 

@@ -11,11 +11,6 @@ namespace etcm::firmware {
 
 namespace {
 
-using namespace std::chrono_literals;
-
-// A subject: what is saved with the state has a disk writer of its own.
-constexpr std::uint64_t alarms_of_state = 1;
-
 // Sentences are "what is wrong; what to do about it".
 struct Sentence {
   std::string_view what;
@@ -46,54 +41,8 @@ void AlarmWatch::step(port::Instant now) {
   look_at_unheard();
   look_at_sensors();
   look_at_fleet(now);
-  book_.end_look([&](const Alarm& alarm) { return is_judged(alarm, now); },
+  book_.end_look([&](const Alarm& alarm) { return is_judged(alarm.key, now); },
                  [&](const Alarm& alarm) { return why_ended(alarm); });
-}
-
-bool AlarmWatch::is_judged(const Alarm& alarm, port::Instant now) const {
-  const Gateway& gateway = sources_.gateway;
-  // All has had the time to answer.
-  if (now - sources_.started_at > 2 * gateway.settings().poll.leave_after + 1min) return true;
-  switch (alarm.key.kind) {
-    case AlarmKind::not_served:
-    case AlarmKind::no_page:
-    case AlarmKind::late_mesh:
-    case AlarmKind::refused_configuration:
-      return true;
-    case AlarmKind::missing_node:
-    case AlarmKind::no_fix:
-    case AlarmKind::low_battery:
-    case AlarmKind::refused_node:
-      return is_node_judged(alarm);
-    case AlarmKind::refused_feature:
-      return std::any_of(
-          gateway.features().begin(), gateway.features().end(), [&](const FeatureRecord& feature) {
-            return feature.is_active() && subject_of(feature.settings) == alarm.key.subject;
-          });
-    case AlarmKind::disk_of_files:
-      return gateway.disk_of_files() == nullptr || gateway.disk_of_files()->works();
-    case AlarmKind::disk_of_state: {
-      const bool is_own = alarm.key.subject == alarms_of_state;
-      const DiskWriter* const disk = is_own ? disk_of_alarms_ : gateway.disk_of_state();
-      return disk == nullptr || disk->works();
-    }
-    default:
-      return false;
-  }
-}
-
-// Who was missing is known from the start; one that is not any more was dismissed.
-bool AlarmWatch::is_node_judged(const Alarm& alarm) const {
-  const Serial serial{static_cast<std::uint32_t>(alarm.key.subject)};
-  const NodeRecord* const node = sources_.gateway.nodes().find(serial);
-  if (node == nullptr) return alarm.key.kind == AlarmKind::missing_node;
-  return node->answered_at != port::Instant{} || node->is_foreign();
-}
-
-AlarmEnd AlarmWatch::why_ended(const Alarm& alarm) const {
-  const bool is_page_removed = alarm.key.kind == AlarmKind::no_page && sources_.readers == nullptr;
-  return is_page_removed || !is_there(sources_.gateway, alarm.key) ? AlarmEnd::removed
-                                                                   : AlarmEnd::by_itself;
 }
 
 void AlarmWatch::find_waiting_features() {

@@ -38,10 +38,13 @@ class AlarmWatch {
   port::Instant next_deadline() const { return look_due_; }
 
  private:
+  // --- alarm_judging.cpp
   // Whether it can be known by now that what was wrong in an earlier run is so no longer.
-  bool is_judged(const Alarm& alarm, port::Instant now) const;
-  bool is_node_judged(const Alarm& alarm) const;
+  bool is_judged(AlarmKey key, port::Instant now) const;
+  bool is_judged_by_what_came(AlarmKey key, port::Instant now) const;
+  bool is_disk_judged(AlarmKey key) const;
   AlarmEnd why_ended(const Alarm& alarm) const;
+
   void find_waiting_features();
   // "; feature 3 'fence' waits for it", where one does.
   void add_waiting_feature(TextLine& text, Serial serial) const;

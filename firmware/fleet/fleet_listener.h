@@ -27,6 +27,7 @@ struct PeerReport {
   // Empty while all that came from it was sound: "node/000003e9: sequence is no number".
   std::string quarantine{};
   bool is_complete = false;  // all that it says it has published is here
+  bool is_proven = false;    // it has spoken in this run: the broker had not just kept it
   // It is the owner of so many that are there. Of peers(); on_peer() is told 0.
   std::uint32_t node_count = 0;
   // What it said last of all nodes that it knows, and of its mesh of them.

@@ -83,10 +83,12 @@ FleetStatus FleetMember::status() const {
                      .waiting_count = state.out.waiting_count(state.stepped_at),
                      .merged_hash = state.merged.hash(),
                      .is_refused = state.is_refused,
+                     .is_header_taken = state.is_header_taken,
                      .lacks_room = state.lacks_room,
                      .rejected_count = state.rejected_count,
                      .sent_count = state.out.sent_count(),
                      .site = state.site.version,
+                     .is_site_known = !state.site.held || state.site.is_fleets,
                      .site_trouble = state.site.trouble,
                      .is_site_refused = !state.site.is_fleets && state.site.held &&
                                         state.site.denied == state.site.version};
@@ -100,7 +102,7 @@ FleetStatus FleetMember::status() const {
 void FleetMember::on_connected(port::Instant now) {
   State& state = *state_;
   state.is_connected = true;
-  state.is_settled = state.is_blocked = false;
+  state.is_settled = state.is_blocked = state.is_header_taken = false;
   state.since = state.kept_came_at = now;
   // All of it comes again, as far as the broker still has it.
   state.on_broker.clear();
@@ -129,7 +131,10 @@ void FleetMember::on_delivered(std::uint32_t token, port::Instant) {
   state_->is_blocked = false;
   const auto delivered = state_->out.take_delivered(token);
   if (!delivered) return;
-  if (delivered->key.kind == TopicKind::header) state_->is_refused = false;
+  if (delivered->key.kind == TopicKind::header) {
+    state_->is_refused = false;
+    state_->is_header_taken = true;
+  }
   if (delivered->key.kind == TopicKind::site) state_->note_site_delivered(delivered->hash);
   state_->note_on_broker(delivered->key, delivered->hash);
 }

@@ -80,10 +80,12 @@ struct FleetStatus {
   std::uint32_t waiting_count = 0;   // messages that are to be sent, or not delivered yet
   std::uint64_t merged_hash = 0;     // of the serials and places of all nodes that are there
   bool is_refused = false;           // the broker did not take its last header
+  bool is_header_taken = false;      // it took one since it is connected
   bool lacks_room = false;           // for nodes of the site, beyond nodes_max
   std::uint64_t rejected_count = 0;  // messages that were not sound, ever
   std::uint64_t sent_count = 0;      // messages, ever
   SiteVersion site{};
+  bool is_site_known = false;    // the broker has had it, or there is none
   std::string site_trouble{};    // what is wrong with the newest; empty: nothing
   bool is_site_refused = false;  // by the broker, which does not let this member tell it
 };

@@ -38,6 +38,7 @@ struct Peer {
   port::Duration have_pause{};                   // until it is told so again
   Serial have_next{0};
   bool has_sound_header = true;
+  bool is_proven = false;  // a header came in this run that the broker had not kept
   std::string quarantine{};
   bool told_complete = false;
   bool has_news = false;  // the gateway is to be told
@@ -291,6 +292,7 @@ struct FleetMember::State {
   std::uint64_t rejected_count = 0;
   bool has_said_full = false;
   bool is_refused = false;           // the header that was sent last
+  bool is_header_taken = false;      // one was, in this connection
   bool lacks_room = false;           // for nodes
   port::Instant room_lacks_until{};  // at least
   bool has_news_to_save = true;

@@ -51,6 +51,7 @@ FleetLink::FleetLink(std::shared_ptr<const Settings> settings, const FleetPorts&
   gateways_.reserve(fleet_members_max);
   report_.site = settings->mqtt->site;
   report_.name = settings->mqtt->name;
+  report_.period = fleet_settings_of(*settings, ports.run, ports.version).period;
   report_.connected_or_not_since = now;
   make_report(now);
 }

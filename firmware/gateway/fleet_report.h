@@ -50,6 +50,7 @@ struct ReportedMember {
   std::uint32_t generation = 0;  // that it published last
   std::uint64_t mesh_hash = 0;   // of that
   bool agrees = false;           // it has the mesh that this gateway has
+  bool is_proven = false;        // it has spoken in this run: the broker had not just kept it
   std::string version{};         // of its program
   bool differs = false;          // it does not, and that is no news on their way
   std::string why{};             // what is wrong, for a person; or empty
@@ -60,6 +61,8 @@ struct FleetReport {
   std::string site{};
   std::string name{};
   bool is_connected = false;
+  bool is_settled = false;  // what the broker had kept has come
+  bool is_told = false;     // since then the broker has taken what this gateway says of itself
   port::Instant connected_or_not_since{};
   // Since when no connection has lasted, such as with a broker that refuses what it is told and
   // hangs up; none: this one has.
@@ -73,6 +76,8 @@ struct FleetReport {
   std::uint32_t site_number = 0;  // of the document of the site; 0: none
   std::string site_gateway{};     // whose file it is from
   std::string site_trouble{};     // what is wrong with it, for a person; or empty
+  bool is_site_known = false;     // the broker has the one that holds here, or there is none
+  port::Duration period{};        // each gateway is heard of at least so often
   std::vector<ReportedMember> members{};
 };
 

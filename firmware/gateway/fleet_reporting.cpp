@@ -66,6 +66,9 @@ void FleetLink::make_report(port::Instant now) {
   const FleetAgreement agreement = member_.agreement();
   note_apart(status, now);
   report_.is_connected = status.is_connected;
+  report_.is_settled = status.is_connected && status.is_settled;
+  report_.is_told = report_.is_settled && status.is_header_taken;
+  report_.is_site_known = report_.is_settled && status.is_site_known;
   report_.connected_or_not_since = status.since;
   note_refusal(status);
   report_.broker = broker_.counters();
@@ -228,6 +231,7 @@ ReportedMember FleetLink::peer_row(const PeerReport& peer, const OwnStand& own,
           .generation = peer.generation,
           .mesh_hash = peer.mesh_hash,
           .agrees = agrees,
+          .is_proven = peer.is_proven,
           .version = peer.version,
           .differs = differs,
           .why = agrees && peer.is_complete && !peer.has_name_conflict
@@ -266,6 +270,7 @@ ReportedMember FleetLink::own_row(const FleetStatus& status) const {
           .generation = own_generation_,
           .mesh_hash = mesh_hash_,
           .agrees = true,
+          .is_proven = true,
           .version = version_,
           .why = std::move(why)};
 }

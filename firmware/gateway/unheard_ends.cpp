@@ -65,6 +65,13 @@ void UnheardEnds::look(const NodeTable& nodes, const Poller& poller, const Fleet
   }
 }
 
+const NodeEnd* UnheardEnds::find(Serial serial) const {
+  const auto found =
+      std::lower_bound(ends_.begin(), ends_.end(), serial,
+                       [](const NodeEnd& end, Serial wanted) { return end.serial < wanted; });
+  return found == ends_.end() || found->serial != serial ? nullptr : &*found;
+}
+
 void UnheardEnds::explain(const NodeEnd& end, const NodeTable& nodes, TextLine& text) const {
   const FeatureSettings& feature = features_.records()[end.feature].settings;
   text << nodes.called(end.serial)

@@ -39,6 +39,8 @@ class UnheardEnds {
 
   // By serial; those that are not known are told.
   std::span<const NodeEnd> ends() const { return ends_; }
+  // Null: no feature ends there. O(log n).
+  const NodeEnd* find(Serial serial) const;
   // What is wrong with one that is not heard; what to do about it is `cure`.
   void explain(const NodeEnd& end, const NodeTable& nodes, TextLine& text) const;
   static constexpr std::string_view cure = "correct the serial there, or look for the node";

@@ -5,6 +5,23 @@
 
 namespace etcm::firmware {
 
+bool is_named(const Settings& settings, const Poller& poller, UnitIndex unit) {
+  const BusSettings& line = poller.bus(poller.bus_of(unit));
+  const std::uint32_t address = poller.address_of(unit).value;
+  const auto has_unit = [&](const DeviceSettings& device) {
+    return std::any_of(device.units.begin(), device.units.end(), [&](const UnitRange& range) {
+      return range.first <= address && address <= range.last;
+    });
+  };
+  const auto is_there = [&](const auto& node) {
+    return node.bus == line.name && node.address == address;
+  };
+  return std::any_of(line.devices.begin(), line.devices.end(), has_unit) ||
+         std::any_of(settings.nodes.begin(), settings.nodes.end(), is_there) ||
+         std::any_of(settings.node_names.begin(), settings.node_names.end(),
+                     [&](const NodeName& node) { return node.serial.is_none() && is_there(node); });
+}
+
 bool AbsentUnits::look(const Settings& settings, const Poller& poller, const Presence& presence,
                        const NodeTable& nodes, port::Instant now) {
   if (!since_) since_ = now;

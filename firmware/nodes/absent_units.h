@@ -22,6 +22,9 @@ inline constexpr std::string_view absent_cure =
     "look at its supply, its cable, its address and its profile; if it is not to be there, take it "
     "out of the settings";
 
+// The settings name it, by [[bus.device]], [[node]] or a name.
+bool is_named(const Settings& settings, const Poller& poller, UnitIndex unit);
+
 struct AbsentUnit {
   UnitIndex unit{};
   Serial serial{};                     // that its node would have, unless it tells one
