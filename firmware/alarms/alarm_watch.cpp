@@ -4,28 +4,11 @@
 #include <utility>
 
 #include "firmware/alarms/alarm_subject.h"
+#include "firmware/alarms/refusal_text.h"
 #include "firmware/logging/text_line.h"
 #include "firmware/nodes/silence_cause.h"
 
 namespace etcm::firmware {
-
-namespace {
-
-// Sentences are "what is wrong; what to do about it".
-struct Sentence {
-  std::string_view what;
-  std::string_view cure;
-};
-Sentence parts_of(std::string_view sentence) {
-  for (const std::string_view separator : {"; ", ": "}) {
-    const std::size_t at = sentence.find(separator);
-    if (at == std::string_view::npos) continue;
-    return {sentence.substr(0, at), sentence.substr(at + separator.size())};
-  }
-  return {sentence, {}};
-}
-
-}  // namespace
 
 void AlarmWatch::step(port::Instant now) {
   if (now < look_due_) return;
@@ -164,42 +147,11 @@ void AlarmWatch::look_at_absent() {
 }
 
 void AlarmWatch::look_at_quarantine() {
-  for (const QuarantineEntry& entry : sources_.gateway.quarantine()) look_at_refused(entry);
-}
-
-void AlarmWatch::look_at_refused(const QuarantineEntry& entry) {
   const Gateway& gateway = sources_.gateway;
-  const Sentence why = parts_of(explain(entry));
-  TextLine text;
-  AlarmKey key;
-  if (entry.conflict != IdentityConflict::none) {
-    const std::uint64_t unit = entry.unit_index.is_none() ? 0 : entry.unit_index.value + 1;
-    key = {AlarmKind::identity_conflict, std::uint64_t{entry.serial.value} << 32 | unit};
-    text << gateway.nodes().called(entry.serial);
-  } else if (!entry.serial.is_none()) {
-    key = {AlarmKind::refused_node, entry.serial.value};
-    const NodeRecord* const node = gateway.nodes().find(entry.serial);
-    if (node != nullptr) write_node(text, gateway, *node);
-    text << " is not in the mesh where it is";
-  } else if (entry.feature != 0) {
-    if (entry.feature > gateway.features().size()) return;
-    const FeatureSettings& feature = gateway.features()[entry.feature - 1].settings;
-    key = {AlarmKind::refused_feature, subject_of(feature)};
-    text << PlacedFeature{entry.feature, feature} << " is not in the mesh";
-  } else {
-    key = {AlarmKind::refused_anchor, subject_of(entry.position)};
-    text << "the anchor at (" << entry.position.x << ", " << entry.position.y
-         << ") is not in the mesh";
+  for (const QuarantineEntry& entry : gateway.quarantine()) {
+    const std::optional<RefusalText> refusal = refusal_text(gateway, entry);
+    if (refusal) book_.hold(refusal->key, entry.since, refusal->what, refusal->cure);
   }
-  text << ": " << why.what;
-  if (entry.blocker && entry.blocker->number < gateway.features().size()) {
-    const Blocker& blocker = *entry.blocker;
-    const FeatureSettings& other = gateway.features()[blocker.number].settings;
-    text << " [with " << PlacedFeature{blocker.number + 1, other};
-    if (blocker.near) text << ", near (" << blocker.near->x << ", " << blocker.near->y << ")";
-    text << "]";
-  }
-  book_.hold(key, entry.since, text, why.cure);
 }
 
 void AlarmWatch::look_at_unheard() {

@@ -55,7 +55,6 @@ class AlarmWatch {
   void look_at_node(const NodeRecord& node);
   void look_at_absent();
   void look_at_quarantine();
-  void look_at_refused(const QuarantineEntry& entry);
   void look_at_unheard();
   void look_at_sensors();
   void look_at_fleet(port::Instant now);

@@ -1,9 +1,12 @@
 #include "firmware/status/health.h"
 
 #include <algorithm>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include "firmware/alarms/alarm_subject.h"
+#include "firmware/alarms/refusal_text.h"
 #include "firmware/nodes/silence_cause.h"
 #include "firmware/status/document.h"
 
@@ -87,6 +90,25 @@ void look_at_absent(const StatusSources& sources, Reasons& reasons) {
          << " has not answered since the start";
   if (absent.size() > 1) reason << ", and " << absent.size() - 1 << " more";
   reason << "; " << absent_cure;
+}
+
+// The first feature or anchor of the site that the mesh has refused is named.
+void look_at_refused(const StatusSources& sources, Reasons& reasons) {
+  std::optional<RefusalText> first;
+  std::uint32_t count = 0;
+  for (const QuarantineEntry& entry : sources.gateway.quarantine()) {
+    const bool is_of_site = entry.conflict == IdentityConflict::none && entry.serial.is_none();
+    if (!is_of_site) continue;
+    if (!first) first = refusal_text(sources.gateway, entry);
+    ++count;
+  }
+  if (!first) return;
+  TextWriter& reason = reasons.add();
+  std::string_view cure = first->cure;
+  if (cure.ends_with('.')) cure.remove_suffix(1);
+  reason << first->what.view();
+  if (!cure.empty()) reason << "; " << cure;
+  if (count > 1) reason << "; and " << count - 1 << " more of the site refused";
 }
 
 // Two of one name: what one of them hears is not told. That of this gateway comes first.
@@ -200,6 +222,7 @@ bool is_healthy(const StatusSources& sources, port::Instant now, TextWriter& wri
   look_at_gone(sources, now, reasons);
   look_at_missing(sources, reasons);
   look_at_absent(sources, reasons);
+  look_at_refused(sources, reasons);
   look_at_fleet(sources, now, reasons);
   if (sources.gateway.is_late(now, publish_patience)) {
     reasons.add() << "mesh: a change waits to be published; restart the gateway and report it";

@@ -261,6 +261,19 @@ TEST_F(AlarmWatchOfACrossing, TheOtherFeatureIsNamed) {
              "-> put a node where they meet."}));
 }
 
+TEST_F(AlarmWatchOfACrossing, HealthNamesAFeatureThatIsRefused) {
+  rig_.put_square();
+  run(2s);
+  EXPECT_EQ(tell("show health"),
+            "ok\nfeature 2 (1002-1004, site.toml:1) is not in the mesh: The feature would cross or "
+            "touch the inside of another [with feature 1 'north fence' (site.toml:1), near (50, "
+            "50)]; put a node where they meet\n");
+  rig_.settings.features.pop_back();
+  rig_.update_settings();
+  run(2s);
+  EXPECT_EQ(tell("show health"), "ok\nok\n");
+}
+
 TEST_F(AlarmWatchTest, WhoHasANameIsExpectedAtItsUnit) {
   rig_.settings.node_names = {{.bus = "yard", .address = 12, .name = "depot"}};
   rig_.put(1, 0, 0);
