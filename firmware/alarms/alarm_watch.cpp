@@ -210,9 +210,12 @@ void AlarmWatch::look_at_member(const ReportedMember& member, port::Instant now)
            << member.name;
       return book_.hold({AlarmKind::gone_gateway, subject}, member.since, text << " is gone", cure);
     }
-    case MemberState::name_taken:
-      return book_.hold({AlarmKind::name_taken, subject}, member.since,
-                        text << ": another one has this name too", member.why);
+    case MemberState::name_taken: {
+      const FleetReport& fleet = *sources_.gateway.fleet();
+      text << ": another one has this name too";
+      if (fleet.is_silent && member.name == fleet.name) text << ", and this one is silent";
+      return book_.hold({AlarmKind::name_taken, subject}, member.since, text, member.why);
+    }
     case MemberState::rejected:
       return book_.hold({AlarmKind::rejected_gateway, subject}, member.since,
                         text << " says what is not taken", member.why);

@@ -63,6 +63,7 @@ struct FleetReport {
   bool is_connected = false;
   bool is_settled = false;  // what the broker had kept has come
   bool is_told = false;     // since then the broker has taken what this gateway says of itself
+  bool is_silent = false;   // another gateway of its name goes on, and this one tells nothing
   port::Instant connected_or_not_since{};
   // Since when no connection has lasted, such as with a broker that refuses what it is told and
   // hangs up; none: this one has.

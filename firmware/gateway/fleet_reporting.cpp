@@ -42,6 +42,14 @@ MemberState shown_state(const PeerReport& peer) {
 constexpr const char* two_of_one_name =
     "two gateways use this name; give each its own `name` in [mqtt]";
 
+// Of this gateway. Most often one of the two was set up as a copy of the other.
+constexpr const char* silent_twin =
+    "this gateway is silent, and the others know nothing of what it hears: another one, which was "
+    "there first, uses its name too; give this one a `name` of its own in [mqtt], and restart it";
+constexpr const char* speaking_twin =
+    "another gateway uses this name too, and tells nothing of what it hears until it has one of "
+    "its own; give it its own `name` in [mqtt]";
+
 constexpr std::string_view lack_of_room =
     "there is no room here for all nodes of the site; raise vertices_max in [mesh] of this "
     "gateway, and start it again";
@@ -67,6 +75,7 @@ void FleetLink::make_report(port::Instant now) {
   note_apart(status, now);
   report_.is_connected = status.is_connected;
   report_.is_settled = status.is_connected && status.is_settled;
+  report_.is_silent = status.is_read_only;
   report_.is_told = report_.is_settled && status.is_header_taken;
   report_.is_site_known = report_.is_settled && status.is_site_known;
   report_.connected_or_not_since = status.since;
@@ -257,7 +266,7 @@ OwnStand FleetLink::own_stand(const FleetStatus& status) const {
 ReportedMember FleetLink::own_row(const FleetStatus& status) const {
   std::string why;
   if (status.has_name_conflict) {
-    why = "another gateway uses this name too; give each its own `name` in [mqtt]";
+    why = status.is_read_only ? silent_twin : speaking_twin;
   } else if (!report_.refusal.empty()) {
     why = report_.refusal;
   } else if (is_full_ || status.lacks_room) {

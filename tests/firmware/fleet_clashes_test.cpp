@@ -138,12 +138,21 @@ TEST(FleetClashPage, TellsThatItsNameIsUsedTwice) {
     explicit Reader(Rig& rig) : PageReader(rig) { make_page(); }
     using PageReader::get;
   };
-  for (Member* const member : {&west, &twin}) {
-    Reader page(member->rig);
-    EXPECT_EQ(page.get("/healthz"),
-              "fleet: gateway west: another gateway uses this name too; give each its own `name` "
-              "in [mqtt]\n");
-  }
+  EXPECT_EQ(Reader(west.rig).get("/healthz"),
+            "fleet: gateway west: another gateway uses this name too, and tells nothing of what it "
+            "hears until it has one of its own; give it its own `name` in [mqtt]\n");
+  const std::string silent =
+      "this gateway is silent, and the others know nothing of what it hears: another one, which "
+      "was there first, uses its name too; give this one a `name` of its own in [mqtt], and "
+      "restart it";
+  EXPECT_EQ(Reader(twin.rig).get("/healthz"), "fleet: gateway west: " + silent + "\n");
+  const auto alarm_of = [](const Member& member) {
+    const Alarm& alarm = member.desk->watch.book().open(0);
+    return std::string(alarm.text()) + " -> " + std::string(alarm.cure());
+  };
+  EXPECT_EQ(alarm_of(twin),
+            "gateway west: another one has this name too, and this one is silent -> " + silent);
+  EXPECT_EQ(alarm_of(west).find("gateway west: another one has this name too -> another"), 0u);
   EXPECT_EQ(Reader(office.rig).get("/healthz"),
             "fleet: gateway west: two gateways use this name; give each its own `name` in "
             "[mqtt]\n");
