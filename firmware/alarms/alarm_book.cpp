@@ -12,17 +12,22 @@ AlarmBook::AlarmBook() {
   ended_.reserve(kept_alarms_max);
 }
 
-std::vector<std::uint32_t>::iterator AlarmBook::place_of(AlarmKey key) {
+std::vector<std::uint32_t>::const_iterator AlarmBook::place_of(AlarmKey key) const {
   return std::lower_bound(
       by_key_.begin(), by_key_.end(), key,
       [this](std::uint32_t slot, AlarmKey wanted) { return slots_[slot].alarm.key < wanted; });
 }
 
-bool AlarmBook::is_at(std::vector<std::uint32_t>::iterator place, AlarmKey key) const {
+bool AlarmBook::is_at(std::vector<std::uint32_t>::const_iterator place, AlarmKey key) const {
   return place != by_key_.end() && slots_[*place].alarm.key == key;
 }
 
-AlarmBook::Slot* AlarmBook::add(std::vector<std::uint32_t>::iterator place) {
+bool AlarmBook::is_on(AlarmKey key) const {
+  const auto place = place_of(key);
+  return is_at(place, key) && slots_[*place].alarm.is_on;
+}
+
+AlarmBook::Slot* AlarmBook::add(std::vector<std::uint32_t>::const_iterator place) {
   if (by_key_.size() == open_alarms_max) return nullptr;
   std::uint32_t slot = 0;
   if (free_.empty()) {

@@ -55,6 +55,9 @@ class AlarmBook {
   // That are on beyond those there is room for.
   std::uint32_t untold_count() const { return untold_; }
 
+  // O(log n).
+  bool is_on(AlarmKey key) const;
+
   // Those that ended before, the oldest is 0.
   std::uint32_t ended_count() const { return static_cast<std::uint32_t>(ended_.size()); }
   const Alarm& ended(std::uint32_t index) const {
@@ -96,10 +99,10 @@ class AlarmBook {
     bool is_dismissed = false;  // since then
   };
 
-  std::vector<std::uint32_t>::iterator place_of(AlarmKey key);
-  bool is_at(std::vector<std::uint32_t>::iterator place, AlarmKey key) const;
+  std::vector<std::uint32_t>::const_iterator place_of(AlarmKey key) const;
+  bool is_at(std::vector<std::uint32_t>::const_iterator place, AlarmKey key) const;
   // Null where there is no room.
-  Slot* add(std::vector<std::uint32_t>::iterator place);
+  Slot* add(std::vector<std::uint32_t>::const_iterator place);
   void end(Slot& slot, AlarmEnd why);
   Slot* add_restored(const Alarm& alarm);
   void close_look();

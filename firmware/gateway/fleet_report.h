@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -88,6 +89,16 @@ inline port::Duration time_apart(const FleetReport& fleet, port::Instant now) {
   if (!fleet.apart_since) return {};
   const port::Instant until = fleet.is_connected ? fleet.connected_or_not_since : now;
   return std::max<port::Duration>(until - *fleet.apart_since, {});
+}
+
+// It has been gone for longer than a restart of its program or of its connection takes: what the
+// list says at once is then a trouble. Who was apart itself knows nothing of the others yet.
+inline constexpr port::Duration gone_grace = std::chrono::seconds(10);
+inline bool is_gone_for_long(const FleetReport& fleet, const ReportedMember& member,
+                             port::Duration leave_after, port::Instant now) {
+  if (member.state != MemberState::gone || !fleet.is_connected) return false;
+  return now - std::max(member.since, fleet.connected_or_not_since) >
+         std::min(gone_grace, leave_after);
 }
 
 }  // namespace etcm::firmware

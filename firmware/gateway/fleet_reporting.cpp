@@ -18,7 +18,6 @@ constexpr port::Duration report_pause = 500ms;
 constexpr port::Duration set_time_max = 60s;
 // A connection that has stood so long is one; and so long, where those before it ended sooner.
 constexpr port::Duration lasting = 10s;
-constexpr port::Duration presence_time = 5s;
 // A gateway that went so long ago, and without which nothing is missing, does not come back.
 constexpr port::Duration gone_for_good = 24h;
 constexpr port::Duration lasting_after_short = 60s;
@@ -109,7 +108,7 @@ void FleetLink::tell_presence(const PeerReport& peer, const FleetStatus& status,
                               port::Instant now) {
   const bool is_here = peer.state == PeerState::online;
   const bool is_sure =
-      status.is_connected && std::min(now - status.since, now - peer.since) >= presence_time;
+      status.is_connected && std::min(now - status.since, now - peer.since) >= gone_grace;
   if (peer.state == PeerState::unknown || (!is_here && !is_sure)) return;
   const auto [known, is_new] = here_.try_emplace(peer.name, is_here);
   if (is_new || std::exchange(known->second, is_here) == is_here) return;

@@ -178,22 +178,21 @@ void look_at_names(const StatusSources& sources, Reasons& reasons) {
   if (named != nullptr) reasons.add() << "fleet: gateway " << named->name << ": " << named->why;
 }
 
-// The first of those that are gone is named. One that starts again is back in less, and who was
-// apart itself knows nothing of the others yet.
+// The first of those that are gone is named.
 void look_at_gone(const StatusSources& sources, port::Instant now, Reasons& reasons) {
   const FleetReport* const fleet = sources.gateway.fleet();
-  if (fleet == nullptr || !fleet->is_connected) return;
-  const port::Duration patience = sources.gateway.settings().poll.leave_after;
+  if (fleet == nullptr) return;
+  const port::Duration leave_after = sources.gateway.settings().poll.leave_after;
   const ReportedMember* first = nullptr;
   std::uint32_t count = 0;
   for (const ReportedMember& member : fleet->members) {
-    const port::Instant since = std::max(member.since, fleet->connected_or_not_since);
-    if (member.state != MemberState::gone || now - since <= patience) continue;
+    if (!is_gone_for_long(*fleet, member, leave_after, now)) continue;
     if (count++ == 0) first = &member;
   }
   if (first == nullptr) return;
   TextWriter& reason = reasons.add();
-  reason << "fleet: gateway " << first->name << " is gone: " << gone_cure
+  reason << "fleet: gateway " << first->name << " is gone for "
+         << whole_seconds(age_of(first->since, now)) << " s: " << gone_cure
          << "; if it is gone for good: sudo etcm-gateway ctl dismiss " << first->name;
   if (count > 1) reason << "; and " << count - 1 << " more gone";
 }

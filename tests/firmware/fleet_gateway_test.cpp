@@ -289,9 +289,9 @@ TEST_F(FleetGateway, TheLogSaysWhichGatewayIsGoneAndBack) {
   settle();
   east_.client.lose();
   east_.client.is_cut_off = true;
-  run({&west_}, 3s);
+  run({&west_}, gone_grace - 1s);
   EXPECT_EQ(west_.rig.log.count("is gone: "), 0u) << "it may only start again";
-  run({&west_}, 5s);
+  run({&west_}, 2s);
   EXPECT_EQ(west_.rig.log.count("gateway east is gone: its connection to the broker ended; look"),
             1u);
   east_.client.is_cut_off = false;
@@ -473,6 +473,43 @@ TEST_F(FleetGateway, ABrokerThatLetsItWriteNothingIsToldOf) {
   EXPECT_EQ(west_.fleet().members.back().why, "");
 }
 
+// Long before its nodes leave.
+TEST_F(FleetGateway, OneThatIsGoneIsToldWithinTheGraceAndSinceWhen) {
+  for (Member* const member : {&west_, &east_}) member->rig.settings.poll.leave_after = 60s;
+  settle();
+  const auto alarms_of_west = [&] {
+    std::string lines;
+    const AlarmBook& book = west_.desk->watch.book();
+    for (std::uint32_t i = 0; i < book.open_count(); ++i) {
+      if (!book.open(i).is_on) continue;
+      const auto age =
+          std::chrono::round<std::chrono::seconds>(west_.rig.clock.now() - book.open(i).since.at);
+      lines += std::string(book.open(i).text()) + " since " + std::to_string(age.count()) + " s\n";
+    }
+    return lines;
+  };
+  const auto cut = [&](port::Duration time) {
+    east_.client.lose();
+    east_.client.is_cut_off = true;
+    run_both(time);
+    east_.client.is_cut_off = false;
+  };
+  // A connection that is back, and what the broker had kept read, within that.
+  for (int i = 0; i < 3; ++i) {
+    cut(gone_grace - 5s);
+    EXPECT_EQ(alarms_of_west() + health_now(west_), "ok\n");
+    run_both(8s);
+    EXPECT_EQ(alarms_of_west() + health_now(west_), "ok\n");
+  }
+  cut(gone_grace + 2s);
+  EXPECT_EQ(alarms_of_west(), "gateway east is gone since 12 s\n");
+  EXPECT_EQ(health_now(west_).find("fleet: gateway east is gone for 1"), 0u);
+  // Nobody is told that it has come back because this one was cut off too.
+  west_.client.lose();
+  run_both(1s);
+  EXPECT_EQ(alarms_of_west(), "gateway east is gone since 13 s\n");
+}
+
 TEST_F(FleetGateway, TheNodesOfADeadGatewayAreSoughtThere) {
   settle();
   east_.client.lose();
@@ -483,7 +520,8 @@ TEST_F(FleetGateway, TheNodesOfADeadGatewayAreSoughtThere) {
     using PageReader::get;
   } page(west_.rig);
   EXPECT_EQ(page.get("/healthz"),
-            "fleet: gateway east is gone: look at its machine, its power, its network and its log: "
+            "fleet: gateway east is gone for 15 s: look at its machine, its power, its network and "
+            "its log: "
             "the broker may refuse it; if it is gone for good: sudo etcm-gateway ctl dismiss east\n"
             "2 nodes are missing: node 11, last heard by gateway east, and 1 more; that gateway is "
             "gone: look at its machine, its power, its network and its log: the broker may refuse "
