@@ -191,7 +191,7 @@ void MqttBroker::end(const std::string& why) {
     log_.write(Level::warning, why_down_ + "; trying again");
   }
   if (is_connected_ && now_ - up_since_ >= good_session) {
-    pause_.shorten();
+    pause_.note_lasting();
     cuts_ = 0;
   }
   const bool was_taken = std::exchange(is_taken_over_, false);

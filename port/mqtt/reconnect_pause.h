@@ -1,4 +1,5 @@
-// How long to wait before the next attempt to connect: ever longer, up to a bound.
+// How long to wait before the next attempt to connect: ever longer, up to a bound. Until a
+// connection has lasted, somebody is still setting up this end or the other: then the bound is low.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +16,9 @@ namespace etcm::port {
 class ReconnectPause {
  public:
   static constexpr Duration first = std::chrono::seconds(1);
-  static constexpr Duration longest = std::chrono::seconds(60);  // and half as much again
+  // And half as much again:
+  static constexpr Duration longest = std::chrono::seconds(60);
+  static constexpr Duration longest_at_first = std::chrono::seconds(5);
 
   explicit ReconnectPause(std::string_view name) {
     std::uint32_t hash = 0x811c9dc5u;  // FNV-1a
@@ -25,15 +28,21 @@ class ReconnectPause {
 
   Duration take() {
     const Duration pause = next_ + next_ * parts_ / 512;
-    next_ = std::min(2 * next_, longest);
+    next_ = std::max(next_, std::min(2 * next_, bound_));
     return pause;
   }
   void shorten() { next_ = first; }
+  // A connection has lasted.
+  void note_lasting() {
+    bound_ = longest;
+    next_ = first;
+  }
   void lengthen() { next_ = longest; }
 
  private:
   std::int64_t parts_ = 0;  // of 512, that a pause is longer
   Duration next_ = first;
+  Duration bound_ = longest_at_first;
 };
 
 }  // namespace etcm::port

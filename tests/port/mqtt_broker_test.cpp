@@ -582,9 +582,38 @@ TEST_F(SpareId, WhereItIsNotLetInTheFirstOneIsTakenAgain) {
   EXPECT_EQ(connect_well(), "north");
 }
 
+// Who sets up a broker sees the cure within seconds.
+TEST_F(MqttBrokerTest, BeforeAConnectionHasLastedPausesStayShort) {
+  constexpr Duration bound = ReconnectPause::longest_at_first * 3 / 2;
+  for (int i = 0; i < 6; ++i) {
+    next(0x10);
+    const std::uint64_t failures = broker_.counters().failures;
+    fake_.send(mqtt::connack(0x86));
+    EXPECT_TRUE(step_until([&] { return broker_.counters().failures > failures; }));
+    fake_.hang_up();
+    EXPECT_LE(broker_.next_deadline(), now_ + bound) << i;
+    pass_pause();
+  }
+  connect();
+  // Nor does one that is cut off at once show that all is well.
+  end_by(mqtt::disconnect(0x8b));
+  EXPECT_LE(broker_.next_deadline(), now_ + bound);
+}
+
 TEST_F(MqttBrokerTest, PausesGrowToABoundAndDifferByName) {
   ReconnectPause north("north");
   ReconnectPause south("south");
+  Duration last_at_first{};
+  for (int i = 0; i < 10; ++i) {
+    last_at_first = north.take();
+    EXPECT_LE(last_at_first, ReconnectPause::longest_at_first * 3 / 2);
+    EXPECT_NE(last_at_first, south.take());
+  }
+  EXPECT_GE(last_at_first, ReconnectPause::longest_at_first);
+  north.lengthen();
+  EXPECT_GE(north.take(), ReconnectPause::longest);
+  EXPECT_GE(north.take(), ReconnectPause::longest) << "until a session stands";
+  for (ReconnectPause* const pause : {&north, &south}) pause->note_lasting();
   Duration last{};
   for (int i = 0; i < 10; ++i) {
     const Duration pause = north.take();
@@ -599,6 +628,10 @@ TEST_F(MqttBrokerTest, PausesGrowToABoundAndDifferByName) {
   EXPECT_EQ(north.take(), again.take()) << "the same name has the same pauses";
 
   // A session that lasted begins anew; one that did not is as good as none.
+  connect();
+  now_ += MqttBroker::good_session;
+  end_by(mqtt::disconnect(0x8b));
+  pass_pause();
   for (int i = 0; i < 8; ++i) {
     connect();
     end_by(mqtt::disconnect(0x8b));
