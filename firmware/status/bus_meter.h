@@ -31,8 +31,10 @@ class BusMeter {
   void advance(port::Instant now);
   port::Instant next_deadline() const { return due_; }
 
-  // Of the last whole interval.
-  const BusUse& use(BusIndex bus) const { return buses_[bus.value].use; }
+  // Of the last whole interval; nothing of a bus that was added since advance().
+  BusUse use(BusIndex bus) const {
+    return bus.value < buses_.size() ? buses_[bus.value].use : BusUse{};
+  }
 
  private:
   struct Bus {

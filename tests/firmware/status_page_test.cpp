@@ -661,6 +661,25 @@ TEST_F(StatusPageTest, NoUnitOfABusWithoutALinkAnswers) {
   EXPECT_EQ(count(get("/status.json"), "\"answering\":5,"), 1u);
 }
 
+TEST_F(StatusPageTest, ABusThatAReloadAddsIsShownBeforeItIsMeasured) {
+  open_page();
+  put_square();
+  run(25s);
+  ScriptedBus yards[3];
+  std::vector<port::NodeBus*> added;
+  for (ScriptedBus& yard : yards) {
+    BusSettings settings = rig_.settings.buses.front();
+    settings.name = "yard-" + std::to_string(added.size());
+    rig_.settings.buses.push_back(settings);
+    added.push_back(&yard);
+  }
+  rig_.update_settings(added);
+  const std::string status = get("/status.json");
+  EXPECT_TRUE(is_sound_json(status)) << status;
+  EXPECT_EQ(count(status, "\"utilisation\":0,\"efficiency\":0"), 3u) << status;
+  EXPECT_EQ(count(get("/metrics"), "\netcm_bus_utilisation_ratio{bus=\"yard-2\"} 0\n"), 1u);
+}
+
 // A converter with a buffer, and a pty, are faster than their speed says.
 TEST_F(StatusPageTest, EfficiencyIsNeverAboveOne) {
   BusSettings& bus = rig_.settings.buses.front();
