@@ -57,6 +57,14 @@ void OwedAnswers::add(const RtuQuestion& question, Instant asked_at, Instant unt
   *place = {.question = question, .asked_at = asked_at, .until = until, .is_remembered = true};
 }
 
+void OwedAnswers::add_unasked(const RtuQuestion& question, Instant now, Instant until) {
+  add(question, now, until);
+  // Nobody knows when it was asked for, so the next one tells no latency.
+  for (Owed& owed : owed_) {
+    if (owed.is_remembered && are_answered_alike(owed.question, question)) owed.has_come = true;
+  }
+}
+
 std::optional<Instant> OwedAnswers::take(std::span<const std::uint8_t> pdu, Instant now) {
   const bool is_exception = (pdu[0] & exception_bit) != 0;
   const std::uint8_t function = pdu[0] & static_cast<std::uint8_t>(~exception_bit);

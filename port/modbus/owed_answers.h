@@ -40,6 +40,10 @@ class OwedAnswers {
   // It was waited for in vain; its answer may come until then.
   void add(const RtuQuestion& question, Instant asked_at, Instant until);
 
+  // An answer to it has come that nobody waited for, and that was not owed: another one like it may
+  // come until then.
+  void add_unasked(const RtuQuestion& question, Instant now, Instant until);
+
   // Something came that was not waited for. Returns when it was asked for, where that is certain,
   // and that answer is no longer owed. An exception tells no count, so it may be for several; and
   // what was owed until a minute ago is for nothing that is remembered.

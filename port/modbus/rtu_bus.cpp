@@ -214,6 +214,7 @@ void RtuBus::listen(Instant now) {
       }
     }
     const bool is_late = note_late(*found, now);
+    if (!is_late) note_unasked(*found, now);
     if (is_late && phase_ == Phase::silent && found->address == request_.address) {
       // What the silence was for has passed.
       silent_until_ = silent_at_latest_ = now + silence_;
@@ -286,6 +287,20 @@ bool RtuBus::note_late(const RtuAnswer& found, Instant now) {
   unit.lateness = std::max(unit.lateness, lateness);
   report_late(found.address, lateness, now);
   return true;
+}
+
+// Two answer at this unit, or somebody else asks it: a question was answered, and its other answer
+// is still to come, which must not become the next question's.
+void RtuBus::note_unasked(const RtuAnswer& found, Instant now) {
+  const std::uint8_t function = found.pdu[0];
+  if (now < clear_at_) return;
+  if (function != read_holding_registers && function != read_input_registers) return;
+  UnitState& unit = units_[found.address];
+  const auto count = static_cast<std::uint16_t>(found.pdu[1] / 2);
+  const RtuQuestion question{.function = function, .range = {.first = 0, .count = count}};
+  const bool is_under_way = phase_ == Phase::waiting && found.address == request_.address &&
+                            are_answered_alike(question, request_.question);
+  if (!is_under_way) unit.owed.add_unasked(question, now, now + latest_of(unit));
 }
 
 void RtuBus::report_late(std::uint8_t number, Duration lateness, Instant now) {

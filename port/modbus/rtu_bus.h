@@ -12,6 +12,8 @@
 //   (owed_answers.h). So a read goes out with the other function (FC 3 for FC 4), or leaves out
 //   registers that are known (RegisterRead::spare); a unit that owes half of what it can be asked
 //   is asked at even distances; a write waits. Others are asked meanwhile;
+// - an answer that was neither waited for nor owed may be followed by more like it (two units have
+//   one address), so nothing is asked that is answered alike for as long as if it had been owed;
 // - so it is known of a late answer when it was asked for, and the log says how slow the unit is.
 //
 // Those who share the line (UnitRequest) ask in their own way, so the same is done to them: nothing
@@ -151,6 +153,7 @@ class RtuBus final : public NodeBus {
   void settle_for_client(const RtuAnswer& found, Instant now);
   void settle_exception(std::uint8_t exception, Instant now);
   bool note_late(const RtuAnswer& found, Instant now);
+  void note_unasked(const RtuAnswer& found, Instant now);
   void report_late(std::uint8_t address, Duration lateness, Instant now);
   void owe(Instant now);
   void refuse(const Request& request);

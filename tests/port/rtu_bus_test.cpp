@@ -338,6 +338,23 @@ TEST_F(SerialBus, TheAnswerToTheFirstQuestionIsNotTakenForTheThirds) {
   EXPECT_EQ(value_, 2);
 }
 
+// Two units have one address, and one of them answers late; then the other one is taken away.
+TEST_F(SerialBus, ALateAnswerToWhatAnotherOneHasAnsweredIsNotTakenForTheNext) {
+  request(7);
+  say(two_registers(7, 1));
+  EXPECT_EQ(result(), BusResult::ok);
+  pass(300ms);
+  say(two_registers(7, 2));
+  EXPECT_EQ(result(), std::nullopt);
+  pass(100ms);
+  request(7, read_holding_registers);
+  say(two_registers(7, 3));
+  EXPECT_EQ(result(), std::nullopt) << "it is for a question of before";
+  say(two_registers(7, 4, read_holding_registers));
+  EXPECT_EQ(result(), BusResult::ok);
+  EXPECT_EQ(value_, 4);
+}
+
 TEST_F(SerialBus, WhatMayBeLeftOutIsAnotherWayToAsk) {
   request(7);
   EXPECT_EQ(wait_in_vain(), BusResult::timeout);
