@@ -37,6 +37,7 @@ void ConverterWorld::send(std::span<std::uint8_t> frame, std::uint16_t transacti
   queue_.push_back({.transaction = transaction,
                     .address = address,
                     .connection = connection_,
+                    .sent_at = now_,
                     .pdu = {pdu.begin(), pdu.end()}});
   if (queue_.size() == 1) begin();
 }
@@ -67,7 +68,8 @@ void ConverterWorld::begin() {
     if (is_spoilt) continue;
     done_at_ = now_ + on_the_line + said->after;
     said_ = said->pdu;
-    if (said->is_sound && queue_.size() == 1) answered_ = device;
+    // It has waited behind others.
+    if (said->is_sound && done_at_ < request.sent_at + timeout_) answered_ = device;
   }
   if (answers > 1 && random_.below(2) == 0) {
     said_.clear();

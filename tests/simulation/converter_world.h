@@ -46,6 +46,7 @@ class ConverterWorld final : public port::FrameConnection {
     std::uint16_t transaction = 0;
     std::uint8_t address = 0;
     std::uint64_t connection = 0;
+    Instant sent_at{};
     std::vector<std::uint8_t> pdu;
   };
   void begin();

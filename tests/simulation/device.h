@@ -74,6 +74,7 @@ class Device {
   bool is_plugged_in = true;
   bool is_replaced = false;  // for good
   bool is_leaving = false;
+  bool had_twin = false;  // another one answered at its unit
 
  private:
   struct Stay {

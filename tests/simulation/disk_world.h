@@ -47,9 +47,11 @@ class DiskWorld final : public port::Store {
   Instant next() const {
     return is_under_way_ && !hangs && done_at_ > now_ ? done_at_ : port::never;
   }
-  // Whoever was saving is gone.
+  // Whoever was saving is gone. What a run has published before its first save has ended may be
+  // published by the next one too.
   void lose_power() {
-    is_behind_ = is_behind_ || (is_under_way_ && (hangs || is_full));
+    is_behind_ = is_behind_ || !has_taken_in_ || (is_under_way_ && (hangs || is_full));
+    has_taken_in_ = false;
     if (is_under_way_ && !is_full && random_.below(2) == 0) take_in();
     is_under_way_ = false;
   }
@@ -70,12 +72,14 @@ class DiskWorld final : public port::Store {
     previous_ = std::move(last_);
     last_ = coming_;
     is_behind_ = false;
+    has_taken_in_ = true;
   }
 
   inputs::Random& random_;
   Instant now_{};
   bool is_under_way_ = false;
   bool is_behind_ = false;
+  bool has_taken_in_ = false;  // in this run
   Instant done_at_{};
   std::vector<std::byte> coming_;
   std::vector<std::byte> last_;

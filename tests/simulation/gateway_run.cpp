@@ -5,8 +5,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <utility>
 
 #include "etcm/config.h"
+#include "firmware/config/configuration.h"
+#include "firmware/config/reload.h"
 
 namespace etcm::simulation {
 
@@ -24,34 +28,12 @@ void TellingLog::write(port::Level, std::string_view line) {
 
 GatewayRun::GatewayRun(SiteWorld& site, const SimulatedClock& clock,
                        const port::WallClock& wall_clock, std::uint64_t number)
-    : settings_(std::make_shared<const firmware::Settings>(site.settings)),
-      told_(clock),
-      events_(clock, told_) {
-  for (std::size_t i = 0; i < site.buses.size(); ++i) {
-    const firmware::BusSettings& bus = settings_->buses[i];
-    if (site.buses[i].line) {
-      lines_.push_back(std::make_unique<port::RtuBus>(
-          *site.buses[i].line, events_,
-          port::RtuBusOptions{.name = bus.name,
-                              .serial_line = std::get<port::SerialLine>(bus.link),
-                              .clearing = bus.timeout + port::late_answer_max,
-                              .quiet = bus.quiet,
-                              .reopen_interval = 1s}));
-      polled_.push_back({.bus = lines_.back().get(), .settings = &bus});
-    } else {
-      connections_.push_back(
-          std::make_unique<port::TcpBus>(*site.buses[i].converter, events_,
-                                         port::TcpBusOptions{.name = bus.name,
-                                                             .end = {},
-                                                             .outstanding_max = bus.outstanding_max,
-                                                             .reconnect_interval = 1s}));
-      polled_.push_back({.bus = connections_.back().get(), .settings = &bus});
-    }
-  }
+    : site_(site), settings_(read(site.path())), told_(clock), events_(clock, told_) {
+  const std::vector<firmware::PolledBus> polled = open_buses(0);
   memory_.resize(storage_bytes(settings_->mesh));
   static_cast<void>(mesh_.open(memory_, settings_->mesh));
   gateway_ = std::make_unique<firmware::Gateway>(settings_, mesh_,
-                                                 firmware::GatewayPorts{.buses = polled_,
+                                                 firmware::GatewayPorts{.buses = polled,
                                                                         .server = masters_,
                                                                         .files = &site.folder,
                                                                         .store = &site.disk,
@@ -65,7 +47,7 @@ GatewayRun::GatewayRun(SiteWorld& site, const SimulatedClock& clock,
   alarms_.emplace(firmware::AlarmSources{.gateway = *gateway_,
                                          .masters = counters_,
                                          .readers = nullptr,
-                                         .refusal = no_refusal_,
+                                         .refusal = refusal_,
                                          .started_at = now});
   counters_.is_listening = true;
   page_.emplace(firmware::StatusSources{.gateway = *gateway_,
@@ -75,17 +57,65 @@ GatewayRun::GatewayRun(SiteWorld& site, const SimulatedClock& clock,
                                         .masters = counters_,
                                         .readers = counters_,
                                         .version = "simulated",
-                                        .started_at = now},
+                                        .started_at = now,
+                                        .refusal = &refusal_},
                 2);
+}
+
+std::shared_ptr<const firmware::Settings> GatewayRun::read(const std::string& path) {
+  std::vector<std::string> mistakes;
+  auto settings =
+      std::make_shared<firmware::Settings>(firmware::read_configuration(path, nullptr, mistakes));
+  if (!mistakes.empty()) throw std::runtime_error("the settings are refused: " + mistakes.front());
+  return settings;
+}
+
+// Those of the settings from this one on.
+std::vector<firmware::PolledBus> GatewayRun::open_buses(std::size_t first) {
+  std::vector<firmware::PolledBus> opened;
+  for (std::size_t i = first; i < settings_->buses.size(); ++i) {
+    const firmware::BusSettings& bus = settings_->buses[i];
+    if (site_.buses[i].line) {
+      lines_.push_back(std::make_unique<port::RtuBus>(
+          *site_.buses[i].line, events_,
+          port::RtuBusOptions{.name = bus.name,
+                              .serial_line = std::get<port::SerialLine>(bus.link),
+                              .clearing = bus.timeout + port::late_answer_max,
+                              .quiet = bus.quiet,
+                              .reopen_interval = 1s}));
+      opened.push_back({.bus = lines_.back().get(), .settings = &bus});
+    } else {
+      connections_.push_back(
+          std::make_unique<port::TcpBus>(*site_.buses[i].converter, events_,
+                                         port::TcpBusOptions{.name = bus.name,
+                                                             .end = {},
+                                                             .outstanding_max = bus.outstanding_max,
+                                                             .reconnect_interval = 1s}));
+      opened.push_back({.bus = connections_.back().get(), .settings = &bus});
+    }
+  }
+  return opened;
+}
+
+bool GatewayRun::reload(Instant now) {
+  std::shared_ptr<const firmware::Settings> next =
+      firmware::reload(site_.path(), *settings_, nullptr, events_, refusal_);
+  if (next == nullptr) return false;
+  const std::size_t known = settings_->buses.size();
+  settings_ = std::move(next);
+  const std::vector<firmware::PolledBus> added = open_buses(known);
+  gateway_->update_settings(settings_, added, now);
+  return true;
 }
 
 void GatewayRun::step(Instant now) {
   gateway_->step(now);
   if (alarms_->next_deadline() <= now) alarms_->step(now);
+  page_->advance(now);
 }
 
 Instant GatewayRun::next_deadline() const {
-  return std::min(gateway_->next_deadline(), alarms_->next_deadline());
+  return std::min({gateway_->next_deadline(), alarms_->next_deadline(), page_->next_deadline()});
 }
 
 void GatewayRun::finish(Instant now) {

@@ -49,6 +49,7 @@ class MastersWorld final : public port::MeshServer {
 
 class GatewayRun {
  public:
+  // Throws std::runtime_error where it refuses its settings.
   GatewayRun(SiteWorld& site, const SimulatedClock& clock, const port::WallClock& wall_clock,
              std::uint64_t number);
   GatewayRun(const GatewayRun&) = delete;
@@ -56,6 +57,10 @@ class GatewayRun {
 
   void step(Instant now);
   Instant next_deadline() const;
+  // Somebody sends SIGHUP. Whether the settings were taken over.
+  bool reload(Instant now);
+  // Why those that stand there were not; empty: they were.
+  const std::string& refusal() const { return refusal_; }
   void finish(Instant now);
   // A person or a program reads something of the page. What is wrong with it, or nothing.
   std::string read_page(std::string_view path);
@@ -66,17 +71,20 @@ class GatewayRun {
   const firmware::AlarmWatch& alarms() const { return *alarms_; }
 
  private:
-  const std::shared_ptr<const firmware::Settings> settings_;
+  static std::shared_ptr<const firmware::Settings> read(const std::string& path);
+  std::vector<firmware::PolledBus> open_buses(std::size_t first);
+
+  SiteWorld& site_;
+  std::shared_ptr<const firmware::Settings> settings_;
   TellingLog told_;
   firmware::RecentEvents events_;
   std::vector<std::unique_ptr<port::RtuBus>> lines_;
   std::vector<std::unique_ptr<port::TcpBus>> connections_;
-  std::vector<firmware::PolledBus> polled_;
   std::vector<std::byte> memory_;
   Mesh mesh_;
   MastersWorld masters_;
   port::ServiceCounters counters_;
-  const std::string no_refusal_;
+  std::string refusal_;
   std::unique_ptr<firmware::Gateway> gateway_;
   std::optional<firmware::AlarmWatch> alarms_;
   std::optional<firmware::StatusPage> page_;

@@ -1,7 +1,7 @@
 #include "judge.h"
 
 #include <algorithm>
-#include <sstream>
+#include <utility>
 #include <vector>
 
 #include "etcm/audit.h"
@@ -34,6 +34,7 @@ void Judge::begin(GatewayRun& run, Instant now) {
   // What no disk took is not known any more.
   if (site_.disk.is_behind()) generation_ = 0;
   positioned_at_.clear();
+  missing_.clear();
   for (const firmware::NodeRecord& node : run.gateway().nodes().records()) {
     if (node.is_known()) positioned_at_[node.serial.value] = node.positioned_at;
   }
@@ -91,20 +92,34 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
   }
   const auto& poll = run.gateway().settings().poll;
   const Instant accepted_at = accepted_at_[node.serial.value];
-  if (node.is_placed() && !node.stale && now - accepted_at > poll.stale_after + 10s) {
+  if (node.is_placed() && !node.stale &&
+      now - std::max(accepted_at, fresh_from_) > poll.stale_after + 10s) {
     return "is not stale, and told its position " + std::to_string(seconds_of(now - accepted_at)) +
            " s ago";
   }
-  if (node.is_missing && device->answered_at > began_ && !device->is_leaving &&
-      device->undisturbed_since <= now && device->answers > sightings &&
-      now - device->answered_at + 100ms < poll.leave_after) {
+  const BusWorld& bus = site_.buses[site_.bus_of(*device)];
+  // The silence of who was there instead begins anew with each trouble of the bus.
+  const Instant settled_at =
+      device->had_twin
+          ? std::max(device->undisturbed_since, bus.undisturbed_since + poll.leave_after + 10s)
+          : device->undisturbed_since;
+  const bool is_judged = node.is_missing && !bus.is_out_of_order() &&
+                         device->answered_at > began_ && !device->is_leaving &&
+                         !site_.is_doubled(*device) && settled_at <= now;
+  if (!node.is_missing) missing_.erase(node.serial.value);
+  const auto [missing, is_news] = node.is_missing
+                                      ? missing_.try_emplace(node.serial.value, device->answers)
+                                      : std::pair(missing_.end(), false);
+  const bool has_answered = is_news ? now - device->answered_at + 100ms < poll.leave_after
+                                    : is_judged && device->answers > missing->second + sightings;
+  if (is_judged && device->answers > sightings && has_answered) {
     return "is missing, and answered " + std::to_string(seconds_of(now - device->answered_at)) +
            " s ago";
   }
-  const BusWorld& bus = site_.buses[site_.bus_of(*device)];
   const Instant since = std::max({device->undisturbed_since, began_, bus.undisturbed_since});
-  if (node.stale && !bus.is_out_of_order() && !site_.is_doubled(*device) && !device->is_replaced &&
-      device->is_plugged_in && !device->is_leaving && device->ailment == Ailment::none &&
+  if (node.stale && site_.is_asked(*device) && !bus.is_out_of_order() &&
+      !site_.is_doubled(*device) && !device->is_replaced && device->is_plugged_in &&
+      !device->is_leaving && device->ailment == Ailment::none &&
       now - since > site_.found_again_within(site_.bus_of(*device))) {
     return "is stale, and nothing has been wrong with it for " +
            std::to_string(seconds_of(now - since)) + " s";
@@ -169,7 +184,6 @@ std::string Judge::compare_with_build(GatewayRun& run) {
 
 std::string Judge::look_at_rest(GatewayRun& run) {
   firmware::Gateway& gateway = run.gateway();
-  const bool is_full = site_.settings.mesh.vertices_max < 10 * 2;
   std::size_t known = 0;
   for (const auto& device : site_.devices) {
     if (device->is_replaced) continue;
@@ -180,10 +194,9 @@ std::string Judge::look_at_rest(GatewayRun& run) {
     if (node->is_missing) return name + " is missing";
     if (node->stale) return name + " is stale";
     if (node->position != device->place()) return name + " is believed elsewhere";
-    if (node->is_quarantined() && (is_full || gateway.settings().work_max > 0 ||
-                                   site_.settings.mesh.vertices_max <= site_.devices.size())) {
-      continue;
-    }
+    const std::uint32_t room = gateway.settings().mesh.vertices_max;
+    const bool has_room = room >= 20 && room > site_.devices.size();
+    if (node->is_quarantined() && (!has_room || gateway.settings().work_max > 0)) continue;
     if (!node->is_placed()) return name + " is not in the mesh";
     if (node->placed != device->place()) return name + " is placed elsewhere";
   }

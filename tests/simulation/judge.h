@@ -16,6 +16,11 @@ class Judge {
   // A run has begun: what it restores was judged before.
   void begin(GatewayRun& run, Instant now);
 
+  // Other times hold from now on: no silence counts before all were asked once.
+  void change_settings(Instant now) {
+    fresh_from_ = now + site_.running.interval + std::chrono::seconds(10);
+  }
+
   // What is wrong after a step; empty: nothing.
   std::string look(GatewayRun& run, Instant now);
   // The same once faults have ended, and all had time to be heard.
@@ -34,10 +39,12 @@ class Judge {
   const SiteWorld& site_;
   std::map<std::uint32_t, Instant> positioned_at_;  // by serial
   std::map<std::uint32_t, Instant> accepted_at_;    // a position, as the judge saw it; in any run
+  std::map<std::uint32_t, std::uint32_t> missing_;  // its answers, when it was declared so
   std::uint32_t generation_ = 0;
   bool is_to_look_at_ = false;  // the mesh of that generation
   Instant published_at_{};
   Instant began_{};
+  Instant fresh_from_{};
 };
 
 }  // namespace etcm::simulation

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "gateway_run.h"
 #include "judge.h"
@@ -42,7 +44,7 @@ class Life {
     for (std::size_t bus = 0; bus < site_.buses.size(); ++bus) {
       rest = std::max(rest, site_.found_again_within(bus));
     }
-    rest += site_.settings.poll.leave_after + 1min;
+    rest += site_.running.leave_after + 1min;
     if (outcome_.wrong.empty()) run_until(clock_.now() + rest, false);
     if (outcome_.wrong.empty()) run_->gateway().dismiss_all(clock_.now());
     if (outcome_.wrong.empty()) run_until(clock_.now() + 1min, false);
@@ -57,6 +59,8 @@ class Life {
  private:
   void start() {
     for (const auto& device : site_.devices) device->answers = 0;
+    site_.write_file();
+    site_.running = site_.file;
     run_ = std::make_unique<GatewayRun>(site_, clock_, wall_clock_, ++runs_);
     judge_.begin(*run_, clock_.now());
   }
@@ -259,9 +263,96 @@ class Life {
       case Event::read_page:
         note(run_->read_page(pages[random_.index(pages.size())]));
         break;
+      case Event::change_settings:
+        change_settings();
+        break;
       default:
         break;
     }
+  }
+
+  // An operator edits the file and sends SIGHUP.
+  void change_settings() {
+    if (random_.below(4) == 0) return change_settings_wrongly();
+    SiteFile& file = site_.file;
+    BusText& bus = file.buses[random_.index(file.buses.size())];
+    const std::size_t count = file.buses.size();
+    switch (random_.below(7)) {
+      case 0:
+        site_.draw_times(file);
+        break;
+      case 1:
+        site_.draw_features(file);
+        break;
+      case 2:
+        if (bus.units > 2) --bus.units;
+        break;
+      case 3:
+        if (count > 1) file.buses.pop_back();
+        break;
+      case 4:
+        if (count < site_.whole.buses.size()) file.buses.push_back(site_.whole.buses[count]);
+        break;
+      default:
+        for (std::size_t i = 0; i < count; ++i) {
+          file.buses[i].units = std::max(file.buses[i].units, site_.running.units(i));
+        }
+        if (bus.units < site_.whole.buses[bus_number(bus)].units) ++bus.units;
+        break;
+    }
+    reload();
+  }
+
+  std::size_t bus_number(const BusText& bus) const {
+    return static_cast<std::size_t>(&bus - site_.file.buses.data());
+  }
+
+  void reload() {
+    const Instant now = clock_.now();
+    site_.write_file();
+    if (!run_->reload(now)) return note("settings are refused: " + run_->refusal());
+    if (!run_->refusal().empty()) return note("settings that were taken over are told as refused");
+    const SiteFile before = std::exchange(site_.running, site_.file);
+    // Nothing of a bus is taken back before a restart, and then all that is new has to wait.
+    for (std::size_t i = 0; i < before.buses.size(); ++i) {
+      if (site_.file.units(i) < before.units(i)) site_.running.buses = before.buses;
+    }
+    for (const auto& device : site_.devices) {
+      if (!before.asks(site_.bus_of(*device), device->unit)) device->disturb(now);
+    }
+    for (BusWorld& bus : site_.buses) disturb(bus);
+    judge_.change_settings(now);
+    look_at_settings();
+  }
+
+  void look_at_settings() {
+    const firmware::Settings& settings = run_->gateway().settings();
+    std::uint32_t units = 0;
+    for (const BusText& bus : site_.running.buses) units += bus.units;
+    if (run_->gateway().poller().unit_count() != units) {
+      note(std::to_string(run_->gateway().poller().unit_count()) + " units are asked, not " +
+           std::to_string(units));
+    }
+    if (settings.poll.interval != site_.running.interval ||
+        settings.poll.leave_after != site_.running.leave_after) {
+      note("the times are not those of the file");
+    }
+    if (settings.features.size() != site_.running.features.size() ||
+        run_->gateway().features().size() != site_.running.features.size()) {
+      note("the features are not those of the file");
+    }
+  }
+
+  void change_settings_wrongly() {
+    const firmware::Settings* const before = &run_->gateway().settings();
+    const std::uint64_t hash = run_->mesh().hash();
+    site_.write_file(with_mistake(site_.file, random_.index(mistake_count)));
+    if (run_->reload(clock_.now())) return note("settings with a mistake are taken over");
+    if (run_->refusal().empty()) note("nobody is told why settings are refused");
+    if (&run_->gateway().settings() != before || run_->mesh().hash() != hash) {
+      note("refused settings have changed something");
+    }
+    look_at_settings();
   }
 
   void mend(BusWorld& bus) {
@@ -292,6 +383,8 @@ class Life {
     const Instant now = clock_.now();
     site_.remove_twins(now);
     mend_disk();
+    site_.file.buses = site_.whole.buses;
+    reload();
     for (BusWorld& bus : site_.buses) {
       mend(bus);
       disturb(bus);
@@ -321,6 +414,12 @@ class Life {
 
 }  // namespace
 
-Outcome live(std::uint64_t seed, Duration faults) { return Life(seed).run(faults); }
+Outcome live(std::uint64_t seed, Duration faults) {
+  try {
+    return Life(seed).run(faults);
+  } catch (const std::exception& error) {
+    return {.wrong = error.what()};
+  }
+}
 
 }  // namespace etcm::simulation

@@ -1,7 +1,7 @@
 #include "site_world.h"
 
 #include <algorithm>
-#include <string>
+#include <utility>
 
 namespace etcm::simulation {
 
@@ -10,28 +10,6 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr std::int32_t side = 3000;
-constexpr Duration timeout = 200ms;
-
-firmware::BusSettings bus_settings(std::size_t number, bool is_serial, std::uint8_t units,
-                                   inputs::Random& random) {
-  firmware::BusSettings bus;
-  bus.name = std::string("bus-") + static_cast<char>('a' + number);
-  bus.units = {{.first = 1, .last = units}};
-  bus.timeout = timeout;
-  bus.quiet = 50ms;
-  bus.scan_budget = 10ms;
-  if (is_serial) {
-    port::SerialLine line;
-    line.path = "/dev/simulated" + std::to_string(number);
-    line.baud = random.below(2) == 0 ? 9600 : 19200;
-    bus.link = line;
-    bus.outstanding_max = 1;
-  } else {
-    bus.link = port::Endpoint{};
-    bus.outstanding_max = static_cast<std::uint32_t>(1 + random.below(4));
-  }
-  return bus;
-}
 
 }  // namespace
 
@@ -43,51 +21,64 @@ SiteWorld::SiteWorld(inputs::Random& chance, Instant now) : random(chance), disk
     const auto nodes = static_cast<std::uint8_t>(2 + random.below(6));
     // One that is expected and never was.
     const auto units = static_cast<std::uint8_t>(nodes + random.below(2));
-    const bool is_serial = random.below(3) != 0;
-    settings.buses.push_back(bus_settings(number, is_serial, units, random));
-    BusWorld& bus = buses[number];
-    if (is_serial) {
-      bus.line = std::make_unique<RtuWorld>(std::get<port::SerialLine>(settings.buses[number].link),
-                                            timeout, bus.devices, random);
-    } else {
-      const ConverterHabits habits{.hold = random.below(2) == 0 ? Duration(300ms) : Duration(1s),
-                                   .says_nobody = random.below(2) == 0,
-                                   .keeps_queue = random.below(2) == 0};
-      bus.converter = std::make_unique<ConverterWorld>(habits, timeout, bus.devices, random);
-    }
+    open_bus(number, units);
     for (std::uint8_t unit = 1; unit <= nodes; ++unit) add(number, unit, now);
     unit_count += units;
   }
-  const Duration interval = 2s + random.below(18) * 1s;
-  const Duration round = 3 * interval + unit_count * 2s + 20s;
-  settings.poll = {.interval = interval,
-                   .timeout = timeout,
-                   .outstanding_max = 4,
-                   .absent_interval = 30s,
-                   .stale_after = round,
-                   .leave_after = 2 * round + 60s};
   // Some sites have no room for all.
   const bool is_small = random.below(5) == 0;
-  settings.mesh = {.vertices_max = is_small ? unit_count + 1 : 10 * unit_count + 40,
-                   .features_max = 40};
-  settings.state = firmware::StateSettings{.folder = "/state", .interval = 10s};
-  settings.files = firmware::FileSettings{.folder = "/files", .name = "mesh", .interval = 5s};
-  settings.work_max = random.below(5) == 0 ? 20'000 : 0;
-  const std::size_t feature_count = random.index(4);
-  for (std::size_t i = 0; i < feature_count; ++i) {
-    const std::uint32_t from = devices[random.index(devices.size())]->serial;
-    const std::uint32_t to = devices[random.index(devices.size())]->serial;
-    if (from == to) continue;
-    settings.features.push_back({.from = firmware::Serial{from},
-                                 .to = firmware::Serial{to},
-                                 .name = {},
-                                 .source = "site.toml:" + std::to_string(i + 1)});
+  whole.vertices_max = is_small ? unit_count + 1 : 10 * unit_count + 40;
+  whole.work_max = random.below(5) == 0 ? 20'000 : 0;
+  draw_times(whole);
+  draw_features(whole);
+  file = whole;
+}
+
+void SiteWorld::open_bus(std::size_t number, std::uint8_t units) {
+  BusText text{.units = units};
+  text.kind = random.below(3) != 0 ? LinkKind::serial : LinkKind::converter;
+  BusWorld& bus = buses[number];
+  if (text.kind == LinkKind::serial) {
+    text.baud = random.below(2) == 0 ? 9600 : 19200;
+    port::SerialLine line;
+    line.baud = text.baud;
+    bus.line = std::make_unique<RtuWorld>(line, unit_timeout, bus.devices, random);
+  } else {
+    text.outstanding = static_cast<std::uint32_t>(1 + random.below(4));
+    const ConverterHabits habits{.hold = random.below(2) == 0 ? Duration(300ms) : Duration(1s),
+                                 .says_nobody = random.below(2) == 0,
+                                 .keeps_queue = random.below(2) == 0};
+    bus.converter = std::make_unique<ConverterWorld>(habits, unit_timeout, bus.devices, random);
+  }
+  whole.buses.push_back(text);
+}
+
+void SiteWorld::draw_times(SiteFile& of) {
+  std::int64_t unit_count = 0;
+  for (const BusText& bus : whole.buses) unit_count += bus.units;
+  of.interval = 2s + random.below(18) * 1s;
+  const Duration round = 3 * of.interval + unit_count * 2s + 20s;
+  of.absent_interval = 30s;
+  of.stale_after = round;
+  of.leave_after = 2 * round + 60s;
+}
+
+void SiteWorld::draw_features(SiteFile& of) {
+  of.features.clear();
+  const std::size_t count = random.index(4);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint32_t from = devices[random.index(devices.size())]->serial;
+    std::uint32_t to = devices[random.index(devices.size())]->serial;
+    if (from > to) std::swap(from, to);
+    const bool is_there =
+        std::find(of.features.begin(), of.features.end(), std::pair(from, to)) != of.features.end();
+    if (from != to && !is_there) of.features.emplace_back(from, to);
   }
 }
 
 Duration SiteWorld::found_again_within(std::size_t bus) const {
-  const auto units = static_cast<std::int64_t>(settings.buses[bus].units[0].last);
-  return settings.poll.stale_after + settings.poll.absent_interval + 15s + units * 130s;
+  const std::int64_t units{whole.buses[bus].units};
+  return running.stale_after + running.absent_interval + 15s + units * 130s;
 }
 
 Position SiteWorld::free_place() {
@@ -138,7 +129,8 @@ void SiteWorld::remove_twins(Instant now) {
     for (const auto& device : devices) {
       if (device->unit == twin->unit && bus_of(*device) == bus_of(*twin)) {
         // The gateway takes the one for gone before it believes the other.
-        device->disturb(now + settings.poll.leave_after);
+        device->had_twin = true;
+        device->disturb(now + running.leave_after);
       }
     }
   }

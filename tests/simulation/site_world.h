@@ -2,12 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "converter_world.h"
 #include "disk_world.h"
-#include "firmware/config/settings.h"
 #include "rtu_world.h"
+#include "site_file.h"
+#include "support/scratch_folder.h"
 
 namespace etcm::simulation {
 
@@ -53,8 +55,22 @@ class SiteWorld {
   // Null: there is none, or more than one.
   Device* find(std::uint32_t serial) const;
 
+  // The gateway asks it, by the settings that hold.
+  bool is_asked(const Device& device) const { return running.asks(bus_of(device), device.unit); }
+
+  // Where a gateway finds its settings.
+  std::string path() const { return folder_of_file_.path("gateway.toml"); }
+  void write_file() const { write_file(file.text()); }
+  void write_file(const std::string& text) const {
+    static_cast<void>(folder_of_file_.write("gateway.toml", text));
+  }
+  void draw_times(SiteFile& of);
+  void draw_features(SiteFile& of);
+
   inputs::Random& random;
-  firmware::Settings settings;
+  SiteFile whole;    // with all that there is
+  SiteFile file;     // as it stands on the disk
+  SiteFile running;  // what of it must hold by now
   std::vector<std::unique_ptr<Device>> devices;
   std::vector<BusWorld> buses;
   DiskWorld disk;
@@ -63,6 +79,9 @@ class SiteWorld {
   std::vector<Device*> twins;
 
  private:
+  void open_bus(std::size_t number, std::uint8_t units);
+
+  test::ScratchFolder folder_of_file_;
   std::uint32_t next_serial_ = 1001;
   std::vector<Position> places_;
 };

@@ -1,0 +1,73 @@
+#include "site_file.h"
+
+#include <sstream>
+
+namespace etcm::simulation {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+std::string ms(Duration time) { return "\"" + std::to_string(time / 1ms) + "ms\""; }
+
+void write_bus(std::ostream& out, std::size_t number, const BusText& bus) {
+  out << "[[bus]]\nname = \"bus-" << static_cast<char>('a' + number) << "\"\n";
+  if (bus.kind == LinkKind::serial) {
+    out << "rtu = \"/dev/simulated" << number << "\"\nbaud = " << bus.baud
+        << "\nquiet = \"50ms\"\n";
+  } else {
+    out << "tcp = \"192.0.2." << number + 1 << ":502\"\noutstanding = " << bus.outstanding << "\n";
+  }
+  out << "units = \"1-" << int{bus.units} << "\"\n";
+}
+
+}  // namespace
+
+std::string SiteFile::text() const {
+  std::ostringstream out;
+  out << "[mesh]\nvertices_max = " << vertices_max << "\nfeatures_max = 40\nwork_max = " << work_max
+      << "\n[poll]\ninterval = " << ms(interval) << "\ntimeout = " << ms(unit_timeout)
+      << "\nabsent_interval = " << ms(absent_interval) << "\nstale_after = " << ms(stale_after)
+      << "\nleave_after = " << ms(leave_after)
+      << "\n[state]\nfolder = \"/state\"\ninterval = \"10s\"\n"
+         "[files]\nfolder = \"/files\"\nname = \"mesh\"\ninterval = \"5s\"\n"
+         "[http]\nlisten = \"127.0.0.1:8080\"\n";
+  for (std::size_t i = 0; i < buses.size(); ++i) write_bus(out, i, buses[i]);
+  for (const auto& [from, to] : features) {
+    out << "[[feature]]\nfrom = " << from << "\nto = " << to << "\n";
+  }
+  return out.str();
+}
+
+std::string with_mistake(const SiteFile& file, std::size_t which) {
+  SiteFile other = file;
+  switch (which) {
+    case 0:  // the editor was killed while it wrote
+      return file.text().substr(0, file.text().size() / 2) + "\n[[bus";
+    case 1:
+      other.features.emplace_back(7, 7);
+      return other.text();
+    case 2:
+      other.stale_after = other.interval / 2;
+      return other.text();
+    case 3:
+      return other.text() + "[[bus]]\nname = \"bus-a\"\nrtu = \"/dev/another\"\nunits = \"1\"\n";
+    case 4:
+      return "polling = 1\n" + other.text();
+    case 5:
+      other.buses.front().units = 248;
+      return other.text();
+    case 6:
+      return other.text() + "[[bus.device]]\nunits = \"1\"\nprofile = \"nobody-has-it\"\n";
+    case 7:
+      return {};  // the disk was full
+    default: {
+      // Written over by something else.
+      std::string text = other.text();
+      for (std::size_t i = text.size() / 3; i < text.size() / 2; ++i) text[i] = '\0';
+      return text;
+    }
+  }
+}
+
+}  // namespace etcm::simulation

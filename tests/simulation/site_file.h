@@ -1,0 +1,48 @@
+// The settings as an operator writes them: a file, in the words of the guide.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "etcm/port/clock.h"
+
+namespace etcm::simulation {
+
+using port::Duration;
+
+enum class LinkKind : std::uint8_t { serial, converter };
+
+struct BusText {
+  LinkKind kind = LinkKind::serial;
+  std::uint32_t baud = 19200;
+  std::uint32_t outstanding = 1;
+  std::uint8_t units = 0;  // from 1 to this one
+};
+
+struct SiteFile {
+  Duration interval{};
+  Duration absent_interval{};
+  Duration stale_after{};
+  Duration leave_after{};
+  std::uint32_t vertices_max = 0;
+  std::uint32_t work_max = 0;
+  std::vector<BusText> buses;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> features;  // serials
+
+  std::string text() const;
+  std::uint8_t units(std::size_t bus) const {
+    return bus < buses.size() ? buses[bus].units : std::uint8_t{0};
+  }
+  bool asks(std::size_t bus, std::uint8_t unit) const { return unit <= units(bus); }
+};
+
+// For an answer, on every bus.
+inline constexpr Duration unit_timeout = std::chrono::milliseconds(200);
+
+// The same with a mistake in it, one of many kinds.
+inline constexpr std::size_t mistake_count = 9;
+std::string with_mistake(const SiteFile& file, std::size_t which);
+
+}  // namespace etcm::simulation
