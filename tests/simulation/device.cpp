@@ -113,7 +113,7 @@ std::optional<Device::Answer> Device::hear(std::span<const std::uint8_t> pdu, In
     const std::vector<std::uint8_t> values = registers(first, count, now, random);
     answer.pdu = {pdu[0], static_cast<std::uint8_t>(values.size())};
     answer.pdu.insert(answer.pdu.end(), values.begin(), values.end());
-    answer.is_sound = answer.after < timeout && ailment != Ailment::torn && first <= 4;
+    answer.is_sound = answer.after <= timeout && ailment != Ailment::torn && first <= 4;
   } else if (pdu[0] == write_many && pdu.size() >= 6 && pdu.size() == 6u + pdu[5]) {
     const std::uint16_t first = word(pdu, 1), count = word(pdu, 3);
     const bool is_there = first >= configuration_first && first + count <= configuration_end;

@@ -43,6 +43,7 @@ void Judge::begin(GatewayRun& run, Instant now) {
 std::string Judge::look(GatewayRun& run, Instant now) {
   std::string wrong = look_at_nodes(run, now);
   if (!wrong.empty()) return wrong;
+  looked_at_ = now;
   const std::uint32_t generation = run.gateway().generation();
   if (generation < generation_) {
     return "generation " + std::to_string(generation) + " comes after " +
@@ -77,13 +78,21 @@ std::string Judge::look_at_nodes(GatewayRun& run, Instant now) {
 std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& run, Instant now) {
   const Device* const device = site_.find(node.serial.value);
   if (device == nullptr) return "there is none";
+  const BusWorld& bus = site_.buses[site_.bus_of(*device)];
   Instant& positioned_at = positioned_at_[node.serial.value];
   if (positioned_at != node.positioned_at) {
     positioned_at = node.positioned_at;
     if (!node.has_position()) return {};
     ++positions;
     accepted_at_[node.serial.value] = now;
-    const Instant asked = site_.buses[site_.bus_of(*device)].asked_at(device->unit);
+    const Instant asked = bus.asked_at(device->unit);
+    // On a line without numbers an answer counts in its time alone; behind a converter the gateway
+    // learns to wait for longer, and knows to which question it belongs.
+    const bool is_clear = bus.line && !bus.line->has_noise && bus.undisturbed_since + 1s < now &&
+                          device->ailment != Ailment::torn && !site_.is_doubled(*device);
+    if (is_clear && device->answered_at <= looked_at_) {
+      return "a position is accepted, and no answer to the last question came in its time";
+    }
     if (!device->held(node.position, asked)) {
       return "position " + text_of(node.position) + " is accepted, and it was at " +
              text_of(device->place()) + " when it was asked " +
@@ -97,12 +106,11 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
     return "is not stale, and told its position " + std::to_string(seconds_of(now - accepted_at)) +
            " s ago";
   }
-  const BusWorld& bus = site_.buses[site_.bus_of(*device)];
   // The silence of who was there instead begins anew with each trouble of the bus.
-  const Instant settled_at =
-      device->had_twin
-          ? std::max(device->undisturbed_since, bus.undisturbed_since + poll.leave_after + 10s)
-          : device->undisturbed_since;
+  const Instant settled_at = device->had_twin ? std::max(device->undisturbed_since,
+                                                         bus.undisturbed_since + poll.leave_after +
+                                                             10s + (sightings + 1) * poll.interval)
+                                              : device->undisturbed_since;
   const bool is_judged = node.is_missing && !bus.is_out_of_order() &&
                          device->answered_at > began_ && !device->is_leaving &&
                          !site_.is_doubled(*device) && settled_at <= now;
@@ -117,10 +125,16 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
            " s ago";
   }
   const Instant since = std::max({device->undisturbed_since, began_, bus.undisturbed_since});
-  if (node.stale && site_.is_asked(*device) && !bus.is_out_of_order() &&
-      !site_.is_doubled(*device) && !device->is_replaced && device->is_plugged_in &&
-      !device->is_leaving && device->ailment == Ailment::none &&
-      now - since > site_.found_again_within(site_.bus_of(*device))) {
+  const bool is_well = site_.is_asked(*device) && !bus.is_out_of_order() &&
+                       !site_.is_doubled(*device) && !device->is_replaced &&
+                       device->is_plugged_in && !device->is_leaving &&
+                       device->ailment == Ailment::none &&
+                       now - since > site_.found_again_within(site_.bus_of(*device));
+  if (is_well && node.has_position() && now - accepted_at > site_.age_max(site_.bus_of(*device))) {
+    return "is well, and told its position " + std::to_string(seconds_of(now - accepted_at)) +
+           " s ago";
+  }
+  if (is_well && node.stale) {
     return "is stale, and nothing has been wrong with it for " +
            std::to_string(seconds_of(now - since)) + " s";
   }
@@ -194,8 +208,8 @@ std::string Judge::look_at_rest(GatewayRun& run) {
     if (node->is_missing) return name + " is missing";
     if (node->stale) return name + " is stale";
     if (node->position != device->place()) return name + " is believed elsewhere";
-    const std::uint32_t room = gateway.settings().mesh.vertices_max;
-    const bool has_room = room >= 20 && room > site_.devices.size();
+    const bool has_room =
+        !site_.is_small && gateway.settings().mesh.vertices_max > site_.devices.size();
     if (node->is_quarantined() && (!has_room || gateway.settings().work_max > 0)) continue;
     if (!node->is_placed()) return name + " is not in the mesh";
     if (node->placed != device->place()) return name + " is placed elsewhere";

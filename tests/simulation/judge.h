@@ -44,6 +44,7 @@ class Judge {
   bool is_to_look_at_ = false;  // the mesh of that generation
   Instant published_at_{};
   Instant began_{};
+  Instant looked_at_{};
   Instant fresh_from_{};
 };
 

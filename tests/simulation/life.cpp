@@ -42,7 +42,8 @@ class Life {
     if (outcome_.wrong.empty()) end_faults();
     Duration rest{};
     for (std::size_t bus = 0; bus < site_.buses.size(); ++bus) {
-      rest = std::max(rest, site_.found_again_within(bus));
+      const Duration pause = site_.buses[bus].undisturbed_since - clock_.now();
+      rest = std::max(rest, site_.found_again_within(bus) + std::max(pause, Duration{}));
     }
     rest += site_.running.leave_after + 1min;
     if (outcome_.wrong.empty()) run_until(clock_.now() + rest, false);
@@ -208,7 +209,9 @@ class Life {
     }
   }
 
-  void disturb(BusWorld& bus) { bus.undisturbed_since = clock_.now(); }
+  void disturb(BusWorld& bus) {
+    bus.undisturbed_since = std::max(bus.undisturbed_since, clock_.now());
+  }
   void disturb_unit(const Device& device) {
     for (Device* const each : site_.buses[site_.bus_of(device)].devices) {
       if (each->unit == device.unit) each->disturb(clock_.now());
@@ -255,6 +258,10 @@ class Life {
         pass_to(now + random_.below(120'000) * 1ms);
         judge_.begin(*run_, clock_.now());
         for (const auto& each : site_.devices) each->disturb(clock_.now());
+        for (BusWorld& each : site_.buses) {
+          disturb(each);
+          if (each.converter) each.undisturbed_since = clock_.now() + standstill_cost_max;
+        }
         break;
       case Event::set_clock:
         wall_clock_.offset_ms +=

@@ -25,8 +25,7 @@ SiteWorld::SiteWorld(inputs::Random& chance, Instant now) : random(chance), disk
     for (std::uint8_t unit = 1; unit <= nodes; ++unit) add(number, unit, now);
     unit_count += units;
   }
-  // Some sites have no room for all.
-  const bool is_small = random.below(5) == 0;
+  is_small = random.below(5) == 0;
   whole.vertices_max = is_small ? unit_count + 1 : 10 * unit_count + 40;
   whole.work_max = random.below(5) == 0 ? 20'000 : 0;
   draw_times(whole);

@@ -32,6 +32,14 @@ struct BusWorld {
   Instant next() const { return line ? line->next() : converter->next(); }
 };
 
+// A unit that does not answer holds its line for so long: its time, and the silence behind it;
+// behind a converter what it is waited for there at the most.
+inline constexpr Duration held_on_a_line_max = std::chrono::milliseconds(1500);
+inline constexpr Duration held_in_a_converter_max = std::chrono::seconds(5);
+// Questions that a standstill of the gateway falls into count for as long as they can take at all,
+// a hundred times over, before units that are silent behind a converter are asked again.
+inline constexpr Duration standstill_cost_max = std::chrono::seconds(1600);
+
 class SiteWorld {
  public:
   SiteWorld(inputs::Random& random, Instant now);
@@ -42,6 +50,15 @@ class SiteWorld {
   // Once nothing is wrong with a unit, it is asked again and known to be there. Questions in vain
   // have a hundredth of the time of a line that is busy, and each may take a second.
   Duration found_again_within(std::size_t bus) const;
+
+  // So old is the position of a unit at the most with which nothing is wrong, however ill others of
+  // its bus are: it is asked once in an interval, and once more where another one spoils its
+  // answer; and each other one may hold the line once.
+  Duration age_max(std::size_t bus) const {
+    return 2 * running.interval +
+           whole.buses[bus].units *
+               (buses[bus].line ? held_on_a_line_max : held_in_a_converter_max);
+  }
 
   Position free_place();
   Device& add(std::size_t bus, std::uint8_t unit, Instant now);
@@ -68,9 +85,10 @@ class SiteWorld {
   void draw_features(SiteFile& of);
 
   inputs::Random& random;
-  SiteFile whole;    // with all that there is
-  SiteFile file;     // as it stands on the disk
-  SiteFile running;  // what of it must hold by now
+  bool is_small = false;  // there is no room for all
+  SiteFile whole;         // with all that there is
+  SiteFile file;          // as it stands on the disk
+  SiteFile running;       // what of it must hold by now
   std::vector<std::unique_ptr<Device>> devices;
   std::vector<BusWorld> buses;
   DiskWorld disk;
