@@ -1,5 +1,7 @@
 #include "converter_world.h"
 
+#include <utility>
+
 namespace etcm::simulation {
 
 using namespace std::chrono_literals;
@@ -11,7 +13,12 @@ constexpr std::uint8_t nobody_there = 0x0b;
 
 ConverterWorld::ConverterWorld(const ConverterHabits& habits, Duration timeout,
                                std::vector<Device*>& devices, inputs::Random& random)
-    : asked_at(256), habits_(habits), timeout_(timeout), devices_(devices), random_(random) {}
+    : asked_at(256),
+      asked_before(256),
+      habits_(habits),
+      timeout_(timeout),
+      devices_(devices),
+      random_(random) {}
 
 void ConverterWorld::connect(const port::Endpoint&, Instant, Duration) {
   if (is_cut_) {
@@ -32,7 +39,9 @@ void ConverterWorld::advance(Instant) {}
 void ConverterWorld::send(std::span<std::uint8_t> frame, std::uint16_t transaction,
                           std::uint8_t address, std::size_t pdu_bytes) {
   const auto pdu = frame.subspan(port::mbap_header_bytes, pdu_bytes);
-  if (pdu[0] == 3 || pdu[0] == 4) asked_at[address] = now_;
+  if (pdu[0] == 3 || pdu[0] == 4) {
+    asked_before[address] = std::exchange(asked_at[address], now_);
+  }
   if (hangs || queue_.size() >= habits_.queue_max) return;
   queue_.push_back({.transaction = transaction,
                     .address = address,

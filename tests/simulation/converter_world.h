@@ -40,6 +40,7 @@ class ConverterWorld final : public port::FrameConnection {
 
   bool hangs = false;  // takes requests, and says nothing
   std::vector<Instant> asked_at;
+  std::vector<Instant> asked_before;  // the time before that
 
  private:
   struct Request {

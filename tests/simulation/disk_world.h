@@ -52,7 +52,14 @@ class DiskWorld final : public port::Store {
   void lose_power() {
     is_behind_ = is_behind_ || !has_taken_in_ || (is_under_way_ && (hangs || is_full));
     has_taken_in_ = false;
-    if (is_under_way_ && !is_full && random_.below(2) == 0) take_in();
+    // In the middle of putting the new one in its place only the old one is left, as the one
+    // before.
+    if (is_under_way_ && !is_full && !last_.empty() && random_.below(4) == 0) {
+      previous_ = std::move(last_);
+      last_.clear();
+    } else if (is_under_way_ && !is_full && random_.below(2) == 0) {
+      take_in();
+    }
     is_under_way_ = false;
   }
   void lose_all() {
@@ -62,6 +69,8 @@ class DiskWorld final : public port::Store {
   }
   // It has not what the gateway has tried to save.
   bool is_behind() const { return is_behind_; }
+  // When something was saved last.
+  Instant saved_at() const { return saved_at_; }
 
   bool hangs = false;
   bool is_full = false;
@@ -73,6 +82,7 @@ class DiskWorld final : public port::Store {
     last_ = coming_;
     is_behind_ = false;
     has_taken_in_ = true;
+    saved_at_ = now_;
   }
 
   inputs::Random& random_;
@@ -81,6 +91,7 @@ class DiskWorld final : public port::Store {
   bool is_behind_ = false;
   bool has_taken_in_ = false;  // in this run
   Instant done_at_{};
+  Instant saved_at_{};
   std::vector<std::byte> coming_;
   std::vector<std::byte> last_;
   std::vector<std::byte> previous_;

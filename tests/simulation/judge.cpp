@@ -16,6 +16,8 @@ namespace {
 
 // So often a unit answers that had another serial before it is believed.
 constexpr std::uint32_t sightings = 3;
+// Where some of its answers are spoilt in between.
+constexpr std::uint32_t sightings_max = 12;
 
 std::string name_of(const firmware::NodeRecord& node) {
   return "node " + std::to_string(node.serial.value);
@@ -67,10 +69,30 @@ std::string Judge::look(GatewayRun& run, Instant now) {
 }
 
 std::string Judge::look_at_nodes(GatewayRun& run, Instant now) {
+  std::string unknown = look_for_unknown(run, now);
+  if (!unknown.empty()) return unknown;
   for (const firmware::NodeRecord& node : run.gateway().nodes().records()) {
     if (!node.is_known()) continue;
     std::string wrong = look_at_node(node, run, now);
     if (!wrong.empty()) return name_of(node) + ": " + wrong;
+  }
+  return {};
+}
+
+std::string Judge::look_for_unknown(GatewayRun& run, Instant now) {
+  const auto records = run.gateway().nodes().records();
+  const auto known =
+      std::count_if(records.begin(), records.end(),
+                    [](const firmware::NodeRecord& node) { return node.is_known(); });
+  // There is room for so many that have gone from their units, and no more.
+  if (static_cast<std::size_t>(known) > run.gateway().poller().unit_count()) return {};
+  for (const auto& device : site_.devices) {
+    const bool has_told = device->answers > sightings_max && device->undisturbed_since <= now &&
+                          device->answered_at > began_ && !device->is_leaving;
+    if (!has_told || device->is_replaced || site_.is_doubled(*device)) continue;
+    if (run.gateway().nodes().find(firmware::Serial{device->serial}) == nullptr) {
+      return "node " + std::to_string(device->serial) + " answers, and is not known";
+    }
   }
   return {};
 }
@@ -85,7 +107,7 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
     if (!node.has_position()) return {};
     ++positions;
     accepted_at_[node.serial.value] = now;
-    const Instant asked = bus.asked_at(device->unit);
+    const Instant asked = bus.asked_at(device->unit, now);
     // On a line without numbers an answer counts in its time alone; behind a converter the gateway
     // learns to wait for longer, and knows to which question it belongs.
     const bool is_clear = bus.line && !bus.line->has_noise && bus.undisturbed_since + 1s < now &&
@@ -216,6 +238,10 @@ std::string Judge::look_at_rest(GatewayRun& run) {
   }
   for (const firmware::NodeRecord& node : gateway.nodes().records()) {
     if (node.is_known() && --known + 1 == 0) return "at rest, " + name_of(node) + " is still known";
+  }
+  // All have moved since.
+  if (site_.disk.is_behind() || site_.disk.saved_at() <= site_.faults_ended_at) {
+    return "at rest, the disk has another state";
   }
   return look_at_mesh(run);
 }

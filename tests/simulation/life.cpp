@@ -186,6 +186,7 @@ class Life {
         if (site_.devices.size() < 60 && site_.twins.empty()) {
           site_.add_twin(device, now);
           disturb_unit(device);
+          disturb(bus);
         } else {
           site_.remove_twins(now);
         }
@@ -195,6 +196,7 @@ class Life {
         device.disturb(now);
         break;
       case Event::dismiss:
+        for (const auto& each : site_.devices) each->answers = 0;
         if (random_.below(2) == 0) {
           run_->gateway().dismiss(firmware::Serial{device.serial});
         } else {
@@ -387,7 +389,7 @@ class Life {
   }
 
   void end_faults() {
-    const Instant now = clock_.now();
+    const Instant now = site_.faults_ended_at = clock_.now();
     site_.remove_twins(now);
     mend_disk();
     site_.file.buses = site_.whole.buses;

@@ -15,7 +15,9 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-DAYS = "12"
+DAYS = "60"
+# Those that want a rare meeting of two faults.
+DAYS_OF = {"nothing_is_cleared_at_the_start": "400", "a_standstill_is_a_cost": "400"}
 
 # Name: the file, a text that stands in it once, what stands there instead.
 MUTANTS = {
@@ -43,6 +45,40 @@ MUTANTS = {
     "another_node_at_a_unit_is_not_seen": (
         "firmware/nodes/admission.cpp", "if (conflict.sightings < sightings_wanted) return nullptr;",
         "return nullptr;"),
+    # Whether a position is in time, and how old it may be.
+    "a_late_answer_becomes_a_position": (
+        "port/modbus/rtu_bus.cpp", "  unit.owed.add(request_.question, sent_at_, until);\n", ""),
+    "answers_are_waited_for_too_long": (
+        "port/modbus/rtu_bus.cpp", "deadline_ = sent_at_ + timeout + silence_ +",
+        "deadline_ = sent_at_ + 4 * timeout + silence_ +"),
+    "sound_units_are_asked_seldom": (
+        "firmware/polling/bus_schedule.cpp", "const port::Instant asked_by = now + poll_.interval;",
+        "poll_.interval *= 3; const port::Instant asked_by = now + poll_.interval;"),
+    "a_converter_is_asked_ever_more": (
+        "port/modbus/transaction_queue.cpp",
+        "return entry.head_at == never ? never : entry.head_at + patience(entry.request);",
+        "return entry.request.sent_at + entry.request.timeout;"),
+    # The mesh itself.
+    "a_refused_call_corrupts_the_mesh": (
+        "lib/src/conforming/transaction.cpp",
+        "  m.work.go_back();\n  change.dirty.clear(m);\n  drop_fresh(change);",
+        "  m.work.go_back();\n  change.dirty.clear(m);"),
+    # The disk.
+    "the_copy_before_the_last_is_not_used": (
+        "firmware/persist/state_saver.cpp", "{port::Copy::last, port::Copy::previous}", "{port::Copy::last}"),
+    # When somebody edits the settings.
+    "settings_with_mistakes_are_taken": (
+        "firmware/config/reload.cpp", "  if (!mistakes.empty()) {\n    tell(", "  if (false) {\n    tell("),
+    "nobody_is_told_of_a_refusal": (
+        "firmware/config/reload.cpp", "  refusal = refusal_of(mistakes);", "  refusal.clear();"),
+    "what_has_to_wait_is_taken_over": (
+        "firmware/config/bus_reload.cpp", "if (!reload.must_wait()) return reload.take_over();",
+        "return reload.take_over();"),
+    "a_bus_that_is_added_is_not_asked": (
+        "firmware/gateway/gateway.cpp",
+        "for (const PolledBus& bus : added) poller_.add_bus(poll, bus);", ""),
+    "features_of_before_stay": (
+        "firmware/config/reload.cpp", "  settings.features = next.features;\n", ""),
     # Time.
     "a_standstill_is_a_cost": (
         "firmware/polling/bus_schedule.cpp",
@@ -102,7 +138,7 @@ class Build:
         if len(compiles) != 1:
             sys.exit(f"mutants: {file} is not compiled alone here")
         command = re.sub(r"-o \S+", f"-o {made}", compiles[0].replace(f"-c {self.source / file}", f"-c {changed}"))
-        command = re.sub(r"-MF \S+", f"-MF {made}.d", command) + f" -Wno-error -I{(self.source / file).parent}"
+        command = re.sub(r"-MF \S+", f"-MF {made}.d", command) + f" -Wno-error -iquote {(self.source / file).parent}"
         result = self.run(command)
         if result.returncode != 0:
             sys.exit(f"mutants: {name} does not compile:\n{result.stderr}")
@@ -115,7 +151,7 @@ class Build:
     def judge(self, name):
         """What the simulation says of it, or None: it has found nothing."""
         program = self.make(name)
-        environment = dict(os.environ, ETCM_SIMULATION_DAYS=DAYS, ETCM_SIMULATION_WRONG="1")
+        environment = dict(os.environ, ETCM_SIMULATION_DAYS=DAYS_OF.get(name, DAYS), ETCM_SIMULATION_WRONG="1")
         result = subprocess.run([program], env=environment, capture_output=True, text=True)
         program.unlink()
         if result.returncode == 0:

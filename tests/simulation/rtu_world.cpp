@@ -1,6 +1,7 @@
 #include "rtu_world.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace etcm::simulation {
 
@@ -25,6 +26,7 @@ std::uint16_t checksum(std::span<const std::uint8_t> bytes) {
 RtuWorld::RtuWorld(const port::SerialLine& line, Duration timeout, std::vector<Device*>& devices,
                    inputs::Random& random)
     : asked_at(256),
+      asked_before(256),
       character_(character_time(line)),
       silence_(frame_silence(line)),
       timeout_(timeout),
@@ -50,7 +52,9 @@ bool RtuWorld::write(std::span<const std::uint8_t> frame, std::string& why) {
     return false;
   }
   const Instant asked = now_ + time_of(frame.size());
-  if (frame.size() == 8 && (frame[1] == 3 || frame[1] == 4)) asked_at[frame[0]] = now_;
+  if (frame.size() == 8 && (frame[1] == 3 || frame[1] == 4)) {
+    asked_before[frame[0]] = std::exchange(asked_at[frame[0]], now_);
+  }
   // Two who talk at once spoil each other's bytes.
   bool is_heard = true;
   for (Sending& sending : sendings_) {

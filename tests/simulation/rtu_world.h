@@ -31,6 +31,7 @@ class RtuWorld final : public port::RtuLine {
   bool has_noise = false;
   // When a position was asked for last, by unit.
   std::vector<Instant> asked_at;
+  std::vector<Instant> asked_before;  // the time before that
 
  private:
   struct Sending {

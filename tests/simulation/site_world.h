@@ -22,8 +22,11 @@ struct BusWorld {
   bool is_out_of_order() const {
     return line ? line->is_cut || line->has_noise : converter->hangs || converter->is_cut();
   }
-  Instant asked_at(std::uint8_t unit) const {
-    return line ? line->asked_at[unit] : converter->asked_at[unit];
+  // Before this moment, in which the next question may have followed the answer.
+  Instant asked_at(std::uint8_t unit, Instant now) const {
+    const Instant last = line ? line->asked_at[unit] : converter->asked_at[unit];
+    if (last < now) return last;
+    return line ? line->asked_before[unit] : converter->asked_before[unit];
   }
   void pass_to(Instant now) {
     if (line) line->pass_to(now);
@@ -32,10 +35,8 @@ struct BusWorld {
   Instant next() const { return line ? line->next() : converter->next(); }
 };
 
-// A unit that does not answer holds its line for so long: its time, and the silence behind it;
-// behind a converter what it is waited for there at the most.
+// A unit that does not answer holds a serial line for so long: its time, and the silence behind it.
 inline constexpr Duration held_on_a_line_max = std::chrono::milliseconds(1500);
-inline constexpr Duration held_in_a_converter_max = std::chrono::seconds(5);
 // Questions that a standstill of the gateway falls into count for as long as they can take at all,
 // a hundred times over, before units that are silent behind a converter are asked again.
 inline constexpr Duration standstill_cost_max = std::chrono::seconds(1600);
@@ -53,11 +54,11 @@ class SiteWorld {
 
   // So old is the position of a unit at the most with which nothing is wrong, however ill others of
   // its bus are: it is asked once in an interval, and once more where another one spoils its
-  // answer; and each other one may hold the line once.
+  // answer; and each other one may hold the line once. Behind a converter one that had to wait too
+  // long for a dead one counts as failing itself, and is found again as such are.
   Duration age_max(std::size_t bus) const {
-    return 2 * running.interval +
-           whole.buses[bus].units *
-               (buses[bus].line ? held_on_a_line_max : held_in_a_converter_max);
+    return buses[bus].line ? 2 * running.interval + whole.buses[bus].units * held_on_a_line_max
+                           : found_again_within(bus);
   }
 
   Position free_place();
@@ -93,6 +94,7 @@ class SiteWorld {
   std::vector<BusWorld> buses;
   DiskWorld disk;
   FolderWorld folder;
+  Instant faults_ended_at{};
   // Others have its unit too.
   std::vector<Device*> twins;
 
