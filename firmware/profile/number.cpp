@@ -83,26 +83,25 @@ constexpr bool is_blank(char c) { return c == ' ' || c == '\0'; }
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 constexpr bool is_hemisphere(char c) { return c == 'N' || c == 'S' || c == 'E' || c == 'W'; }
 
-// Takes the letter of a hemisphere away from either end; whether it turns the sign.
-bool take_hemisphere(std::string_view& text) {
-  char letter = '\0';
-  if (!text.empty() && is_hemisphere(text.front())) {
-    letter = text.front();
+// Takes away what tells the sign: nothing, a sign, or the letter of a hemisphere at either end;
+// whether it is negative. A sign that is beside a letter stays, and is malformed: nobody knows
+// which of them counts.
+bool take_sign(std::string_view& text) {
+  if (text.empty()) return false;
+  const char first = text.front();
+  if (first == '-' || first == '+' || is_hemisphere(first)) {
     text.remove_prefix(1);
-  } else if (!text.empty() && is_hemisphere(text.back())) {
-    letter = text.back();
-    text.remove_suffix(1);
+    return first == '-' || first == 'S' || first == 'W';
   }
-  return letter == 'S' || letter == 'W';
+  const char last = text.back();
+  if (!is_hemisphere(last)) return false;
+  text.remove_suffix(1);
+  return last == 'S' || last == 'W';
 }
 
 // Digits with at most one point. Nothing for anything else, and for more than fit.
 std::optional<Decimal> decimal_of(std::string_view text) {
-  bool is_negative = take_hemisphere(text);
-  if (!text.empty() && (text.front() == '-' || text.front() == '+')) {
-    is_negative = is_negative != (text.front() == '-');
-    text.remove_prefix(1);
-  }
+  const bool is_negative = take_sign(text);
   Decimal decimal;
   bool has_digit = false;
   bool has_point = false;

@@ -211,5 +211,18 @@ TEST(ProfileNumber, StandsInLetters) {
   });
 }
 
+// "-33.8S" was 33.8 degrees in the north: the sign turned what the letter had turned.
+TEST(ProfileNumber, ASignBesideALetterIsNoNumber) {
+  constexpr const char* field = "register = 0, type = 'ascii', count = 6";
+  expect({
+      {field, letters("-33.8612S", 6), "malformed"},
+      {field, letters("-151.2098E", 6), "malformed"},
+      {field, letters("+33.8612N", 6), "malformed"},
+      {field, letters("S-33.8612", 6), "malformed"},
+      {field, letters("N33.8612S", 6), "malformed"},
+      {field, letters("33.8612S", 6), "-33861200000"},
+  });
+}
+
 }  // namespace
 }  // namespace etcm::firmware
