@@ -210,8 +210,9 @@ ETCM_MUST_USE etcm_status_t etcm_restore(etcm_mesh_t* mesh, const etcm_position_
 
 // Makes the mesh, whatever its history, the one that etcm_build() makes of the same nodes and
 // features, bit for bit. Costs what the changes since can have had an influence on. With
-// ETCM_WORK_LIMIT what is done stays, and the next call goes on. Errors: the room-and-bounds
-// statuses.
+// ETCM_WORK_LIMIT what is done stays, and the next call goes on where the limit is enough for one
+// group of features: a second refusal that changed nothing is for ever. Errors: the
+// room-and-bounds statuses.
 ETCM_MUST_USE etcm_status_t etcm_canonicalize(etcm_mesh_t* mesh, uint64_t limit);
 // Whether it is known to be that mesh.
 bool etcm_is_canonical(const etcm_mesh_t* mesh);
