@@ -67,7 +67,7 @@ bool is_identity_judged(const Gateway& gateway, std::uint64_t subject, port::Dur
   if (number == 0) {
     // Two other gateways hear it.
     const FleetReport* const fleet = gateway.fleet();
-    return fleet == nullptr || (fleet->is_settled && fleet->is_told);
+    return fleet == nullptr || fleet->is_told;
   }
   const UnitIndex unit{number - 1};
   if (unit.value >= gateway.poller().unit_count()) return true;
@@ -112,7 +112,7 @@ bool is_fleet_judged(const FleetReport& fleet, AlarmKey key, port::Instant now) 
     case AlarmKind::refused_by_broker:
       return fleet.is_told;
     case AlarmKind::site_of_fleet:
-      return fleet.is_settled && fleet.is_site_known;
+      return fleet.is_site_known;
     case AlarmKind::name_taken:
       // Its twin, which had fallen silent, comes forward within that.
       if (key.subject == subject_of(fleet.name)) {

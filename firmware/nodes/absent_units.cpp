@@ -7,19 +7,12 @@ namespace etcm::firmware {
 
 bool is_named(const Settings& settings, const Poller& poller, UnitIndex unit) {
   const BusSettings& line = poller.bus(poller.bus_of(unit));
-  const std::uint32_t address = poller.address_of(unit).value;
-  const auto has_unit = [&](const DeviceSettings& device) {
-    return std::any_of(device.units.begin(), device.units.end(), [&](const UnitRange& range) {
-      return range.first <= address && address <= range.last;
-    });
+  const ModbusAddress address = poller.address_of(unit);
+  const auto is_its_name = [&](const NodeName& node) {
+    return node.serial.is_none() && node.bus == line.name && node.address == address.value;
   };
-  const auto is_there = [&](const auto& node) {
-    return node.bus == line.name && node.address == address;
-  };
-  return std::any_of(line.devices.begin(), line.devices.end(), has_unit) ||
-         std::any_of(settings.nodes.begin(), settings.nodes.end(), is_there) ||
-         std::any_of(settings.node_names.begin(), settings.node_names.end(),
-                     [&](const NodeName& node) { return node.serial.is_none() && is_there(node); });
+  return device_at(line, address) != nullptr || node_at(settings, line, address) != nullptr ||
+         std::any_of(settings.node_names.begin(), settings.node_names.end(), is_its_name);
 }
 
 bool AbsentUnits::look(const Settings& settings, const Poller& poller, const Presence& presence,
@@ -42,8 +35,8 @@ bool AbsentUnits::look(const Settings& settings, const Poller& poller, const Pre
       if (node.bus == line.name) look_at_unit(settings, poller, nodes, bus, node.address);
     }
     for (const NodeName& node : settings.node_names) {
-      const bool is_there = node.serial.is_none() && node.bus == line.name;
-      if (is_there) look_at_unit(settings, poller, nodes, bus, node.address);
+      const bool is_of_this_bus = node.serial.is_none() && node.bus == line.name;
+      if (is_of_this_bus) look_at_unit(settings, poller, nodes, bus, node.address);
     }
   }
   // Named twice, as a device and as a node, it is one unit.

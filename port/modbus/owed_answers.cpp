@@ -43,26 +43,29 @@ void OwedAnswers::forget(const RtuQuestion& question) {
 }
 
 void OwedAnswers::add(const RtuQuestion& question, Instant asked_at, Instant until) {
+  place_for(question) = {
+      .question = question, .asked_at = asked_at, .until = until, .is_remembered = true};
+}
+
+void OwedAnswers::add_unasked(const RtuQuestion& question, Instant now, Instant until) {
+  // Nobody knows when it was asked for, so the next one tells no latency.
+  place_for(question) = {.question = question,
+                         .asked_at = now,
+                         .until = until,
+                         .is_remembered = true,
+                         .has_come = true};
+}
+
+OwedAnswers::Owed& OwedAnswers::place_for(const RtuQuestion& question) {
   Owed* place = nullptr;
   for (Owed& owed : owed_) {
-    if (owed.is_remembered && are_answered_alike(owed.question, question)) {
-      place = &owed;
-      break;
-    }
+    if (owed.is_remembered && are_answered_alike(owed.question, question)) return owed;
     const auto end_of = [](const Owed& other) {
       return other.is_remembered ? other.until : Instant{};
     };
     if (place == nullptr || end_of(owed) < end_of(*place)) place = &owed;
   }
-  *place = {.question = question, .asked_at = asked_at, .until = until, .is_remembered = true};
-}
-
-void OwedAnswers::add_unasked(const RtuQuestion& question, Instant now, Instant until) {
-  add(question, now, until);
-  // Nobody knows when it was asked for, so the next one tells no latency.
-  for (Owed& owed : owed_) {
-    if (owed.is_remembered && are_answered_alike(owed.question, question)) owed.has_come = true;
-  }
+  return *place;
 }
 
 std::optional<Instant> OwedAnswers::take(std::span<const std::uint8_t> pdu, Instant now) {

@@ -58,6 +58,8 @@ class OwedAnswers {
     bool has_come = false;
   };
   const Owed* find(const RtuQuestion& question) const;
+  // Where one that is answered alike is remembered; else what will be forgotten first.
+  Owed& place_for(const RtuQuestion& question);
 
   std::array<Owed, count_max> owed_{};
 };
