@@ -524,7 +524,10 @@ class InABrowser(BrowserCase):
         self.wait_for_text("#counts", r"Nodes\s*120")
         seen = len(self.browser.find_elements(By.CSS_SELECTOR, "tr.row"))
         self.assertLess(seen, 100)
+        whole = self.text("#scale")
         self.find("#zoom-in").click()
+        # It is drawn with the next picture.
+        wait_for("a finer scale", lambda: self.text("#scale") != whole)
         before = self.text("#scale")
         self.browser.execute_script("dispatchEvent(new Event('beforeprint'))")
         self.assertEqual(len(self.browser.find_elements(By.CSS_SELECTOR, "tr.row")), 120)
