@@ -102,6 +102,8 @@ class Content(ProgramCase):
         self.assertIn("usr/include/etcm/mesh.h", development)
         for document in ("docs/cost.md", "examples/cluster_head.c", "CHANGELOG.md"):
             self.assertIn(f"usr/share/doc/libetcm-dev/{document}", development)
+        for file in ("etcm.cpp", "etcm.hpp", "etcm.h", "README.md"):
+            self.assertIn(f"usr/share/etcm/drop-in/{file}", development)
         if shutil.which("doxygen"):
             self.assertIn("usr/share/doc/libetcm-dev/html/index.html", development)
         self.assertEqual([path for path in development if "/bin/" in path or path[:4] == "etc/"], [])

@@ -36,3 +36,15 @@ configure_file("${CMAKE_CURRENT_LIST_DIR}/etcm.pc.in" "${PROJECT_BINARY_DIR}/etc
 install(FILES "${PROJECT_BINARY_DIR}/etcm.pc"
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development
 )
+
+# One header and one source, for machines that no package is for. Made as it is installed, so it is
+# never that of older sources.
+find_package(Python3 QUIET COMPONENTS Interpreter)
+if(Python3_FOUND)
+  install(CODE "
+    set(folder \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/etcm/drop-in\")
+    message(STATUS \"Installing: \${folder}\")
+    execute_process(COMMAND \"${Python3_EXECUTABLE}\" \"${PROJECT_SOURCE_DIR}/tools/drop_in\" \"\${folder}\"
+      COMMAND_ERROR_IS_FATAL ANY)"
+    COMPONENT development)
+endif()
