@@ -146,6 +146,8 @@ def kill(site, kills, chance):
     generation = wrong = 0
     for number in range(kills + 1):
         gateway = site.start_gateway(f"gateway{number}")
+        # It listens before it has looked at its state, and joins nobody before.
+        gateway.wait_for_line(r"restored the|joined")
         log = gateway.log()
         found = re.search(r"restored the mesh of generation (\d+)", log)
         if "state.refused" in log or (number > 5 and not found) or (found and int(found.group(1)) < generation):
