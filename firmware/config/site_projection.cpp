@@ -1,5 +1,6 @@
 #include "firmware/config/site_projection.h"
 
+#include <cstdio>
 #include <cstdlib>
 #include <string_view>
 #include <utility>
@@ -33,32 +34,43 @@ bool is_surveyed(const NodeSettings* node) {
   return node != nullptr && (node->x || node->longitude || node->position);
 }
 
-std::optional<InDegrees> find_device(const Settings& settings, const BusSettings& bus,
-                                     const DeviceSettings& device) {
-  const Profile* const profile = find_profile(settings, device.profile);
-  if (profile == nullptr || profile->positioning != Profile::Positioning::degrees) {
-    return std::nullopt;
-  }
-  for (const UnitRange range : device.units) {
-    for (const ModbusAddress unit : range) {
-      if (is_surveyed(node_at(settings, bus, unit))) continue;
-      return InDegrees{device.source,
-                       "the devices of '" + device.profile + "' tell where they stand in degrees"};
+// The first [[bus.device]] with a unit that tells where it stands in this way; null: there is none.
+const DeviceSettings* find_device(const Settings& settings, Profile::Positioning positioning) {
+  for (const BusSettings& bus : settings.buses) {
+    for (const DeviceSettings& device : bus.devices) {
+      const Profile* const profile = find_profile(settings, device.profile);
+      if (profile == nullptr || profile->positioning != positioning) continue;
+      for (const UnitRange range : device.units) {
+        for (const ModbusAddress unit : range) {
+          if (!is_surveyed(node_at(settings, bus, unit))) return &device;
+        }
+      }
     }
   }
-  return std::nullopt;
+  return nullptr;
 }
 
 std::optional<InDegrees> find_in_degrees(const Settings& settings) {
   for (const NodeSettings& node : settings.nodes) {
     if (node.longitude) return InDegrees{node.source, "this [[node]] was surveyed in degrees"};
   }
-  for (const BusSettings& bus : settings.buses) {
-    for (const DeviceSettings& device : bus.devices) {
-      if (auto found = find_device(settings, bus, device)) return found;
-    }
-  }
-  return std::nullopt;
+  const DeviceSettings* const device = find_device(settings, Profile::Positioning::degrees);
+  if (device == nullptr) return std::nullopt;
+  return InDegrees{device->source,
+                   "the devices of '" + device->profile + "' tell where they stand in degrees"};
+}
+
+// A place in the plane is seldom told in fractions, and one that could be degrees is near (0, 0).
+bool looks_like_degrees(const SiteOrigin& origin) {
+  return origin.x % site_nano != 0 && origin.y % site_nano != 0 &&
+         is_degrees({.x = origin.x, .y = origin.y});
+}
+
+std::string degrees_text(const port::EarthPoint& place) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.9g, %.9g", static_cast<double>(place.longitude) / site_nano,
+                static_cast<double>(place.latitude) / site_nano);
+  return text;
 }
 
 class SiteProjector {
@@ -99,6 +111,7 @@ class SiteProjector {
            "metres in [site] is for a plane that is nowhere on the earth, and where this one is "
            "says how long a unit is; take metres out");
     }
+    if (mistakes_.size() == before) check_plane_devices();
     return frame;
   }
 
@@ -178,6 +191,35 @@ class SiteProjector {
     site_.projection = source_->about(*center, why);
     site_.center = center;
     if (site_.projection == nullptr) fail(place, "the plane of the site cannot be had: " + why);
+  }
+
+  // Devices with x and y tell places of some plane, and nobody has said that it is this one.
+  void check_plane_devices() {
+    const DeviceSettings* const device = find_device(settings_, Profile::Positioning::plane);
+    if (device == nullptr || !site_.crs.empty()) return;
+    const std::string what = "x and y of the devices of '" + device->profile + "' ";
+    constexpr const char* cure =
+        "; if that is not what they tell, name their coordinate system as crs = \"EPSG:...\" in "
+        "[site], or give longitude and latitude in their profile";
+    if (site_.projection == nullptr) {
+      if (!looks_like_degrees(site_.origin)) return;
+      settings_.warnings.push_back(
+          device->source + ": " + what +
+          "are in a plane that is nowhere on the earth, and so is the origin in [site], though it "
+          "looks like longitude and latitude" +
+          cure);
+    } else if (site_.has_origin_in_degrees) {
+      settings_.warnings.push_back(device->source + ": " + what +
+                                   "are taken as metres east and north of the origin (" +
+                                   degrees_text(*site_.center) + ")" + cure);
+    } else if (site_.center) {
+      fail(device->source,
+           what +
+               "are places of a plane, and nothing says of which: the site is in degrees; name "
+               "their coordinate system as crs = \"EPSG:...\" in [site], give longitude and "
+               "latitude in their profile, or set origin = [\"LONGITUDE\", \"LATITUDE\"] in [site] "
+               "if they are metres east and north of it");
+    }
   }
 
   std::optional<port::EarthPoint> find_center(const SiteFrame& frame) const {

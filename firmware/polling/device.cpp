@@ -31,18 +31,23 @@ std::optional<double> Device::speed_max() const {
   return static_cast<double>(speed_max_nano_) / static_cast<double>(plane_.unit_length);
 }
 
-std::optional<Position> Device::position_in(const Sweep& sweep, ReadingFault& fault) const {
-  const DevicePosition told = position_of(profile_, sweep);
-  if (!told.is_value()) return std::nullopt;
+std::optional<Position> Device::position_in(const Sweep& sweep, ReadingFault& fault,
+                                            DevicePosition::State& told) const {
+  const DevicePosition found = position_of(profile_, sweep);
+  told = found.state;
+  if (found.is_exchanged()) fault = ReadingFault::other_axis;
+  if (!found.is_value()) return std::nullopt;
   const auto position =
       profile_.positioning == Profile::Positioning::degrees
-          ? nearest_position(plane_, {.longitude = told.east_nano, .latitude = told.north_nano})
-          : nearest_position(plane_, told.east_nano, told.north_nano);
+          ? nearest_position(plane_, {.longitude = found.east_nano, .latitude = found.north_nano})
+          : nearest_position(plane_, found.east_nano, found.north_nano);
   if (!position) fault = ReadingFault::off_the_plane;
   return position;
 }
 
-ReadingFault Device::decode(std::span<const std::uint16_t> registers, NodeReading& reading) const {
+ReadingFault Device::decode(std::span<const std::uint16_t> registers, NodeReading& reading,
+                            DevicePosition::State& told) const {
+  told = DevicePosition::State::value;
   const Sweep sweep(blocks_, registers);
   NodeReading found;
   found.serial = serial_;
@@ -52,7 +57,7 @@ ReadingFault Device::decode(std::span<const std::uint16_t> registers, NodeReadin
     found.serial = Serial{*serial};
   }
   ReadingFault fault = ReadingFault::none;
-  const std::optional<Position> position = surveyed_ ? surveyed_ : position_in(sweep, fault);
+  const std::optional<Position> position = surveyed_ ? surveyed_ : position_in(sweep, fault, told);
   if (fault != ReadingFault::none) return fault;
   if (position) {
     found.position = *position;

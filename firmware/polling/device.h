@@ -45,8 +45,9 @@ class Device {
   std::optional<double> speed_max() const;
 
   // `registers` are those of blocks(). Sets `reading` only when there is no fault. A device that
-  // does not know where it stands has no fix.
-  ReadingFault decode(std::span<const std::uint16_t> registers, NodeReading& reading) const;
+  // does not know where it stands has no fix. `told` is why, where no serial is missing.
+  ReadingFault decode(std::span<const std::uint16_t> registers, NodeReading& reading,
+                      DevicePosition::State& told) const;
 
   // The quantity of each reading, in the order of the profile.
   std::span<const QuantityIndex> quantities() const { return quantities_; }
@@ -56,8 +57,10 @@ class Device {
   void measure(std::span<const std::uint16_t> registers, std::vector<Measurement>& out) const;
 
  private:
-  // None where the device tells no place, or one beyond the plane: then there is a fault.
-  std::optional<Position> position_in(const Sweep& sweep, ReadingFault& fault) const;
+  // None where the device tells no place, as `told` says, or one that cannot be: then there is a
+  // fault.
+  std::optional<Position> position_in(const Sweep& sweep, ReadingFault& fault,
+                                      DevicePosition::State& told) const;
 
   Profile profile_;
   std::vector<RegisterSpan> blocks_;

@@ -8,6 +8,9 @@
 
 #include "etcm/port/clock.h"
 #include "etcm/port/node_bus.h"
+#include "firmware/logging/text_line.h"
+#include "firmware/profile/profile.h"
+#include "firmware/protocol/node_registers.h"
 
 namespace etcm::firmware {
 
@@ -22,6 +25,23 @@ enum class UnitFault : std::uint8_t {
   unbelieved,
   jumped,
 };
+
+// The unit was heard, and what it said was of no use.
+constexpr bool is_of_an_answer(UnitFault fault) {
+  switch (fault) {
+    case UnitFault::exception:
+    case UnitFault::bad_answer:
+    case UnitFault::torn:
+    case UnitFault::unbelieved:
+    case UnitFault::jumped:
+      return true;
+    case UnitFault::none:
+    case UnitFault::timeout:
+    case UnitFault::link_lost:
+      break;
+  }
+  return false;
+}
 
 constexpr UnitFault fault_of(port::BusResult result) {
   switch (result) {
@@ -71,13 +91,21 @@ struct UnitCounters {
   port::Instant sound_at{};     // the last sound answer; the origin: never
   RecentQuestions recent{};
   UnitFault last_fault = UnitFault::none;
-  std::uint8_t exception = 0;  // the last one
-  port::Instant failed_at{};   // last
+  std::uint8_t exception = 0;                        // the last one
+  ReadingFault unbelieved_for = ReadingFault::none;  // of the last one; none: the wrong node
+  // Why the last answer of a device had no position, where it had none.
+  DevicePosition::State told = DevicePosition::State::value;
+  port::Instant failed_at{};                // last
+  UnitFault heard_fault = UnitFault::none;  // the last one that was an answer
+  port::Instant heard_fault_at{};
 
   void note_fault(UnitFault fault, port::Instant now) {
     last_fault = fault;
     failed_at = now;
     recent.spoil();
+    if (!is_of_an_answer(fault)) return;
+    heard_fault = fault;
+    heard_fault_at = now;
   }
   std::uint64_t count(port::BusResult result) const {
     return results[static_cast<std::size_t>(result)];
@@ -87,6 +115,9 @@ struct UnitCounters {
     return count(port::BusResult::ok) + count(port::BusResult::exception) > 0;
   }
 };
+
+// What was wrong with the last answer of a unit that was not believed, and what to do about it.
+TextLine explain_unbelieved(const UnitCounters& counters);
 
 struct BusCounters {
   port::Instant up_since{};         // the link is there; the origin: it is not

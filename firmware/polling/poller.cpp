@@ -20,6 +20,21 @@ void note_heard(BusCounters& counters, const port::BusAnswer& answer, port::Inst
 
 }  // namespace
 
+TextLine explain_unbelieved(const UnitCounters& counters) {
+  TextLine text;
+  switch (counters.unbelieved_for) {
+    case ReadingFault::none:
+      return text << "not the node that is expected there: give each node a serial and a unit of "
+                     "its own";
+    case ReadingFault::other_axis: {
+      const NoPosition why = explain(counters.told);
+      return text << why.what << ": " << why.cure;
+    }
+    default:
+      return text << explain(counters.unbelieved_for);
+  }
+}
+
 Poller::Poller(const PollSettings& settings, std::span<const PolledBus> buses,
                ReadingListener& listener, port::Log& log, RequestSource* requests,
                const DeviceTable* devices)
@@ -255,7 +270,7 @@ void Poller::take_registers(const port::BusAnswer& answer, UnitIndex index, port
   if (unit.device == nullptr) {
     fault = decode_node(answer.registers, bus(unit.bus).word_order, reading, answer.left_out);
   } else if (complete_sweep(answer, unit)) {
-    fault = unit.device->decode(unit.swept, reading);
+    fault = unit.device->decode(unit.swept, reading, unit.counters.told);
     if (fault == ReadingFault::none) unit.device->measure(unit.swept, measured_);
   } else {
     return schedule.note_more(unit.address);
@@ -271,12 +286,15 @@ void Poller::take_registers(const port::BusAnswer& answer, UnitIndex index, port
     const bool is_torn = fault == ReadingFault::torn;
     ++(is_torn ? unit.counters.torn : unit.counters.unbelieved);
     unit.counters.note_fault(is_torn ? UnitFault::torn : UnitFault::unbelieved, now);
-    return fail(index, {.why = explain(fault)}, now);
+    unit.counters.unbelieved_for = fault;
+    const TextLine why = explain_unbelieved(unit.counters);
+    return fail(index, {.why = why}, now);
   }
   if (!can_follow(index, reading, now)) return;
   if (!listener_.on_reading(index, reading, measured_, now)) {
     ++unit.counters.unbelieved;
     unit.counters.note_fault(UnitFault::unbelieved, now);
+    unit.counters.unbelieved_for = ReadingFault::none;
     return fail(index, {.why = {}, .is_silence = true}, now);  // the listener has said why
   }
   note_sound(unit, now);

@@ -1,6 +1,7 @@
 #include "firmware/profile/field.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace etcm::firmware {
 
@@ -38,6 +39,7 @@ FieldValue sum_of(const Field& field, const Sweep& sweep) {
     const auto total = add(sum.nano, is_turned ? -found.nano : found.nano);
     if (!total) return out_of_range;
     sum.nano = *total;
+    if (found.letter != '\0') sum.letter = found.letter;
     if (&part == &field.parts.front()) is_turned = field.has_sign_of_first && found.nano < 0;
   }
   return sum;
@@ -74,7 +76,44 @@ std::optional<std::int64_t> formatted(FieldFormat format, std::int64_t nano) {
   return nano;
 }
 
+// The letter of a hemisphere whose code the registers have that the number has in its mask; else
+// '\0'.
+char hemisphere_of(const Number& number, std::int64_t nano) {
+  const bool is_plain = (number.type == NumberType::u16 || number.type == NumberType::i16) &&
+                        number.scale == Fraction::of(1) && number.offset_nano == 0;
+  if (!is_plain || nano < 0 || nano % nano_per_one != 0) return '\0';
+  const std::int64_t code = nano / nano_per_one >> std::countr_zero(number.mask);
+  const char letter = code < 128 ? static_cast<char>(code) : '\0';
+  return is_hemisphere(letter) ? letter : '\0';
+}
+
+bool asks_for_hemisphere(const Condition& condition) {
+  return std::any_of(condition.any_of.begin(), condition.any_of.end(), [&](const auto& interval) {
+    return interval.least == interval.most &&
+           hemisphere_of(condition.number, interval.least) != '\0';
+  });
+}
+
+// That is read beside the number where a letter makes it negative.
+char letter_beside(const Field& field, const Sweep& sweep) {
+  if (field.axis == Axis::none || !field.negative_if) return '\0';
+  if (!asks_for_hemisphere(*field.negative_if)) return '\0';
+  const Number& number = field.negative_if->number;
+  const FieldValue found = decode(number, sweep);
+  return found.is_value() ? hemisphere_of(number, found.nano) : '\0';
+}
+
 }  // namespace
+
+std::vector<char> hemispheres_of(const Condition& condition) {
+  std::vector<char> letters;
+  for (const Condition::Interval& interval : condition.any_of) {
+    if (interval.least != interval.most) continue;
+    const char letter = hemisphere_of(condition.number, interval.least);
+    if (letter != '\0') letters.push_back(letter);
+  }
+  return letters;
+}
 
 bool Condition::holds(const Sweep& sweep) const {
   const FieldValue found = decode(number, sweep);
@@ -88,6 +127,10 @@ bool Condition::holds(const Sweep& sweep) const {
 FieldValue decode(const Field& field, const Sweep& sweep) {
   FieldValue value = sum_of(field, sweep);
   if (!value.is_value()) return value;
+  if (value.letter == '\0') value.letter = letter_beside(field, sweep);
+  if (value.letter != '\0' && !belongs_to(value.letter, field.axis)) {
+    return {.state = State::other_axis, .letter = value.letter};
+  }
   const auto nano = formatted(field.format, value.nano);
   if (!nano) return {.state = State::malformed};
   value.nano = field.negative_if && field.negative_if->holds(sweep) ? -*nano : *nano;

@@ -32,11 +32,20 @@ enum class FieldFormat : std::uint8_t {
   ddmmss,  // degrees times 10000, minutes times 100, and seconds
 };
 
+// What an angle is counted along: the letters of the other one have no place in it.
+enum class Axis : std::uint8_t { none, longitude, latitude };
+
+constexpr bool belongs_to(char hemisphere, Axis axis) {
+  const bool is_of_latitude = hemisphere == 'N' || hemisphere == 'S';
+  return axis == Axis::none || is_of_latitude == (axis == Axis::latitude);
+}
+
 struct Field {
   std::vector<Number> parts;       // their sum, with nothing where one is nothing
   bool has_sign_of_first = false;  // the other parts are sizes, with the sign of the first
   std::optional<Number> exponent;  // each part is multiplied by 10 to the power of this
   FieldFormat format = FieldFormat::number;
+  Axis axis = Axis::none;
   std::optional<Condition> negative_if;
   // In 10^-9, of what comes out.
   std::optional<std::int64_t> least;
@@ -45,6 +54,9 @@ struct Field {
 };
 
 FieldValue decode(const Field& field, const Sweep& sweep);
+
+// The letters of hemispheres that the test asks for, by their codes.
+std::vector<char> hemispheres_of(const Condition& condition);
 
 // Appends the registers that it needs.
 void add_spans(const Condition& condition, std::vector<RegisterSpan>& spans);

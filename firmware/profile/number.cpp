@@ -81,27 +81,25 @@ FieldValue value_of(const Number& number, double value, int exponent) {
 
 constexpr bool is_blank(char c) { return c == ' ' || c == '\0'; }
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
-constexpr bool is_hemisphere(char c) { return c == 'N' || c == 'S' || c == 'E' || c == 'W'; }
-
-// Takes away what tells the sign: nothing, a sign, or the letter of a hemisphere at either end;
-// whether it is negative. A sign that is beside a letter stays, and is malformed: nobody knows
-// which of them counts.
-bool take_sign(std::string_view& text) {
-  if (text.empty()) return false;
+// Takes away what tells the sign, and returns it: a sign, or the letter of a hemisphere at either
+// end, or nothing. A sign that is beside a letter stays, and is malformed: nobody knows which of
+// them counts.
+char take_sign(std::string_view& text) {
+  if (text.empty()) return '\0';
   const char first = text.front();
   if (first == '-' || first == '+' || is_hemisphere(first)) {
     text.remove_prefix(1);
-    return first == '-' || first == 'S' || first == 'W';
+    return first;
   }
   const char last = text.back();
-  if (!is_hemisphere(last)) return false;
+  if (!is_hemisphere(last)) return '\0';
   text.remove_suffix(1);
-  return last == 'S' || last == 'W';
+  return last;
 }
 
 // Digits with at most one point. Nothing for anything else, and for more than fit.
-std::optional<Decimal> decimal_of(std::string_view text) {
-  const bool is_negative = take_sign(text);
+std::optional<Decimal> decimal_of(std::string_view text, char sign) {
+  const bool is_negative = sign == '-' || sign == 'S' || sign == 'W';
   Decimal decimal;
   bool has_digit = false;
   bool has_point = false;
@@ -136,10 +134,13 @@ FieldValue text_value_of(const Number& number, Registers registers, int exponent
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   if (text.empty()) return {};
-  auto decimal = decimal_of(text);
+  const char sign = take_sign(text);
+  auto decimal = decimal_of(text, sign);
   if (!decimal) return {.state = State::malformed};
   decimal->exponent += exponent;
-  return value_of(number, *decimal);
+  FieldValue value = value_of(number, *decimal);
+  if (is_hemisphere(sign)) value.letter = sign;
+  return value;
 }
 
 }  // namespace

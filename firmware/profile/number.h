@@ -82,14 +82,18 @@ struct FieldValue {
     value,
     none,          // what the device writes where it has no number; NaN, infinity, blank text
     malformed,     // a BCD digit above 9, a text that is no number
+    other_axis,    // a longitude with N or S, a latitude with E or W
     out_of_range,  // outside the range of the field, or beyond what can be counted
   };
   State state = State::none;
   std::int64_t nano = 0;  // never the least of its type; 0 where it is beyond that
+  char letter = '\0';     // of a hemisphere, that was read with it
 
   bool is_value() const { return state == State::value; }
   double to_double() const { return static_cast<double>(nano) / 1e9; }
 };
+
+constexpr bool is_hemisphere(char c) { return c == 'N' || c == 'S' || c == 'E' || c == 'W'; }
 
 // Integers and texts are exact until they are rounded to 10^-9, once; reals are computed in double.
 // The value is multiplied by 10^exponent too. REQUIRES: -18 <= exponent <= 18.

@@ -12,10 +12,45 @@ constexpr std::int64_t latitude_max = 90 * nano_per_one;
 
 bool is_within(std::int64_t nano, std::int64_t most) { return nano >= -most && nano <= most; }
 
-bool is_on_earth(std::int64_t longitude, std::int64_t latitude) {
-  const bool is_null = longitude == 0 && latitude == 0;
-  return !is_null && is_within(longitude, longitude_max) && is_within(latitude, latitude_max);
+using State = DevicePosition::State;
+
+State state_on_earth(std::int64_t longitude, std::int64_t latitude) {
+  if (longitude == 0 && latitude == 0) return State::zero;
+  if (!is_within(longitude, longitude_max)) return State::beyond_longitude;
+  return is_within(latitude, latitude_max) ? State::value : State::beyond_latitude;
 }
+
+State state_of(const FieldValue& coordinate) {
+  switch (coordinate.state) {
+    case FieldValue::State::value:
+      return State::value;
+    case FieldValue::State::none:
+      return State::none;
+    case FieldValue::State::malformed:
+      return State::malformed;
+    case FieldValue::State::out_of_range:
+      return State::out_of_range;
+    case FieldValue::State::other_axis:
+      switch (coordinate.letter) {
+        case 'N':
+          return State::north_in_longitude;
+        case 'S':
+          return State::south_in_longitude;
+        case 'E':
+          return State::east_in_latitude;
+        default:
+          return State::west_in_latitude;
+      }
+  }
+  return State::none;
+}
+
+constexpr const char* look_at_sky = "look at the sky above its antenna, and its cable";
+constexpr const char* correct_field =
+    "correct 'register', 'type', 'order', 'scale' and 'format' of its coordinates in the profile "
+    "(etcm-bus probe shows what each gives)";
+constexpr const char* exchange_axes =
+    "exchange the registers of 'longitude' and 'latitude' in the profile, or their letters";
 
 }  // namespace
 
@@ -63,14 +98,53 @@ bool hold_all(std::span<const Condition> conditions, const Sweep& sweep) {
 
 DevicePosition position_of(const Profile& profile, const Sweep& sweep) {
   if (profile.positioning == Profile::Positioning::surveyed) return {};
-  if (!hold_all(profile.valid, sweep)) return {.state = DevicePosition::State::invalid};
+  if (!hold_all(profile.valid, sweep)) return {.state = State::invalid};
   const FieldValue east = decode(profile.east, sweep);
   const FieldValue north = decode(profile.north, sweep);
-  if (!east.is_value() || !north.is_value()) return {};
-  if (profile.positioning == Profile::Positioning::degrees && !is_on_earth(east.nano, north.nano)) {
-    return {};
+  State state = state_of(east);
+  if (state == State::value) state = state_of(north);
+  if (state == State::value && profile.positioning == Profile::Positioning::degrees) {
+    state = state_on_earth(east.nano, north.nano);
   }
-  return {.state = DevicePosition::State::value, .east_nano = east.nano, .north_nano = north.nano};
+  if (state != State::value) return {.state = state};
+  return {.state = State::value, .east_nano = east.nano, .north_nano = north.nano};
+}
+
+NoPosition explain(DevicePosition::State state) {
+  switch (state) {
+    case State::value:
+    case State::invalid:
+      return {"says that its position is not valid", look_at_sky};
+    case State::unknown:
+      return {"has a profile without a position, and the settings do not say where it stands",
+              "give it a [[node]] with its bus, its unit and x, y or longitude, latitude"};
+    case State::none:
+      return {"says that a coordinate has no value", look_at_sky};
+    case State::malformed:
+      return {
+          "has a coordinate that is not written as its type and format say (60 minutes or "
+          "more, or no number)",
+          correct_field};
+    case State::out_of_range:
+      return {"has a coordinate outside its 'range', or too large to be counted",
+              "correct 'range' in the profile, or its other keys (etcm-bus probe shows what each "
+              "coordinate is)"};
+    case State::zero:
+      return {"says that it is at 0, 0 degrees, as devices do that know no place", look_at_sky};
+    case State::beyond_longitude:
+      return {"has a longitude beyond 180 degrees", correct_field};
+    case State::beyond_latitude:
+      return {"has a latitude beyond 90 degrees", correct_field};
+    case State::north_in_longitude:
+      return {"has the letter N in its longitude, where only E and W belong", exchange_axes};
+    case State::south_in_longitude:
+      return {"has the letter S in its longitude, where only E and W belong", exchange_axes};
+    case State::east_in_latitude:
+      return {"has the letter E in its latitude, where only N and S belong", exchange_axes};
+    case State::west_in_latitude:
+      return {"has the letter W in its latitude, where only N and S belong", exchange_axes};
+  }
+  return {"", ""};
 }
 
 FieldValue reading_of(const Profile::Reading& reading, const Sweep& sweep) {

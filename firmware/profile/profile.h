@@ -59,16 +59,37 @@ std::vector<RegisterSpan> blocks_of(const Profile& profile);
 struct DevicePosition {
   enum class State : std::uint8_t {
     value,
-    invalid,  // the device says so
-    none,     // a coordinate is no value; nobody is at 0, 0 in degrees; or the device knows none
+    invalid,           // the device says so
+    unknown,           // the profile has no position
+    none,              // a coordinate has no value
+    malformed,         // one is not written as its type and format say
+    out_of_range,      // one is outside its `range`, or beyond what can be counted
+    zero,              // 0, 0 in degrees, where nobody is
+    beyond_longitude,  // 180 degrees
+    beyond_latitude,   // 90 degrees
+    // The letter of a hemisphere stands where it does not belong.
+    north_in_longitude,
+    south_in_longitude,
+    east_in_latitude,
+    west_in_latitude,
   };
-  State state = State::none;
+  State state = State::unknown;
   // In 10^-9; of degrees within 180 and 90.
   std::int64_t east_nano = 0;
   std::int64_t north_nano = 0;
 
   bool is_value() const { return state == State::value; }
+  // What the device says cannot be meant: the profile, or the device, has its coordinates
+  // exchanged.
+  bool is_exchanged() const { return state >= State::north_in_longitude; }
 };
+
+// Why there is none, as what a node says or is, and what to do about that.
+struct NoPosition {
+  const char* what;
+  const char* cure;
+};
+NoPosition explain(DevicePosition::State state);
 
 DevicePosition position_of(const Profile& profile, const Sweep& sweep);
 

@@ -57,6 +57,21 @@ struct Axes {
 constexpr Axes plane{Profile::Positioning::plane, "x", "y"};
 constexpr Axes earth{Profile::Positioning::degrees, "longitude", "latitude"};
 
+// A letter there tells the hemisphere, and only two of them are of this axis.
+void take_axis(TomlTable& table, const char* key, Axis axis, Field& field) {
+  field.axis = axis;
+  if (!field.negative_if) return;
+  for (const char letter : hemispheres_of(*field.negative_if)) {
+    if (belongs_to(letter, axis)) continue;
+    table.mistake(*table.find(key), std::string("'") + key + "' is negative by the letter " +
+                                        letter + ", and has " +
+                                        (axis == Axis::longitude ? "E and W" : "N and S") +
+                                        "; write negative_if = { " + "register = 207, equals = \"" +
+                                        (axis == Axis::longitude ? "W" : "S") +
+                                        "\" } with the register of its letter");
+  }
+}
+
 void read_axes(TomlTable& table, const FieldReader& fields, const Axes& axes, Profile& profile) {
   const auto east = fields.read_field_of(table, axes.east);
   const auto north = fields.read_field_of(table, axes.north);
@@ -76,6 +91,9 @@ void read_axes(TomlTable& table, const FieldReader& fields, const Axes& axes, Pr
   profile.positioning = axes.positioning;
   if (east) profile.east = *east;
   if (north) profile.north = *north;
+  if (axes.positioning != Profile::Positioning::degrees) return;
+  if (east) take_axis(table, axes.east, Axis::longitude, profile.east);
+  if (north) take_axis(table, axes.north, Axis::latitude, profile.north);
 }
 
 void read_position(TomlTable& table, const FieldReader& fields, Profile& profile) {

@@ -152,6 +152,9 @@ const char* explain(ReadingFault fault) {
     case ReadingFault::off_the_plane:
       return "its place is beyond the plane of the mesh: set `origin` in [site] to a corner of the "
              "site, or correct its profile";
+    case ReadingFault::other_axis:
+      return "the letter of a hemisphere is not one of its coordinate: exchange the registers of "
+             "'longitude' and 'latitude' in the profile, or their letters";
   }
   return "";
 }

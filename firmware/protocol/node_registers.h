@@ -68,6 +68,7 @@ enum class ReadingFault : std::uint8_t {
   // Of other devices (firmware/profile):
   no_serial,      // its serial register has none
   off_the_plane,  // it is where the mesh cannot be
+  other_axis,     // its longitude and its latitude are exchanged
 };
 
 // In which order the bytes of a 32-bit value come, A the highest. Where the bytes of a register are

@@ -11,28 +11,12 @@ namespace {
 
 constexpr std::size_t profile_shown_max = 64;
 
-// The last fault was that somebody answered.
-bool is_heard(const UnitCounters& counters) {
-  switch (counters.last_fault) {
-    case UnitFault::exception:
-    case UnitFault::bad_answer:
-    case UnitFault::torn:
-    case UnitFault::unbelieved:
-    case UnitFault::jumped:
-      return true;
-    case UnitFault::none:
-    case UnitFault::timeout:
-    case UnitFault::link_lost:
-      break;
-  }
-  return false;
-}
-
 UnitState state_of(const Gateway& gateway, UnitIndex unit) {
   if (is_answering(gateway, unit)) return UnitState::answering;
   const Poller& poller = gateway.poller();
   const bool is_up = poller.is_up(poller.bus_of(unit));
-  return is_up && is_heard(poller.counters(unit)) ? UnitState::faulty : UnitState::silent;
+  return is_up && is_of_an_answer(poller.counters(unit).last_fault) ? UnitState::faulty
+                                                                    : UnitState::silent;
 }
 
 // The node that answers there, or the one that did before it was missing; null: neither.

@@ -32,6 +32,10 @@ void write_faults(const UnitCounters& counters, port::Instant asked_at, TextWrit
   if (counters.last_fault == UnitFault::exception) {
     piece << ",\"exception\":" << counters.exception;
   }
+  if (counters.last_fault == UnitFault::unbelieved) {
+    piece << ",\"last_error_text\":";
+    piece.json(explain_unbelieved(counters));
+  }
   piece << ",\"last_error_ms\":" << age_of(counters.failed_at, asked_at) / 1ms;
 }
 

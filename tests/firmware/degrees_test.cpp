@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "device_test.h"
 #include "etcm/files/exchange.h"
 #include "etcm/types.h"
 #include "fakes.h"
@@ -88,6 +89,60 @@ TEST_F(Degrees, AreWhatGeoJsonCountsIn) {
   EXPECT_EQ(settings.anchors[0].position, (Position{0, 0})) << "the first position is the middle";
   EXPECT_NEAR(settings.anchors[1].position.x, 0.01 * parallel_degree(63.4), 1);
   EXPECT_NEAR(settings.anchors[1].position.y, 0, 1);
+}
+
+constexpr const char* plane_device = R"([[bus.device]]
+units = "9"
+profile = "tag"
+[[profile]]
+name = "tag"
+x = { register = 0, type = "i32" }
+y = { register = 2, type = "i32" }
+)";
+
+// What is warned of the devices of 'tag'.
+std::string warnings_of_tag(const Settings& settings) {
+  std::string all;
+  for (const std::string& warning : settings.warnings) {
+    if (warning.find("'tag'") != std::string::npos) all += warning + "\n";
+  }
+  return all;
+}
+
+TEST_F(Degrees, PlacesOfAPlaneBesideThemNeedToSayOfWhich) {
+  const auto with_rover =
+      std::string("[[bus.device]]\nunits = \"8\"\nprofile = \"rover\"\n") + plane_device;
+  const std::string surveyed = "[[node]]\nunit = 5\nlongitude = \"10\"\nlatitude = \"63\"\n";
+  read("", surveyed + plane_device);
+  EXPECT_EQ(mistakes_.size(), 1u);
+  EXPECT_NE(mistakes().find("site.toml:24: x and y of the devices of 'tag' are places of a plane, "
+                            "and nothing says of which"),
+            std::string::npos)
+      << mistakes();
+  EXPECT_NE(mistakes().find("name their coordinate system as crs = \"EPSG:...\" in [site], give "
+                            "longitude and latitude in their profile"),
+            std::string::npos);
+  Settings settings = read("[site]\norigin = [\"10.3951\", \"63.4305\"]\n", with_rover);
+  EXPECT_EQ(mistakes(), "");
+  EXPECT_NE(
+      warnings_of_tag(settings).find("'tag' are taken as metres east and north of the origin "
+                                     "(10.3951, 63.4305); if that is not what they tell, name "),
+      std::string::npos)
+      << warnings_of_tag(settings);
+  settings = read("[site]\ncrs = \"EPSG:25832\"\norigin = [\"569000\", \"7034000\"]\n", with_rover);
+  EXPECT_EQ(mistakes(), "");
+  EXPECT_EQ(warnings_of_tag(settings), "");
+}
+
+TEST_F(Degrees, AnOriginThatLooksLikeThemIsNoPlaceOfAPlane) {
+  Settings settings = read("[site]\norigin = [\"10.3951\", \"63.4305\"]\n", plane_device);
+  EXPECT_EQ(mistakes(), "");
+  EXPECT_NE(warnings_of_tag(settings).find("though it looks like longitude and latitude"),
+            std::string::npos);
+  settings = read("[site]\norigin = [\"10\", \"60\"]\n", plane_device);
+  EXPECT_EQ(warnings_of_tag(settings), "") << "a pure plane";
+  settings = read("", plane_device);
+  EXPECT_EQ(warnings_of_tag(settings), "");
 }
 
 TEST_F(Degrees, AreAboutTheOriginThatIsGiven) {
@@ -482,6 +537,38 @@ TEST_F(Degrees, AReloadMovesWhatWasSurveyed) {
   const auto next = reload(config_, settings, projections_, log, refusal);
   ASSERT_NE(next, nullptr);
   EXPECT_NEAR(next->nodes[0].position->x, -0.001 * parallel_degree(60), 1);
+}
+
+class DevicesInDegrees : public DeviceTest {
+ protected:
+  port::ProjSource proj_;
+};
+
+// A swapped place is one on the other side of the world, and as good as any.
+TEST_F(DevicesInDegrees, ALetterOfTheOtherAxisIsNotBelievedAndSaysSo) {
+  bus_.put(4, 0, {8, 'N', 47, 'E'});
+  start(R"(
+[[profile]]
+name = "lettered"
+longitude = { register = 0, negative_if = { register = 1, equals = "W" } }
+latitude = { register = 2, negative_if = { register = 3, equals = "S" } }
+)" + device_line +
+            R"([[bus.device]]
+units = "4"
+profile = "lettered"
+[site]
+origin = ["8", "47"]
+)",
+        &proj_);
+  rig_.run(1s);
+  EXPECT_EQ(rig_.gateway->snapshot().node_count, 0u);
+  const Poller& poller = rig_.gateway->poller();
+  const UnitCounters& counters = poller.counters(poller.unit_at(BusIndex{0}, ModbusAddress{4}));
+  EXPECT_EQ(counters.last_fault, UnitFault::unbelieved);
+  EXPECT_EQ(explain_unbelieved(counters).view(),
+            "has the letter N in its longitude, where only E and W belong: exchange the registers "
+            "of 'longitude' and 'latitude' in the profile, or their letters");
+  EXPECT_EQ(rig_.log.count("unit 4 of yard: has the letter N in its longitude"), 1u);
 }
 
 }  // namespace

@@ -32,9 +32,9 @@ units = "1"
 
 class DeviceTest : public testing::Test {
  protected:
-  void start(const std::string& text) {
+  void start(const std::string& text, port::ProjectionSource* projections = nullptr) {
     std::vector<std::string> mistakes;
-    rig_.settings = read_configuration(folder_.write("site.toml", text), nullptr, mistakes);
+    rig_.settings = read_configuration(folder_.write("site.toml", text), projections, mistakes);
     ASSERT_TRUE(mistakes.empty()) << mistakes.front();
     rig_.settings.files =
         FileSettings{.folder = "", .name = "", .interval = std::chrono::milliseconds(500)};

@@ -14,6 +14,8 @@ std::string text_of(const FieldValue& value) {
       return "none";
     case State::malformed:
       return "malformed";
+    case State::other_axis:
+      return "of the other axis";
     case State::out_of_range:
       return "out of range";
   }

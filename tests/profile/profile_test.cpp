@@ -116,11 +116,15 @@ TEST(ProfilePosition, IsWithinTheEarth) {
   };
   EXPECT_TRUE(is_position(180, 90));
   EXPECT_TRUE(is_position(-180, -90));
+  using Told = DevicePosition::State;
   EXPECT_FALSE(is_position(181, 5));
+  EXPECT_EQ(device.position().state, Told::beyond_longitude);
   EXPECT_FALSE(is_position(-181, 5));
   EXPECT_FALSE(is_position(5, 91));
+  EXPECT_EQ(device.position().state, Told::beyond_latitude);
   EXPECT_FALSE(is_position(5, -91));
   EXPECT_FALSE(is_position(0, 0)) << "where receivers without a fix say that they are";
+  EXPECT_EQ(device.position().state, Told::zero);
   EXPECT_TRUE(is_position(0, 1));
   EXPECT_TRUE(is_position(1, 0));
   EXPECT_FALSE(is_position(999, 1));
@@ -158,7 +162,67 @@ TEST(ProfilePosition, IsAnywhereInThePlane) {
 }
 
 TEST(ProfilePosition, IsNoneWhereItWasSurveyed) {
-  EXPECT_EQ(device_of("register = 0").position().state, DevicePosition::State::none);
+  EXPECT_EQ(device_of("register = 0").position().state, DevicePosition::State::unknown);
+}
+
+std::vector<std::uint16_t> in_letters(std::string text, std::size_t registers) {
+  text.resize(2 * registers, ' ');
+  std::vector<std::uint16_t> words;
+  for (std::size_t i = 0; i < registers; ++i) {
+    words.push_back(static_cast<std::uint16_t>(text[2 * i] << 8 | text[2 * i + 1]));
+  }
+  return words;
+}
+
+TEST(ProfilePosition, IsNoneWhereALetterIsOfTheOtherAxis) {
+  using Told = DevicePosition::State;
+  Device device(
+      sound_profile("[[profile]]\nname = 'p'\n"
+                    "longitude = { register = 0, type = 'ascii', count = 6 }\n"
+                    "latitude = { register = 10, type = 'ascii', count = 6 }\n"));
+  const auto state = [&](const char* longitude, const char* latitude) {
+    device.set(0, in_letters(longitude, 6));
+    device.set(10, in_letters(latitude, 6));
+    return device.position().state;
+  };
+  EXPECT_EQ(state("8.5417E", "47.3769N"), Told::value);
+  EXPECT_EQ(state("8.5417W", "47.3769S"), Told::value);
+  EXPECT_EQ(state("8.5417", "-47.3769"), Told::value);
+  EXPECT_EQ(state("47.3769N", "8.5417E"), Told::north_in_longitude);
+  EXPECT_EQ(state("47.3769S", "8.5417E"), Told::south_in_longitude);
+  EXPECT_EQ(state("8.5417E", "8.5417E"), Told::east_in_latitude);
+  EXPECT_EQ(state("8.5417E", "W8.5417"), Told::west_in_latitude);
+  EXPECT_EQ(state("8.5417E", "47.3x"), Told::malformed);
+}
+
+TEST(ProfilePosition, IsNoneWhereALetterBesideItIsOfTheOtherAxis) {
+  using Told = DevicePosition::State;
+  for (const char* const west : {"equals = 'W'", "equals = 0x57"}) {
+    Device device(
+        sound_profile(std::string("[[profile]]\nname = 'p'\n") +
+                      "longitude = { register = 0, negative_if = { register = 1, " + west +
+                      " } }\nlatitude = { register = 2, negative_if = { register = 3, mask = "
+                      "0xFF00, equals = 'S' } }\n"));
+    const auto state = [&](char of_longitude, char of_latitude) {
+      device.set(0, {8, word(of_longitude), 47, word(of_latitude << 8)});
+      return device.position().state;
+    };
+    EXPECT_EQ(state('E', 'N'), Told::value);
+    EXPECT_EQ(state('W', 'S'), Told::value);
+    EXPECT_LT(device.position().east_nano, 0);
+    EXPECT_LT(device.position().north_nano, 0);
+    EXPECT_EQ(state('N', 'N'), Told::north_in_longitude);
+    EXPECT_EQ(state('E', 'E'), Told::east_in_latitude);
+    EXPECT_EQ(state('\0', '\0'), Told::value) << "a device that has the letter of one side only";
+  }
+}
+
+TEST(ProfilePosition, EachReasonHasACure) {
+  for (auto state = DevicePosition::State::value; state <= DevicePosition::State::west_in_latitude;
+       state = static_cast<DevicePosition::State>(static_cast<int>(state) + 1)) {
+    EXPECT_NE(std::string(explain(state).what), "");
+    EXPECT_NE(std::string(explain(state).cure), "");
+  }
 }
 
 TEST(ProfileSerial, IsAWholeNumber) {

@@ -74,22 +74,19 @@ std::string meaning_of(const FieldValue& value, const std::string& unit) {
       return "none";
     case FieldValue::State::malformed:
       return "malformed: not written as its type and format say";
+    case FieldValue::State::other_axis:
+      return std::string("malformed: the letter ") + value.letter +
+             " does not belong to this field";
     case FieldValue::State::out_of_range:
       return value.nano == 0 ? "out of range" : "out of range: " + shown;
   }
   return "";
 }
 
-const char* meaning_of(const firmware::DevicePosition& position) {
-  switch (position.state) {
-    case firmware::DevicePosition::State::value:
-      return "yes";
-    case firmware::DevicePosition::State::invalid:
-      return "no: the device says that it is not valid";
-    case firmware::DevicePosition::State::none:
-      return "no: a coordinate is no value, or both are 0 degrees";
-  }
-  return "";
+std::string meaning_of(const firmware::DevicePosition& position) {
+  if (position.is_value()) return "yes";
+  const firmware::NoPosition why = explain(position.state);
+  return std::string("no: it ") + why.what + "; " + why.cure;
 }
 
 // A table with columns as wide as they need to be, a row for each field.
