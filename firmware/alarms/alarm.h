@@ -43,8 +43,9 @@ enum class AlarmKind : std::uint8_t {
   no_page = 22,
   other_mesh = 23,
   rejected_gateway = 24,
+  faulty_unit = 25,
 };
-inline constexpr std::uint8_t alarm_kinds_end = 25;
+inline constexpr std::uint8_t alarm_kinds_end = 26;
 std::string_view to_string(AlarmKind kind);
 Severity severity_of(AlarmKind kind);
 

@@ -31,6 +31,12 @@ bool is_unit_judged(const Gateway& gateway, std::uint64_t subject) {
          !is_named(gateway.settings(), poller, unit);
 }
 
+bool is_fault_judged(const Gateway& gateway, std::uint64_t subject) {
+  const Poller& poller = gateway.poller();
+  const UnitIndex unit = unit_of_subject(poller, subject);
+  return unit.is_none() || poller.counters(unit).sound_at != port::Instant{};
+}
+
 // Who was missing is known from the start; one that is not any more was dismissed.
 bool is_node_judged(const Gateway& gateway, AlarmKey key) {
   const NodeRecord* const node = gateway.nodes().find(node_of_subject(key));
@@ -149,6 +155,8 @@ bool AlarmWatch::is_judged_by_what_came(AlarmKey key, port::Instant now) const {
       return is_bus_judged(gateway, key.subject);
     case AlarmKind::never_answered:
       return is_unit_judged(gateway, key.subject);
+    case AlarmKind::faulty_unit:
+      return is_fault_judged(gateway, key.subject);
     case AlarmKind::missing_node:
     case AlarmKind::no_fix:
     case AlarmKind::low_battery:

@@ -94,6 +94,7 @@ bool is_there(const Gateway& gateway, AlarmKey key) {
     case AlarmKind::silent_bus:
       return !bus_of_subject(gateway.poller(), subject).is_none();
     case AlarmKind::never_answered:
+    case AlarmKind::faulty_unit:
       return !unit_of_subject(gateway.poller(), subject).is_none();
     case AlarmKind::missing_node:
     case AlarmKind::no_fix:
@@ -146,6 +147,7 @@ std::uint64_t subject_of(const FeatureSettings& feature) {
 }
 
 void write_missing_cure(TextLine& cure, const Gateway& gateway, const NodeRecord& node) {
+  const Poller& poller = gateway.poller();
   const NodeRecord* const other =
       node.last_unit.is_none() ? nullptr : gateway.nodes().at(node.last_unit);
   if (other != nullptr && other->serial != node.serial) {
@@ -155,7 +157,12 @@ void write_missing_cure(TextLine& cure, const Gateway& gateway, const NodeRecord
          << ", write the new serial where the settings have the old one, and reload";
     return;
   }
-  cure << "look at its supply, its cable and its address; if it is gone for good: sudo "
+  const bool is_heard = !node.last_unit.is_none() && poller.is_up(poller.bus_of(node.last_unit)) &&
+                        !poller.is_sound(node.last_unit) &&
+                        is_of_an_answer(poller.counters(node.last_unit).last_fault);
+  cure << (is_heard ? "its unit answers, and nothing of that is of use (see its own alarm)"
+                    : "look at its supply, its cable and its address")
+       << "; if it is gone for good: sudo "
           "etcm-gateway ctl "
           "dismiss "
        << node.serial.value;

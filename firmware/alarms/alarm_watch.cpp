@@ -6,6 +6,7 @@
 #include "firmware/alarms/alarm_subject.h"
 #include "firmware/alarms/refusal_text.h"
 #include "firmware/logging/text_line.h"
+#include "firmware/nodes/faulty_units.h"
 #include "firmware/nodes/silence_cause.h"
 
 namespace etcm::firmware {
@@ -20,6 +21,7 @@ void AlarmWatch::step(port::Instant now) {
   look_at_buses(now);
   look_at_nodes();
   look_at_absent();
+  look_at_faulty(now);
   look_at_quarantine();
   look_at_unheard();
   look_at_sensors();
@@ -143,6 +145,19 @@ void AlarmWatch::look_at_absent() {
                sources_.started_at,
                TextLine() << poller.name(absent.unit).view() << " has not answered since the start",
                absent_cure);
+  }
+}
+
+void AlarmWatch::look_at_faulty(port::Instant now) {
+  const Poller& poller = sources_.gateway.poller();
+  const port::Duration patience = sources_.gateway.settings().poll.leave_after;
+  for (UnitIndex unit{0}; unit.value < poller.unit_count(); ++unit.value) {
+    const auto since = faulty_since(poller, unit, sources_.started_at, patience, now);
+    if (!since) continue;
+    const std::string_view bus = poller.bus(poller.bus_of(unit)).name;
+    const FaultText text = explain_fault(poller, unit);
+    book_.hold({AlarmKind::faulty_unit, subject_of(bus, poller.address_of(unit).value)}, *since,
+               text.what, text.cure);
   }
 }
 

@@ -54,6 +54,7 @@ class AlarmWatch {
   void look_at_nodes();
   void look_at_node(const NodeRecord& node);
   void look_at_absent();
+  void look_at_faulty(port::Instant now);
   void look_at_quarantine();
   void look_at_unheard();
   void look_at_sensors();

@@ -81,6 +81,7 @@ void write_about(const Gateway& gateway, AlarmKey key, TextWriter& piece) {
     case AlarmKind::silent_bus:
       return write_about_bus(gateway, key.subject, piece);
     case AlarmKind::never_answered:
+    case AlarmKind::faulty_unit:
       return write_about_unit(gateway, key.subject, piece);
     case AlarmKind::gone_gateway:
     case AlarmKind::name_taken:

@@ -7,6 +7,7 @@
 
 #include "firmware/alarms/alarm_subject.h"
 #include "firmware/alarms/refusal_text.h"
+#include "firmware/nodes/faulty_units.h"
 #include "firmware/nodes/silence_cause.h"
 #include "firmware/status/document.h"
 
@@ -90,6 +91,24 @@ void look_at_absent(const StatusSources& sources, Reasons& reasons) {
          << " has not answered since the start";
   if (absent.size() > 1) reason << ", and " << absent.size() - 1 << " more";
   reason << "; " << absent_cure;
+}
+
+// The first of them is named.
+void look_at_faulty(const StatusSources& sources, port::Instant now, Reasons& reasons) {
+  const Poller& poller = sources.gateway.poller();
+  const port::Duration patience = sources.gateway.settings().poll.leave_after;
+  UnitIndex first = UnitIndex::none();
+  std::uint32_t count = 0;
+  for (UnitIndex unit{0}; unit.value < poller.unit_count(); ++unit.value) {
+    if (!faulty_since(poller, unit, sources.started_at, patience, now)) continue;
+    if (count++ == 0) first = unit;
+  }
+  if (count == 0) return;
+  const FaultText text = explain_fault(poller, first);
+  TextWriter& reason = reasons.add();
+  reason << count << (count == 1 ? " unit is" : " units are") << " faulty: " << text.what;
+  if (count > 1) reason << ", and " << count - 1 << " more";
+  reason << "; " << text.cure;
 }
 
 // The first feature or anchor of the site that the mesh has refused is named.
@@ -221,6 +240,7 @@ bool is_healthy(const StatusSources& sources, port::Instant now, TextWriter& wri
   look_at_gone(sources, now, reasons);
   look_at_missing(sources, reasons);
   look_at_absent(sources, reasons);
+  look_at_faulty(sources, now, reasons);
   look_at_refused(sources, reasons);
   look_at_fleet(sources, now, reasons);
   if (sources.gateway.is_late(now, publish_patience)) {

@@ -81,6 +81,7 @@ TEST_F(AlarmsAfterARestart, WhatHasLeftTheSettingsEndsAtOnce) {
   begin({{AlarmKind::silent_bus, subject_of("north")},
          {AlarmKind::never_answered, subject_of("north", 3)},
          {AlarmKind::never_answered, subject_of("yard", 7)},
+         {AlarmKind::faulty_unit, subject_of("north", 3)},
          {AlarmKind::refused_feature, subject_of(feature(1001, 1002))},
          {AlarmKind::refused_anchor, subject_of(Position{5, 5})},
          {AlarmKind::identity_conflict, std::uint64_t{8} << 32 | 201},
@@ -107,6 +108,19 @@ TEST_F(AlarmsAfterARestart, ABusThatAnswersIsSilentNoMore) {
   EXPECT_EQ(on(), (Keys{bus, unit}));
   rig_.put_square();
   run(3s);
+  EXPECT_EQ(on(), Keys{});
+}
+
+TEST_F(AlarmsAfterARestart, AUnitThatIsFaultyStillGoesOnAsOneAlarm) {
+  const AlarmKey unit{AlarmKind::faulty_unit, subject_of("yard", 1)};
+  rig_.put_square();
+  rig_.bus.set_result(1, port::BusResult::exception, 2);
+  begin({unit});
+  run(1min);
+  EXPECT_TRUE(is_same(desk_->watch.book(), unit));
+  rig_.put(1, 0, 0);
+  rig_.bus.set_result(1, port::BusResult::ok);
+  run(12s);
   EXPECT_EQ(on(), Keys{});
 }
 

@@ -218,6 +218,38 @@ TEST_F(AlarmWatchTest, NodesThatAnswerCanBeInTroubleToo) {
                    "stands exactly there -> remove or move one of them."}));
 }
 
+TEST_F(AlarmWatchTest, AUnitThatAnswersForLongWithNothingOfUseIsOne) {
+  rig_.put_square();
+  rig_.bus.set_result(6, port::BusResult::exception, 2);
+  run(3s);
+  EXPECT_EQ(wrong(), Lines{}) << "leave_after has not passed";
+  run(10s);
+  EXPECT_EQ(wrong(),
+            (Lines{"major: unit 6 of yard answers with exception 2 -> take it out of 'units' if it "
+                   "is no position node, or give it a [[bus.device]] with its profile"}));
+  EXPECT_EQ(tell("show health"),
+            "ok\n1 unit is faulty: unit 6 of yard answers with exception 2; take it out of "
+            "'units' if it is no position node, or give it a [[bus.device]] with its profile\n");
+  EXPECT_NE(tell("show alarms.json").find("\"about\":{\"bus\":\"yard\",\"unit\":6}"),
+            std::string::npos);
+  rig_.put(6, 50, 70);
+  run(3s);
+  EXPECT_EQ(wrong(), Lines{});
+}
+
+TEST_F(AlarmWatchTest, AnExceptionNowAndThenIsNone) {
+  rig_.put_square();
+  run(10s);
+  for (int round = 0; round < 10; ++round) {
+    rig_.bus.set_result(1, port::BusResult::exception, 6);
+    run(1s);
+    rig_.put(1, 0, 0);
+    rig_.bus.set_result(1, port::BusResult::ok);
+    run(1s);
+    EXPECT_EQ(wrong(), Lines{});
+  }
+}
+
 TEST_F(AlarmWatchOfFeatures, ANodeThatNobodyHasHeardIsOne) {
   rig_.put_square();
   run(20s);
