@@ -22,9 +22,9 @@ bool AlarmBook::is_at(std::vector<std::uint32_t>::const_iterator place, AlarmKey
   return place != by_key_.end() && slots_[*place].alarm.key == key;
 }
 
-bool AlarmBook::is_on(AlarmKey key) const {
+const Alarm* AlarmBook::find_on(AlarmKey key) const {
   const auto place = place_of(key);
-  return is_at(place, key) && slots_[*place].alarm.is_on;
+  return is_at(place, key) && slots_[*place].alarm.is_on ? &slots_[*place].alarm : nullptr;
 }
 
 AlarmBook::Slot* AlarmBook::add(std::vector<std::uint32_t>::const_iterator place) {

@@ -56,7 +56,9 @@ class AlarmBook {
   std::uint32_t untold_count() const { return untold_; }
 
   // O(log n).
-  bool is_on(AlarmKey key) const;
+  bool is_on(AlarmKey key) const { return find_on(key) != nullptr; }
+  // Null where it is not on. O(log n).
+  const Alarm* find_on(AlarmKey key) const;
 
   // Those that ended before, the oldest is 0.
   std::uint32_t ended_count() const { return static_cast<std::uint32_t>(ended_.size()); }

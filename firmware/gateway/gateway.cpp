@@ -86,7 +86,8 @@ void Gateway::restore(port::Instant now) {
   auto settings = fleet_ ? fleet_->restore_site(saved->fleet) : nullptr;
   if (settings != nullptr) take_site(std::move(settings), now);
   const bool is_shared = fleet_ && settings_->mqtt->share == FleetShare::site;
-  const bool is_same = state_transfer_.restore(*saved, is_shared, generation_ + 1, now);
+  const bool is_same =
+      state_transfer_.restore(*saved, time_since(*saved), is_shared, generation_ + 1, now);
   // Before the first mesh only a promise about generations is saved.
   if (saved->generation > 0) log_restored(*saved, is_same);
   sensors_.restore(saved->sensors, saved->quantities, time_since(*saved), now);

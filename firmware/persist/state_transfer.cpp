@@ -123,16 +123,17 @@ SavedNode StateTransfer::saved_node(const NodeRecord& node, port::Instant now) c
   return saved;
 }
 
-bool StateTransfer::restore(const SavedState& saved, bool is_shared, std::uint32_t generation,
-                            port::Instant now) {
+bool StateTransfer::restore(const SavedState& saved, port::Duration away, bool is_shared,
+                            std::uint32_t generation, port::Instant now) {
+  const port::Instant saved_at = now - away;
   // Of a gateway in a fleet, a node without a bus is one that another gateway hears.
   const bool needs_bus = !saved.fleet.empty() && !is_shared;
   std::vector<NodeRecord*> nodes;
   for (const SavedNode& node : saved.nodes) {
     const bool is_left_out = needs_bus && node.bus == no_saved_bus;
-    nodes.push_back(is_left_out ? nullptr : restore_node(saved, node, now));
+    nodes.push_back(is_left_out ? nullptr : restore_node(saved, node, saved_at, now));
   }
-  for (const SavedMissing& missing : saved.missing) restore_missing(saved, missing, now);
+  for (const SavedMissing& missing : saved.missing) restore_missing(saved, missing, saved_at, now);
   if (MeshRestorer(kept_, site_, placement_.domain()).restore(saved, nodes)) return true;
   for (NodeRecord* const node : nodes) {
     if (node != nullptr && !node->is_placed()) placement_.join(*node, generation);
@@ -142,11 +143,11 @@ bool StateTransfer::restore(const SavedState& saved, bool is_shared, std::uint32
 
 // Null where the node table is full.
 NodeRecord* StateTransfer::restore_node(const SavedState& saved, const SavedNode& node,
-                                        port::Instant now) {
+                                        port::Instant saved_at, port::Instant now) {
   NodeRecord* const record = nodes_.add(node.serial, now);
   if (record == nullptr) return record;
   record->position = node.position;
-  record->positioned_at = now - std::chrono::milliseconds(node.age_ms);
+  record->positioned_at = saved_at - std::chrono::milliseconds(node.age_ms);
   record->stale = true;
   if (node.bus == no_saved_bus) return record;
   const UnitIndex unit = find_unit(poller_, saved.buses[node.bus], ModbusAddress{node.address});
@@ -156,14 +157,14 @@ NodeRecord* StateTransfer::restore_node(const SavedState& saved, const SavedNode
 
 // Where the node table is full it is dropped: nodes that answer come first.
 void StateTransfer::restore_missing(const SavedState& saved, const SavedMissing& missing,
-                                    port::Instant now) {
+                                    port::Instant saved_at, port::Instant now) {
   NodeRecord* const record = nodes_.add(missing.node.serial, now);
   if (record == nullptr) return;
   record->is_missing = record->stale = true;
-  record->heard_at = now - std::chrono::seconds(missing.silence_s);
+  record->heard_at = saved_at - std::chrono::seconds(missing.silence_s);
   if (missing.has_position) {
     record->position = missing.node.position;
-    record->positioned_at = now - std::chrono::milliseconds(missing.node.age_ms);
+    record->positioned_at = saved_at - std::chrono::milliseconds(missing.node.age_ms);
   }
   if (missing.node.bus == no_saved_bus) return;
   const UnitIndex unit =

@@ -25,18 +25,22 @@ class StateTransfer {
 
   // Makes the node table and the mesh what they were; both are empty before. All nodes are stale,
   // and heard last `now`: whoever does not answer leaves like anybody else. Who was missing is so
-  // still. `is_shared`: nodes that other gateways hear are nodes here; else those are left out that
-  // were, for nobody tells of them any more. Where the mesh cannot be the same (nodes, features or
-  // room have changed), the nodes join one by one. True where it is the same.
-  bool restore(const SavedState& saved, bool is_shared, std::uint32_t generation,
-               port::Instant now);
+  // still, and since then. `away`: has passed since it was saved. `is_shared`: nodes that other
+  // gateways hear are nodes here; else those are left out that were, for nobody tells of them any
+  // more. Where the mesh cannot be the same (nodes, features or room have changed), the nodes join
+  // one by one. True where it is the same.
+  bool restore(const SavedState& saved, port::Duration away, bool is_shared,
+               std::uint32_t generation, port::Instant now);
 
  private:
   void write_steiner(StateWriter& writer) const;
   void write_missing(StateWriter& writer, port::Instant now) const;
   SavedNode saved_node(const NodeRecord& node, port::Instant now) const;
-  NodeRecord* restore_node(const SavedState& saved, const SavedNode& node, port::Instant now);
-  void restore_missing(const SavedState& saved, const SavedMissing& missing, port::Instant now);
+  // `saved_at`: by the clock of this run.
+  NodeRecord* restore_node(const SavedState& saved, const SavedNode& node, port::Instant saved_at,
+                           port::Instant now);
+  void restore_missing(const SavedState& saved, const SavedMissing& missing, port::Instant saved_at,
+                       port::Instant now);
 
   KeptMesh& kept_;
   SiteKeeper& site_;

@@ -105,10 +105,10 @@ bool UnitsCsv::write_next(Cursor& cursor, port::Instant asked_at, TextWriter& pi
 }
 
 void UnitsCsv::write_row(UnitIndex unit, port::Instant asked_at, TextWriter& piece) const {
-  const ShownUnit shown = shown_unit(sources_.gateway, unit);
+  const ShownUnit shown = shown_unit(sources_, unit, asked_at);
   const UnitCounters& counters = sources_.gateway.poller().counters(unit);
   piece.csv(shown.bus) << "," << shown.address << "," << to_string(shown.state) << ",";
-  if (shown.since) write_age(*shown.since, asked_at, piece);
+  if (shown.since) piece.decimal(std::chrono::duration<double>(*shown.since).count(), 1);
   piece << ",";
   if (shown.node != nullptr) piece << shown.node->serial.value;
   piece << ",";

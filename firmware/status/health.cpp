@@ -10,6 +10,7 @@
 #include "firmware/nodes/faulty_units.h"
 #include "firmware/nodes/silence_cause.h"
 #include "firmware/status/document.h"
+#include "firmware/status/shown_unit.h"
 
 namespace etcm::firmware {
 
@@ -44,10 +45,10 @@ void look_at_buses(const StatusSources& sources, port::Instant now, Reasons& rea
     if (count++ == 0) first = bus;
   }
   if (count == 0) return;
-  const port::Duration silence = age_of(std::max(clock.heard_at(first), sources.started_at), now);
   TextWriter& reason = reasons.add();
   reason << "bus " << bus_label(poller, first) << ": no unit has answered for "
-         << whole_seconds(silence) << " s; " << silence_cause(poller, first, now, poll.stale_after);
+         << whole_seconds(silent_for(sources, first, now)) << " s; "
+         << silence_cause(poller, first, now, poll.stale_after);
   if (count > 1) reason << "; and " << count - 1 << " more silent";
 }
 

@@ -1,13 +1,14 @@
 #include "firmware/status/metric_family.h"
+#include "firmware/status/shown_unit.h"
 
 namespace etcm::firmware {
 
 namespace {
 
-void write_node(const MetricContext& context, Serial serial, port::Instant since,
+void write_node(const MetricContext& context, Serial serial, port::Duration time,
                 TextWriter& piece) {
   piece << context.name << "{serial=\"" << serial.value << "\"} ";
-  piece.seconds(age_of(since, context.asked_at)) << "\n";
+  piece.seconds(time) << "\n";
 }
 
 const NodeRecord& record(const MetricContext& context, std::uint32_t index) {
@@ -17,18 +18,20 @@ const NodeRecord& record(const MetricContext& context, std::uint32_t index) {
 void write_node_age(const MetricContext& context, std::uint32_t index, TextWriter& piece) {
   const NodeRecord& node = record(context, index);
   if (node.is_known() && node.has_position()) {
-    write_node(context, node.serial, node.positioned_at, piece);
+    write_node(context, node.serial, age_of(node.positioned_at, context.asked_at), piece);
   }
 }
 
 void write_node_silence(const MetricContext& context, std::uint32_t index, TextWriter& piece) {
   const NodeRecord& node = record(context, index);
-  if (node.is_known()) write_node(context, node.serial, node.heard_at, piece);
+  if (!node.is_known()) return;
+  write_node(context, node.serial, age_of(node.heard_at, context.asked_at), piece);
 }
 
 void write_node_missing(const MetricContext& context, std::uint32_t index, TextWriter& piece) {
   const NodeRecord& node = record(context, index);
-  if (node.is_missing) write_node(context, node.serial, node.heard_at, piece);
+  if (!node.is_missing) return;
+  write_node(context, node.serial, missing_for(context.sources, node, context.asked_at), piece);
 }
 
 void write_node_name(const MetricContext& context, std::uint32_t index, TextWriter& piece) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "etcm/port/utf8.h"
+#include "firmware/alarms/alarm_subject.h"
+#include "firmware/status/alarms_document.h"
 #include "firmware/status/bus_meter.h"
 
 namespace etcm::firmware {
@@ -37,12 +39,40 @@ std::string_view name_of(const Gateway& gateway, const NodeRecord* node, UnitInd
   return nodes.names()->text(nodes.names()->find(Serial::none(), unit));
 }
 
+std::optional<port::Duration> time_of_alarm(const StatusSources& sources, AlarmKey key,
+                                            port::Instant asked_at) {
+  const Alarm* const alarm = sources.alarms.find_on(key);
+  if (alarm == nullptr || (!alarm->since.is_of_this_run() && alarm->since.unix_ms <= 0)) {
+    return std::nullopt;
+  }
+  return age_of(alarm->since, asked_at, sources.wall_clock.milliseconds());
+}
+
+AlarmKey key_of_missing(const NodeRecord& node) {
+  return {AlarmKind::missing_node, node.serial.value};
+}
+
+std::optional<port::Duration> time_of_silence(const StatusSources& sources, BusIndex bus,
+                                              port::Instant asked_at) {
+  const std::string_view name = sources.gateway.poller().bus(bus).name;
+  return time_of_alarm(sources, {AlarmKind::silent_bus, subject_of(name)}, asked_at);
+}
+
 // From before a restart: since when the node of a unit has been silent that has not answered since.
-void show_earlier_run(ShownUnit& shown, const UnitCounters& counters) {
-  if (shown.node == nullptr || counters.has_answered()) return;
+// Of one that is not missing its bus may tell, on which nobody has answered for longer.
+void show_earlier_run(ShownUnit& shown, const StatusSources& sources, UnitIndex unit,
+                      port::Instant asked_at) {
+  const Poller& poller = sources.gateway.poller();
+  if (shown.node == nullptr || poller.counters(unit).has_answered()) return;
   shown.has_answered_before = true;
   const NodeRecord& node = *shown.node;
-  if (node.is_missing && node.heard_at < node.known_since) shown.since = node.heard_at;
+  shown.since = time_of_alarm(sources, key_of_missing(node), asked_at);
+  if (!shown.since && node.is_missing && node.heard_at < node.known_since) {
+    shown.since = age_of(node.heard_at, asked_at);
+  }
+  if (!shown.since) shown.since = time_of_silence(sources, poller.bus_of(unit), asked_at);
+  // Since the start is what is said of it without.
+  if (shown.since <= age_of(sources.started_at, asked_at)) shown.since.reset();
 }
 
 }  // namespace
@@ -57,7 +87,8 @@ bool is_shown(const Poller& poller, UnitIndex unit) {
   return poller.is_listed(unit) || poller.counters(unit).has_answered();
 }
 
-ShownUnit shown_unit(const Gateway& gateway, UnitIndex unit) {
+ShownUnit shown_unit(const StatusSources& sources, UnitIndex unit, port::Instant asked_at) {
+  const Gateway& gateway = sources.gateway;
   const Poller& poller = gateway.poller();
   const UnitCounters& counters = poller.counters(unit);
   ShownUnit shown{.bus = bus_label(poller, poller.bus_of(unit)),
@@ -69,17 +100,29 @@ ShownUnit shown_unit(const Gateway& gateway, UnitIndex unit) {
                   .name = {}};
   shown.name = name_of(gateway, shown.node, unit);
   if (shown.state == UnitState::answering) {
-    shown.since = counters.sound_since;
+    shown.since = age_of(counters.sound_since, asked_at);
   } else if (counters.sound_at != port::Instant{}) {
-    shown.since = counters.sound_at;
+    shown.since = age_of(counters.sound_at, asked_at);
   }
-  show_earlier_run(shown, counters);
+  show_earlier_run(shown, sources, unit, asked_at);
   if (shown.node == nullptr || shown.node->answered_at == port::Instant{}) return shown;
   const std::uint16_t status = shown.node->status;
   shown.is_moving = (status & node_status::moving) != 0;
   shown.has_low_battery = (status & node_status::low_battery) != 0;
   shown.lacks_fix = (status & node_status::fix_valid) == 0;
   return shown;
+}
+
+port::Duration missing_for(const StatusSources& sources, const NodeRecord& node,
+                           port::Instant asked_at) {
+  return time_of_alarm(sources, key_of_missing(node), asked_at)
+      .value_or(age_of(node.heard_at, asked_at));
+}
+
+port::Duration silent_for(const StatusSources& sources, BusIndex bus, port::Instant asked_at) {
+  const SilenceClock& clock = sources.gateway.presence().clock();
+  return time_of_silence(sources, bus, asked_at)
+      .value_or(age_of(std::max(clock.heard_at(bus), sources.started_at), asked_at));
 }
 
 const char* to_string(UnitState state) {

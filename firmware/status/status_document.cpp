@@ -236,7 +236,7 @@ void StatusDocument::write_missing(Cursor& cursor, port::Instant asked_at,
     if (!node.is_missing) continue;
     piece << cursor.separator() << "{\"serial\":" << node.serial.value;
     write_name(node.serial, piece);
-    piece << ",\"since_ms\":" << age_of(node.heard_at, asked_at) / 1ms;
+    piece << ",\"since_ms\":" << missing_for(sources_, node, asked_at) / 1ms;
     write_unit(node.last_unit, piece);
     const std::string_view gateway = gateway_name(sources_.gateway.snapshot(), node.owner);
     if (!gateway.empty()) {
@@ -331,10 +331,8 @@ void StatusDocument::write_bus(Cursor& cursor, port::Instant asked_at, TextWrite
       << ",\"units\":" << units << ",\"answering\":" << answering << ",\"utilisation\":";
   piece.decimal(use.utilisation, 3) << ",\"efficiency\":";
   piece.decimal(use.efficiency, 3);
-  const Presence& presence = sources_.gateway.presence();
-  if (presence.is_silent(bus)) {
-    const port::Instant since = std::max(presence.clock().heard_at(bus), sources_.started_at);
-    piece << ",\"silent_ms\":" << age_of(since, asked_at) / 1ms;
+  if (sources_.gateway.presence().is_silent(bus)) {
+    piece << ",\"silent_ms\":" << silent_for(sources_, bus, asked_at) / 1ms;
   }
   if (!poller.is_up(bus)) {
     piece << ",\"no_link\":";

@@ -68,12 +68,12 @@ bool UnitsDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWrite
 }
 
 void UnitsDocument::write_unit(UnitIndex unit, port::Instant asked_at, TextWriter& piece) const {
-  const ShownUnit shown = shown_unit(sources_.gateway, unit);
+  const ShownUnit shown = shown_unit(sources_, unit, asked_at);
   const UnitCounters& counters = sources_.gateway.poller().counters(unit);
   piece << "{\"bus\":";
   piece.json(shown.bus) << ",\"unit\":" << shown.address << ",\"state\":\""
                         << to_string(shown.state) << "\"";
-  if (shown.since) piece << ",\"since_ms\":" << age_of(*shown.since, asked_at) / 1ms;
+  if (shown.since) piece << ",\"since_ms\":" << *shown.since / 1ms;
   if (shown.has_answered_before) piece << ",\"answered_before\":true";
   write_faults(counters, asked_at, piece);
   write_answers(counters, piece);

@@ -297,6 +297,29 @@ TEST_F(MissingOverARestart, DoesNotWhereItWasDismissed) {
   EXPECT_EQ(after->server.header("missing_count"), 0u);
 }
 
+// The gateway was switched off for a day.
+TEST_F(MissingOverARestart, CountsTheTimeInWhichTheGatewayDidNotRun) {
+  const auto before = make_rig();
+  FollowingWallClock wall(before->clock);
+  before->wall_clock = &wall;
+  before->put_square();
+  before->run(1s);
+  before->bus.silence(1);
+  before->run(100s);
+  before->gateway->finish(before->clock.now());
+  const auto after = make_rig();
+  before->clock.pass(24h);
+  after->wall_clock = &wall;
+  after->start();
+  after->gateway->restore(after->clock.now());
+  const NodeRecord* const node = after->gateway->nodes().find(Serial{1001});
+  ASSERT_NE(node, nullptr);
+  ASSERT_TRUE(node->is_missing);
+  EXPECT_GE(after->clock.now() - node->heard_at, 24h + 99s);
+  EXPECT_LE(after->clock.now() - node->heard_at, 24h + 102s);
+  EXPECT_GE(after->clock.now() - node->positioned_at, 24h + 99s);
+}
+
 // Nothing else changes for hours, and then the power fails.
 TEST_F(MissingOverARestart, IsKnownWithinTheHourSinceWhen) {
   const auto before = make_rig();

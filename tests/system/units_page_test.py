@@ -3,7 +3,10 @@
 ETCM_BIN is the programs' folder. ETCM_SCREENSHOTS, where it is set, is a folder for screenshots.
 Every wait is for a condition.
 """
+import datetime
+import json
 import re
+import time
 import unittest
 
 from selenium.webdriver.common.by import By
@@ -50,6 +53,32 @@ class Units(BrowserCase):
         # By the name of the unit, which nobody has answered at.
         self.find("#unit-search").send_keys("deep w")
         wait_for("the unit", lambda: [row[0] for row in self.rows()] == ["9"])
+
+    def test_since_when_a_unit_is_silent_is_the_same_everywhere_after_a_restart(self):
+        buses = self.start_nodes([f"0,{n},join,{n * 100},{n * n * 20}" for n in (1, 2, 3)] + ["2000,3,silent,,"])
+        gateway = self.start_gateway(buses, STATE + self.HTTP, **SOON)
+        gateway.wait_for_line(r"node 3 is missing")
+        self.assertEqual(gateway.stop(), 0)
+        stopped = time.monotonic()
+        # While it does not run, time goes on.
+        wait_for("some seconds", lambda: time.monotonic() - stopped > 6)
+        again = self.start("again", [PROGRAMS / "etcm-gateway", "--config", "site.toml"])
+        self.url = again.wait_for_line(r"status page on (http://\S+)").group(1)
+        since = lambda path, pick: pick(json.loads(self.get(path)))
+        alarm = lambda: since("/alarms.json", lambda told: next(
+            a["since_ms"] for a in told["alarms"] if a["about"] == {"node": 3}))
+        for path, pick in (("/status.json", lambda told: told["missing"][0]["since_ms"]),
+                           ("/units.json", lambda told: next(u for u in told["units"] if u["unit"] == 3)["since_ms"])):
+            before, there, after = alarm(), since(path, pick), alarm()
+            self.assertGreater(before, 8000)
+            self.assertTrue(before <= there <= after, (path, before, there, after))
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#alarm-list", MOMENT)
+        self.wait_for_text("#missed", MOMENT)
+        moments = [re.search(MOMENT, self.text(part)).group() for part in ("#alarm-list", "#missed")]
+        seconds = [datetime.datetime.strptime(moment.rsplit(" ", 1)[0], "%d %b %Y, %H:%M:%S") for moment in moments]
+        self.assertLessEqual(abs(seconds[0] - seconds[1]), datetime.timedelta(seconds=1), moments)
 
     def found(self, words):
         """The serials that the search of nodes finds."""
