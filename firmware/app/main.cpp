@@ -32,9 +32,9 @@ using namespace etcm;
 constexpr int exit_bad_settings = 2;
 
 // Runs the gateway, or only checks its settings.
-int run(const std::string& config, bool is_check) {
+int run(const std::string& config, bool is_check, bool is_verbose) {
   const port::SteadyClock clock;
-  port::StreamLog log(STDERR_FILENO);
+  port::StreamLog log(STDERR_FILENO, is_verbose ? port::Level::detail : port::Level::info);
   try {
     std::vector<std::string> mistakes;
     port::ProjectionSource* projections = nullptr;
@@ -89,11 +89,14 @@ int main(int argc, char** argv) {
       "etcm-gateway");
   std::string config;
   bool check_config = false;
+  bool is_verbose = false;
   bool register_map = false;
   bool settings_file = false;
   bool settings_table = false;
   auto* config_option = app.add_option("--config", config, "settings, a TOML file");
   auto* check_option = app.add_flag("--check-config", check_config, "check the settings and end");
+  app.add_flag("--verbose", is_verbose, "tell figures of each change of the mesh too")
+      ->needs(config_option);
   auto* map_option = app.add_flag("--register-map", register_map,
                                   "print the tables of the registers it serves, and end");
   auto* settings_option = app.add_flag(
@@ -126,5 +129,5 @@ int main(int argc, char** argv) {
                stderr);
     return exit_bad_settings;
   }
-  return run(config, check_config);
+  return run(config, check_config, is_verbose);
 }

@@ -11,6 +11,7 @@ RecentEvents::RecentEvents(const port::Clock& clock, port::Log& next)
 
 void RecentEvents::write(port::Level level, std::string_view line) {
   next_.write(level, line);
+  if (level == port::Level::detail) return;
   Kept& kept = kept_[place_of(written_++)];
   kept.at = clock_.now();
   kept.level = level;
@@ -49,6 +50,7 @@ const char* word_of(port::Level level) {
     case port::Level::warning:
       return "warning";
     case port::Level::info:
+    case port::Level::detail:
       break;
   }
   return "info";

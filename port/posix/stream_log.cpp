@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::string_view cut_mark = " ...";
 
-// sd-daemon(3): "<3>" error, "<4>" warning, "<6>" information.
+// sd-daemon(3): "<3>" error, "<4>" warning, "<6>" information, "<7>" detail.
 const char* journal_prefix(Level level) {
   switch (level) {
     case Level::error:
@@ -29,6 +29,8 @@ const char* journal_prefix(Level level) {
       return "<4>";
     case Level::info:
       break;
+    case Level::detail:
+      return "<7>";
   }
   return "<6>";
 }
@@ -40,6 +42,7 @@ const char* plain_prefix(Level level) {
     case Level::warning:
       return "warning: ";
     case Level::info:
+    case Level::detail:
       break;
   }
   return "";
@@ -66,7 +69,8 @@ std::size_t write_time(char* out, std::size_t room) {
 
 }  // namespace
 
-StreamLog::StreamLog(int descriptor) : descriptor_(descriptor), reader_(Reader::program) {
+StreamLog::StreamLog(int descriptor, Level finest)
+    : descriptor_(descriptor), finest_(finest), reader_(Reader::program) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) return;
   if (is_journal(status)) {
@@ -77,6 +81,7 @@ StreamLog::StreamLog(int descriptor) : descriptor_(descriptor), reader_(Reader::
 }
 
 void StreamLog::write(Level level, std::string_view line) {
+  if (level > finest_) return;
   if (left_out_ > 0) {
     std::array<char, 80> text{};
     const int size =

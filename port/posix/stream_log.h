@@ -18,8 +18,8 @@ class StreamLog final : public Log {
   // A longer line is cut.
   static constexpr std::size_t line_max = 1000;
 
-  // The descriptor stays the caller's.
-  explicit StreamLog(int descriptor);
+  // The descriptor stays the caller's. What is finer than `finest` is not written.
+  explicit StreamLog(int descriptor, Level finest = Level::info);
   // A line end, another control character and what is no UTF-8 become "?".
   void write(Level level, std::string_view line) override;
 
@@ -28,6 +28,7 @@ class StreamLog final : public Log {
   bool try_write(Level level, std::string_view line);
 
   int descriptor_;
+  Level finest_;
   Reader reader_;
   std::uint32_t left_out_ = 0;
 };

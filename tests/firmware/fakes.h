@@ -44,9 +44,12 @@ class FollowingWallClock final : public port::WallClock {
 
 class RecordingLog final : public port::Log {
  public:
-  void write(port::Level, std::string_view line) override { lines.emplace_back(line); }
+  void write(port::Level level, std::string_view line) override {
+    (level == port::Level::detail ? details : lines).emplace_back(line);
+  }
   std::size_t count(const std::string& part) const;
   std::vector<std::string> lines;
+  std::vector<std::string> details;  // for who wants figures, and not among the lines
 };
 
 // Units that answer at once, or time out when the gateway's clock has passed the timeout. They take

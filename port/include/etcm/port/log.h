@@ -6,7 +6,12 @@
 
 namespace etcm::port {
 
-enum class Level : std::uint8_t { error, warning, info };
+enum class Level : std::uint8_t {
+  error,
+  warning,
+  info,
+  detail,  // figures, for who wants to know more than what happened
+};
 
 class Log {
  public:
