@@ -26,7 +26,7 @@ Web::Web(const HttpSettings& settings, const StatusSources& sources,
 }
 
 void Web::update(const HttpSettings& settings) {
-  server_.allow(settings.allow, log_);
+  server_.allow(settings.allow, log_, settings.allow_place);
   server_.expect_names(settings.names);
   report_.allow(settings.allow);
 }

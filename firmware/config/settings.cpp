@@ -126,6 +126,9 @@ void check_http(TomlTable& toml_table, Settings& settings) {
     toml_table.mistake(toml_table.table(), "the page and [server] would both listen on port " +
                                                std::to_string(server.port) + "; give one another");
   }
+  const toml::node* const allow = toml_table.find("allow");
+  std::string place = allow != nullptr ? toml_table.place(*allow) : toml_table.place();
+  settings.http->allow_place = place.replace(place.rfind(':'), 1, ", line ");
 }
 
 void check_rs485(TomlTable& toml_table, const BusSettings& bus, const port::Rs485& rs485) {

@@ -237,6 +237,7 @@ struct ServerSettings {
 struct HttpSettings {
   port::SocketAddress listen;
   std::vector<port::Network> allow{};  // who may look
+  std::string allow_place{};           // where that is written, "gateway.toml, line 12"
   std::vector<std::string> names{};    // by which it is asked for, beside its addresses
   std::uint32_t clients_max = 0;
 };

@@ -191,6 +191,11 @@ std::optional<port::SocketAddress> read(const AddressType&, const GivenKey& key,
   const auto text = node.value_exact<std::string>();
   const auto found = text ? port::parse_socket_address(*text) : std::nullopt;
   if (found) return found;
+  // The name that every machine has for itself.
+  const auto end = text ? port::parse_endpoint(*text) : std::nullopt;
+  if (end && end->host == "localhost") {
+    return port::parse_socket_address("127.0.0.1:" + std::to_string(end->port));
+  }
   // With the port that was meant, or else that of the example, which stands in quotes.
   const auto port_in = [](const std::string& place) {
     const std::size_t last = place.find_last_of("0123456789");
@@ -201,8 +206,9 @@ std::optional<port::SocketAddress> read(const AddressType&, const GivenKey& key,
   if (port.empty() || port.size() > 5) port = port_in(key.example);
   const auto at = [&port](const char* host) { return "\"" + (host + (':' + port)) + "\""; };
   return wrong(key, node,
-               quoted(key) + " is no address; write it as " + at("127.0.0.1") + ", " + at("[::1]") +
-                   ", or " + at("[::]") + " for all addresses of this machine");
+               quoted(key) + " is no address of this machine; write it as " + at("127.0.0.1") +
+                   ", " + at("localhost") + ", " + at("[::1]") + ", or " + at("[::]") +
+                   " for all of its addresses");
 }
 
 std::optional<std::optional<port::SocketAddress>> read(const OptionalAddressType&,

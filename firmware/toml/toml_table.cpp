@@ -146,7 +146,9 @@ void TomlTable::finish() {
   }
 }
 
-std::string TomlTable::place() const { return place_of(file_, table_); }
+std::string TomlTable::place() const { return place(table_); }
+
+std::string TomlTable::place(const toml::node& node) const { return place_of(file_, node); }
 
 std::string TomlTable::in_toml_table(const std::string& what) const {
   return name_.empty() ? what : what + " in " + name_;

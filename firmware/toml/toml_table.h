@@ -46,8 +46,9 @@ class TomlTable {
   // Reports keys that mean nothing: most are misspelt.
   void finish();
 
-  // "file:line" of the table.
+  // "file:line" of the table, and of a node in it.
   std::string place() const;
+  std::string place(const toml::node& node) const;
   const toml::table& table() const { return table_; }
 
  private:

@@ -59,17 +59,23 @@ Instant Farewell::next_deadline() const {
       ->until;
 }
 
-std::string not_allowed_response(const HostAddress& host, const std::vector<Network>& allowed) {
+std::string not_allowed_response(const HostAddress& host, const std::vector<Network>& allowed,
+                                 const std::string& place) {
   std::string list;
   for (const Network& network : allowed) list += '"' + to_string(network) + "\", ";
   const std::string text =
       "403: this gateway does not show its page to " + host_text(host) +
       ".\n\n"
-      "To let it in, add its address, or its network, to the settings of the gateway, and\n"
-      "have it read them again (sudo systemctl reload etcm-gateway):\n\n"
-      "    [http]\n"
+      "Ask whoever looks after the gateway, and send this page along. To let " +
+      host_text(host) + " in, they make `allow`\nof [http] in " +
+      (place.empty() ? "the settings of the gateway" : place) +
+      " read\n\n"
       "    allow = [" +
-      list + '"' + host_text(host) + "\"]\n";
+      list + '"' + host_text(host) +
+      "\"]\n\n"
+      "and have the gateway read it again:\n\n"
+      "    sudo systemctl reload etcm-gateway\n\n"
+      "Then load this page again, twice if need be.\n";
   return "HTTP/1.1 403 Forbidden\r\n"
          "Content-Type: text/plain; charset=utf-8\r\n"
          "Content-Length: " +

@@ -49,7 +49,9 @@ class Farewell {
   std::array<Place, places> places_{};
 };
 
-// An answer with status 403 that ends its connection: who may look, and how to let `host` in.
-std::string not_allowed_response(const HostAddress& host, const std::vector<Network>& allowed);
+// An answer with status 403 that ends its connection: who may look, whom to ask, and how to let
+// `host` in. `place`: where that is written, "gateway.toml, line 12"; may be empty.
+std::string not_allowed_response(const HostAddress& host, const std::vector<Network>& allowed,
+                                 const std::string& place = {});
 
 }  // namespace etcm::port

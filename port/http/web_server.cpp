@@ -248,8 +248,9 @@ WebServer::~WebServer() {
   daemon_.reset();
 }
 
-void WebServer::allow(std::vector<Network> networks, Log& log) {
+void WebServer::allow(std::vector<Network> networks, Log& log, std::string place) {
   log_ = &log;
+  place_of_allowed_ = std::move(place);
   allowed_ = std::move(networks);
   for (Client& client : clients_) {
     if (!client.is_free && !any_contains(allowed_, client.host)) hang_up(client);
@@ -260,7 +261,8 @@ void WebServer::expect_names(std::vector<std::string> names) { names_ = std::mov
 
 void WebServer::accepted(FileDescriptor socket, const SocketAddress& peer) {
   if (!any_contains(allowed_, peer.host)) {
-    farewell_.say(std::move(socket), not_allowed_response(peer.host, allowed_), now_);
+    farewell_.say(std::move(socket), not_allowed_response(peer.host, allowed_, place_of_allowed_),
+                  now_);
     return turn_away(
         peer.host, "its network is not in allow of [http]; add it there if it may see everything");
   }

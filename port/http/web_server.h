@@ -51,8 +51,8 @@ class WebServer final : private EventHandler, private AcceptHandler {
 
   // Who may connect from now on; at first everybody. Hangs up on those who no longer may. Who is
   // rejected is told how to be let in, whatever it asks for, and is said in the log, which must
-  // outlive this.
-  void allow(std::vector<Network> networks, Log& log);
+  // outlive this. `place`: where the settings have it, for who is rejected.
+  void allow(std::vector<Network> networks, Log& log, std::string place = {});
   // By which names it may be asked for from now on, beside its addresses (host_check.h); at first
   // by any. Who asks by another one has status 421 and is told why.
   void expect_names(std::vector<std::string> names);
@@ -96,6 +96,7 @@ class WebServer final : private EventHandler, private AcceptHandler {
   Log* log_ = nullptr;
   ServiceCounters& counters_;
   std::vector<Network> allowed_{everybody};
+  std::string place_of_allowed_;
   std::optional<std::vector<std::string>> names_;
   std::vector<Client> clients_;
   std::unique_ptr<MHD_Daemon, StopDaemon> daemon_;

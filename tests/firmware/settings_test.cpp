@@ -55,6 +55,15 @@ TEST_F(SettingsFile, TheLeastThatWorks) {
   EXPECT_FALSE(settings.files);
 }
 
+TEST_F(SettingsFile, ListensAtTheNameThatEveryMachineHas) {
+  const Settings settings = read_sound(
+      "[[bus]]\ntcp = \"127.0.0.1:502\"\nunits = \"1\"\n[http]\nlisten = \"localhost:8080\"\n");
+  ASSERT_TRUE(settings.http);
+  EXPECT_EQ(to_string(settings.http->listen), "127.0.0.1:8080");
+  EXPECT_TRUE(settings.http->allow_place.ends_with("site.toml, line 6"))
+      << settings.http->allow_place;
+}
+
 TEST_F(SettingsFile, EverySettingArrives) {
   const Settings settings = read(R"(
 [site]
@@ -364,7 +373,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"ipv6_without_brackets", "[[bus]]\ntcp = \"2001:db8::1:502\"\nunits = \"1\"\n", 5,
                 "'tcp' is neither an address nor a name with a port", "[2001:db8::1]:502"},
         Mistake{"listens_at_a_name",
-                bus("units = \"1\"\n") + "[server]\nlisten = \"localhost:502\"\n", 8,
+                bus("units = \"1\"\n") + "[server]\nlisten = \"plc.example:502\"\n", 8,
                 "'listen' is no address", "[::1]:502"},
         Mistake{"one_unit_behind_one_name",
                 "[[bus]]\ntcp = \"PLC.example:502\"\nunits = \"1-9\"\n"

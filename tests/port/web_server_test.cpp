@@ -129,12 +129,14 @@ TEST_F(WebServerTest, WhoIsNotAllowedIsTurnedAway) {
   const FileDescriptor before = client("GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
   receive(before.get());
   KeptLog log;
-  server_.allow({{.host = 0x0a000000, .prefix = 8}}, log);
+  server_.allow({{.host = 0x0a000000, .prefix = 8}}, log, "/etc/etcm/gateway.toml, line 12");
   EXPECT_TRUE(turn_until([&] { return is_gone(before.get()) && counters_.clients == 0; }));
   const FileDescriptor after = client("GET /10 HTTP/1.1\r\nHost: a\r\n\r\n");
   const std::string answer = receive(after.get());
   EXPECT_TRUE(answer.starts_with("HTTP/1.1 403 Forbidden\r\n")) << answer;
   EXPECT_NE(answer.find("allow = [\"10.0.0.0/8\", \"127.0.0.1\"]"), std::string::npos) << answer;
+  EXPECT_NE(answer.find("[http] in /etc/etcm/gateway.toml, line 12 read\n"), std::string::npos);
+  EXPECT_NE(answer.find("Ask whoever looks after the gateway"), std::string::npos);
   EXPECT_EQ(answer.find("xxx"), std::string::npos);
   EXPECT_EQ(site_.begun, 1u);
   EXPECT_EQ(counters_.rejected, 2u);
