@@ -1,6 +1,7 @@
 #include "firmware/alarms/refusal_text.h"
 
 #include "firmware/alarms/alarm_subject.h"
+#include "firmware/mesh/feature_reason.h"
 
 namespace etcm::firmware {
 
@@ -14,7 +15,8 @@ Sentence parts_of(std::string_view sentence) {
 }
 
 std::optional<RefusalText> refusal_text(const Gateway& gateway, const QuarantineEntry& entry) {
-  const Sentence why = parts_of(explain(entry));
+  Sentence why = parts_of(explain(entry));
+  std::optional<FeatureReason> reason;
   TextLine text;
   AlarmKey key;
   if (entry.conflict != IdentityConflict::none) {
@@ -31,20 +33,18 @@ std::optional<RefusalText> refusal_text(const Gateway& gateway, const Quarantine
     const FeatureSettings& feature = gateway.features()[entry.feature - 1].settings;
     key = {AlarmKind::refused_feature, subject_of(feature)};
     text << PlacedFeature{entry.feature, feature} << " is not in the mesh";
+    reason = reason_of(feature, entry.rejection.mesh, entry.blocker, gateway.features(),
+                       gateway.settings().site.plane());
+    if (reason) why = {.what = reason->what, .cure = reason->cure};
   } else {
     key = {AlarmKind::refused_anchor, subject_of(entry.position)};
     text << "the anchor at (" << entry.position.x << ", " << entry.position.y
          << ") is not in the mesh";
   }
   text << ": " << why.what;
-  if (entry.blocker && entry.blocker->number < gateway.features().size()) {
-    const Blocker& blocker = *entry.blocker;
-    const FeatureSettings& other = gateway.features()[blocker.number].settings;
-    text << " [with " << PlacedFeature{blocker.number + 1, other};
-    if (blocker.near) text << ", near (" << blocker.near->x << ", " << blocker.near->y << ")";
-    text << "]";
-  }
-  return RefusalText{.key = key, .what = text, .cure = why.cure};
+  TextLine cure;
+  cure << why.cure;
+  return RefusalText{.key = key, .what = text, .cure = cure};
 }
 
 }  // namespace etcm::firmware

@@ -20,7 +20,7 @@ Sentence parts_of(std::string_view sentence);
 struct RefusalText {
   AlarmKey key;
   TextLine what;
-  std::string_view cure;
+  TextLine cure;
 };
 // None: the settings have no such feature any more.
 std::optional<RefusalText> refusal_text(const Gateway& gateway, const QuarantineEntry& entry);

@@ -106,6 +106,12 @@ struct ControlOptions {
   BundleOptions bundle;
 };
 
+// Where what can be named is seen.
+std::string which_hint(std::string_view command) {
+  if (command == "show") return "";
+  return ", as sudo etcm-gateway ctl list shows them";
+}
+
 // No word of a command line is two lines to the gateway.
 std::string check_word(const std::string& word) {
   const bool is_one = !word.empty() && word.find('\n') == std::string::npos;
@@ -159,8 +165,13 @@ void add_control_command(CLI::App& app, std::function<int()>& run) {
 
   const auto add_words = [&](const char* name, const char* what, const char* words) {
     CLI::App* const command = ctl->add_subcommand(name, what);
-    command->add_option("what", options->words, words)->required()->check(check_word);
-    command->callback([options, &run, name] {
+    command->add_option("what", options->words, words)->check(check_word);
+    command->callback([options, &run, name, words] {
+      if (options->words.empty()) {
+        throw CLI::ParseError(
+            std::string("ctl ") + name + ": it is not said which; add " + words + which_hint(name),
+            CLI::ExitCodes::RequiredError);
+      }
       run = [options, name] { return tell(options->socket, lines_of(name, options->words)); };
     });
   };

@@ -94,6 +94,7 @@ void Program::open_desk() {
                               .config = config_place_,
                               .started_at = now,
                               .refusal = &refusal_,
+                              .needs_restart = &needs_restart_,
                               .disk_of_alarms = desk_->disk_of_alarms(),
                               .resident_bytes = port::resident_bytes,
                               .heap_bytes = port::heap_bytes};
@@ -213,7 +214,7 @@ void Program::reload_settings() {
   static_cast<void>(reread_.take_received());
   watch_->reloading();
   if (std::shared_ptr<const Settings> next =
-          reload(config_, *settings_, projections_, events_, refusal_)) {
+          reload(config_, *settings_, projections_, events_, refusal_, &needs_restart_)) {
     const std::size_t known = settings_->buses.size();
     settings_ = std::move(next);
     shared_lines_.update(settings_->buses);

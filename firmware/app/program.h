@@ -74,6 +74,7 @@ class Program {
   port::StopSignal stop_;
   port::SignalWatch reread_;
   port::Instant reload_due_{};
+  std::vector<std::string> needs_restart_;  // keys of the settings that were changed
   std::string refusal_;            // of the configuration, since it was changed to what is wrong
   std::vector<std::byte> memory_;  // all that the mesh ever has
   Mesh mesh_;

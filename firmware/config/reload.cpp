@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <exception>
+#include <utility>
 
 #include "etcm/port/utf8.h"
 #include "firmware/config/bus_reload.h"
@@ -68,6 +69,7 @@ std::vector<std::string> take_over(Settings& settings, const Settings& next) {
   settings.site.projected_crs = next.site.projected_crs;
   settings.site.center = next.site.center;
   settings.node_names = next.node_names;
+  if (settings.http && next.http) settings.http->allow_place = next.http->allow_place;
   settings.features = next.features;
   settings.anchors = next.anchors;
   settings.domain = next.domain;
@@ -76,7 +78,7 @@ std::vector<std::string> take_over(Settings& settings, const Settings& next) {
 
 std::shared_ptr<const Settings> reload(const std::string& path, const Settings& current,
                                        port::ProjectionSource* projections, port::Log& log,
-                                       std::string& refusal) {
+                                       std::string& refusal, std::vector<std::string>* waiting) {
   std::vector<std::string> mistakes;
   Settings next;
   try {
@@ -101,9 +103,11 @@ std::shared_ptr<const Settings> reload(const std::string& path, const Settings& 
   }
   tell(next.warnings, "warnings", port::Level::warning, path, log);
   auto settings = std::make_shared<Settings>(current);
-  for (const std::string& key : take_over(*settings, next)) {
+  std::vector<std::string> fixed = take_over(*settings, next);
+  for (const std::string& key : fixed) {
     log.write(port::Level::warning, path + ": needs a restart: " + key);
   }
+  if (waiting != nullptr) *waiting = std::move(fixed);
   const std::uint32_t added = count_units(*settings) - count_units(current);
   log.write(port::Level::info,
             path + " is read again: " + std::to_string(settings->features.size()) +

@@ -24,9 +24,11 @@ inline constexpr port::Duration reload_pause = std::chrono::seconds(1);
 // Reads the whole configuration. The settings that hold from now on, where nothing in it is wrong;
 // else null, and the log says why. Whoever asked waits for this answer, so the log should leave out
 // none of its lines: they are few, and reload_pause apart. `refusal` becomes the same in one
-// sentence for a person, with the cure; empty where nothing is wrong.
+// sentence for a person, with the cure; empty where nothing is wrong. `waiting`, where it is not
+// null, becomes what differs now and needs a restart; where something is wrong it stays as it was.
 std::shared_ptr<const Settings> reload(const std::string& path, const Settings& current,
                                        port::ProjectionSource* projections, port::Log& log,
-                                       std::string& refusal);
+                                       std::string& refusal,
+                                       std::vector<std::string>* waiting = nullptr);
 
 }  // namespace etcm::firmware

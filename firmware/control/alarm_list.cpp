@@ -1,6 +1,9 @@
 #include "firmware/control/alarm_list.h"
 
+#include <algorithm>
 #include <chrono>
+
+#include "etcm/port/utf8.h"
 
 namespace etcm::firmware {
 
@@ -41,6 +44,7 @@ std::string_view ending_of(AlarmEnd end) {
 bool AlarmList::write_next(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const {
   if (cursor.section == list_head) {
     write_head(piece);
+    write_needs_restart(piece);
     cursor.next_section();
     return true;
   }
@@ -63,6 +67,20 @@ void AlarmList::write_head(TextWriter& piece) const {
         << book_.unacknowledged_count() << " not acknowledged";
   if (book_.untold_count() > 0) piece << "; and " << book_.untold_count() << " more";
   piece << "\n";
+}
+
+// No alarm: the gateway does what it was told before.
+void AlarmList::write_needs_restart(TextWriter& piece) const {
+  if (needs_restart_ == nullptr || needs_restart_->empty()) return;
+  constexpr std::size_t keys_max = 20;
+  constexpr std::size_t key_bytes_max = 60;
+  piece << "waits for a restart:";
+  std::string_view before = " ";
+  for (std::size_t i = 0; i < std::min(keys_max, needs_restart_->size()); ++i) {
+    piece << before << port::cut_utf8((*needs_restart_)[i], key_bytes_max);
+    before = ", ";
+  }
+  piece << "\n    do: sudo systemctl restart etcm-gateway\n";
 }
 
 void AlarmList::write_alarm(const Alarm& alarm, port::Instant asked_at, TextWriter& piece) const {

@@ -37,7 +37,7 @@ Control::Control(Gateway& gateway, AlarmBook& alarms, const StatusSources& sourc
       meter_(gateway.poller()),
       alarms_document_(alarms, sources.wall_clock, AlarmsShown::open, &sources.gateway),
       history_document_(alarms, sources.wall_clock, AlarmsShown::all, &sources.gateway),
-      alarms_on_(alarms, sources.wall_clock, false),
+      alarms_on_(alarms, sources.wall_clock, false, sources.needs_restart),
       alarms_all_(alarms, sources.wall_clock, true),
       status_(sources_, meter_),
       metrics_(sources_, meter_),
@@ -130,7 +130,8 @@ void Control::dismiss(std::string_view what, TextWriter& answer) {
     answer << "error " << count << " nodes of this name are missing; give the serial of one\n";
   } else {
     answer << "error no node of this name is missing, and no gateway of this name is gone and "
-              "without nodes; etcm-gateway ctl list shows who is\n";
+              "without nodes: it was dismissed already, or answers; sudo etcm-gateway ctl list "
+              "shows who is missing\n";
   }
 }
 
@@ -140,11 +141,14 @@ void Control::dismiss(Serial serial, TextWriter& answer) {
     answer << "ok\n" << gateway_.nodes().called(serial) << " is no longer missed\n";
   } else if (const NodeRecord* const node = gateway_.nodes().find(serial)) {
     answer << "error " << gateway_.nodes().called(serial)
-           << (node->is_missing ? " holds a feature that the mesh cannot have without it\n"
-                                : " is not missing\n");
+           << (node->is_missing ? " holds a feature that the mesh cannot have without it; take the "
+                                  "feature out of the site file, and reload\n"
+                                : " answers, so there is nothing to dismiss; sudo etcm-gateway ctl "
+                                  "list shows who is missing\n");
   } else {
-    answer << "error nobody knows a node " << serial.value
-           << "; etcm-gateway ctl list shows who is missing\n";
+    answer << "error node " << serial.value
+           << " is not known here: it was dismissed already, or never here; sudo etcm-gateway ctl "
+              "list shows who is missing\n";
   }
 }
 
@@ -159,7 +163,7 @@ void Control::acknowledge(std::string_view what, TextWriter& answer) {
   const std::optional<std::uint32_t> number = number_in(what);
   if (!number || !alarms_.acknowledge(*number)) {
     answer << "error no alarm that is on has the number " << what
-           << "; etcm-gateway ctl list shows them\n";
+           << ": it has ended, or never was; sudo etcm-gateway ctl list shows those that are on\n";
     return;
   }
   log_.write(port::Level::info, TextLine() << "alarm " << *number << " is acknowledged");

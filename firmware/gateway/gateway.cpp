@@ -110,7 +110,7 @@ void Gateway::log_restored(const SavedState& saved, bool is_same) {
           std::to_string(kept_.node_count()) + " of " + std::to_string(saved.nodes.size()) +
           " nodes, " + std::to_string(kept_.features().active_count()) + " features, " +
           std::to_string(mesh.steiner_count()) +
-          " Steiner vertices; all are stale until they answer");
+          " proposed relays; all are stale until they answer");
 }
 
 void Gateway::step(port::Instant now) {
@@ -275,7 +275,7 @@ void Gateway::finish(port::Instant now) {
                        std::to_string(kept_.node_count()) + " nodes, " +
                        std::to_string(kept_.features().active_count()) + " of " +
                        std::to_string(kept_.features().records().size()) + " features, " +
-                       std::to_string(mesh.steiner_count()) + " Steiner vertices, " +
+                       std::to_string(mesh.steiner_count()) + " proposed relays, " +
                        std::to_string(mesh.finite_triangle_count()) + " triangles, " +
                        (audited ? std::string("audit passed: conforming")
                                 : std::string("audit failed: ") + to_string(audited.broken)));

@@ -6,6 +6,7 @@
 
 #include "etcm/locate.h"
 #include "firmware/logging/text_line.h"
+#include "firmware/mesh/feature_reason.h"
 #include "firmware/mesh/rejection_text.h"
 
 namespace etcm::firmware {
@@ -180,10 +181,9 @@ void FeatureKeeper::reject(std::uint32_t number, Status status,
   if (!is_news) return;
   TextLine text;
   text << features.name(number) << " refused: ";
-  if (blocker) {
-    text << explain(status) << " [with " << features.name(blocker->number);
-    if (blocker->near) text << ", near (" << blocker->near->x << ", " << blocker->near->y << ")";
-    text << "]";
+  const auto reason = reason_of(number, features.records(), {});
+  if (reason) {
+    text << reason->what.view() << "; " << reason->cure.view();
   } else {
     write_rejection(text, kept_, nodes_, status);
   }

@@ -1,27 +1,15 @@
 #include "firmware/mesh/node_placement.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <utility>
 
 #include "firmware/mesh/length_text.h"
+#include "firmware/mesh/place_text.h"
 #include "firmware/mesh/rejection_text.h"
 
 namespace etcm::firmware {
 
 namespace {
-
-TextLine& operator<<(TextLine& text, Position position) {
-  return text << "(" << position.x << ", " << position.y << ")";
-}
-
-// In millionths of a degree, some 11 cm: "63.430500".
-TextLine& write_angle(TextLine& text, std::int64_t nanodegrees) {
-  constexpr std::int64_t one = 1'000'000;
-  const std::int64_t angle = std::abs(nearest_unit(nanodegrees, site_nano / one));
-  text << angle / one << ".";
-  for (std::int64_t digit = one / 10; digit > angle % one && digit > 1; digit /= 10) text << "0";
-  return text << angle % one;
-}
 
 struct Counted {
   std::uint32_t count;
@@ -88,10 +76,10 @@ NodeRecord* NodePlacement::place(NodeRecord& node, std::uint32_t generation) {
   tell_node(text, node);
   text << " joined at ";
   tell_place(text, node.placed);
-  text << (is_on_anchor ? ", on the anchor" : "") << ": generation " << generation << ", "
-       << Counted{kept_.mesh().neighbours(id, {}), "neighbour", "neighbours"};
-  tell_difference(text, start);
+  text << (is_on_anchor ? ", on the anchor" : "");
+  tell_mesh(text, start);
   log_.write(port::Level::info, text);
+  tell_figures(node, "joined", generation, start);
   return displaced;
 }
 
@@ -138,9 +126,9 @@ void NodePlacement::move(NodeRecord& node, std::uint32_t generation) {
   write_distance(text, plane_, from, node.placed, " ");
   text << "from " << from << " to ";
   tell_place(text, node.placed);
-  text << ": generation " << generation;
-  tell_difference(text, start);
+  tell_mesh(text, start);
   log_.write(port::Level::info, text);
+  tell_figures(node, "moved", generation, start);
   if (displaced != nullptr) join(*displaced, generation);
 }
 
@@ -224,9 +212,10 @@ void NodePlacement::report_left(const NodeRecord& node, std::string_view why,
                                 std::uint32_t generation, const Before& start) {
   TextLine text;
   tell_node(text, node);
-  text << " left (" << why << "): generation " << generation;
-  tell_difference(text, start);
+  text << " left (" << why << ")";
+  tell_mesh(text, start);
   log_.write(port::Level::info, text);
+  tell_figures(node, "left", generation, start);
 }
 
 // The vertex leaves the mesh, or is its anchor alone. Features that only it let cross give way.
@@ -297,23 +286,35 @@ port::Duration NodePlacement::note_time(const Before& start) {
   return times_.last;
 }
 
-void NodePlacement::tell_difference(TextLine& text, const Before& start) {
-  const std::uint32_t steiner = kept_.mesh().steiner_count();
+void NodePlacement::tell_mesh(TextLine& text, const Before& start) const {
+  const Mesh& mesh = std::as_const(kept_).mesh();
   const std::uint32_t active = kept_.features().active_count();
-  if (steiner < start.steiner_count) {
-    text << ", " << Counted{start.steiner_count - steiner, "Steiner vertex", "Steiner vertices"}
-         << " taken out";
-  } else {
-    text << ", " << Counted{steiner - start.steiner_count, "Steiner vertex", "Steiner vertices"}
-         << " added";
-  }
+  text << ": " << Counted{mesh.node_count(), "node", "nodes"};
+  const std::uint32_t steiner = mesh.steiner_count();
+  if (steiner > 0) text << ", " << Counted{steiner, "proposed relay", "proposed relays"};
   if (active > start.features_active) {
     text << ", " << Counted{active - start.features_active, "feature", "features"} << " active";
   } else if (active < start.features_active) {
     text << ", " << Counted{start.features_active - active, "feature", "features"} << " waiting";
   }
+}
+
+void NodePlacement::tell_figures(const NodeRecord& node, std::string_view what,
+                                 std::uint32_t generation, const Before& start) {
   const std::int64_t tenths = note_time(start) / std::chrono::nanoseconds(100);
-  text << ", " << tenths / 10 << "." << tenths % 10 << " us";
+  TextLine text;
+  tell_node(text, node);
+  text << " " << what << ": generation " << generation;
+  if (node.is_placed()) {
+    text << ", " << Counted{kept_.mesh().neighbours(node.vertex, {}), "neighbour", "neighbours"};
+  }
+  const std::uint32_t steiner = kept_.mesh().steiner_count();
+  const bool is_less = steiner < start.steiner_count;
+  const std::uint32_t difference =
+      is_less ? start.steiner_count - steiner : steiner - start.steiner_count;
+  text << ", " << Counted{difference, "Steiner vertex", "Steiner vertices"}
+       << (is_less ? " taken out" : " added") << ", " << tenths / 10 << "." << tenths % 10 << " us";
+  log_.write(port::Level::detail, text);
 }
 
 void NodePlacement::tell_node(TextLine& text, const NodeRecord& node) const {
@@ -324,11 +325,7 @@ void NodePlacement::tell_node(TextLine& text, const NodeRecord& node) const {
 }
 
 void NodePlacement::tell_place(TextLine& text, Position position) const {
-  text << position;
-  const auto place = earth_point(plane_, to_point(position));
-  if (!place) return;
-  write_angle(text << ", ", place->latitude) << (place->latitude < 0 ? "° S, " : "° N, ");
-  write_angle(text, place->longitude) << (place->longitude < 0 ? "° W" : "° E");
+  write_place(text, plane_, position);
 }
 
 // Else it would be rejected again.

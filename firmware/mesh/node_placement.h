@@ -87,7 +87,11 @@ class NodePlacement {
   };
   Before before() const;
   port::Duration note_time(const Before& before);
-  void tell_difference(TextLine& text, const Before& before);
+  // ": 12 nodes, 2 proposed relays" and what features came or went; and the figures, as a detail
+  // of what `what` calls it.
+  void tell_mesh(TextLine& text, const Before& before) const;
+  void tell_figures(const NodeRecord& node, std::string_view what, std::uint32_t generation,
+                    const Before& before);
   // In units, and in degrees where the site has them.
   void tell_place(TextLine& text, Position position) const;
 

@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 // Sections of each of these documents.
 enum : std::uint32_t { csv_head, csv_rows };
 
-// Nodes or units that are looked at in one piece, of which one at the most is written.
+// Units that are looked at in one piece, of which one at the most is written.
 constexpr std::uint32_t csv_looks_max = 1000;
 
 void write_age(port::Instant since, port::Instant asked_at, TextWriter& piece) {
@@ -34,14 +34,16 @@ bool NodesCsv::write_next(Cursor& cursor, port::Instant asked_at, TextWriter& pi
     cursor.next_section();
     return true;
   }
-  const std::span<const NodeRecord> nodes = sources_.gateway.nodes().records();
-  for (std::uint32_t look = 0; look < csv_looks_max; ++look) {
-    if (cursor.section != csv_rows || cursor.item >= nodes.size()) return false;
-    const NodeRecord& node = nodes[cursor.item++];
-    if (!node.is_known()) continue;
-    write_row(node, asked_at, piece);
-    return true;
+  // By serial, whoever comes and goes meanwhile: `item` is the least that is still to come.
+  if (cursor.section != csv_rows) return false;
+  const NodeRecord* next = nullptr;
+  for (const NodeRecord& node : sources_.gateway.nodes().records()) {
+    if (!node.is_known() || node.serial.value < cursor.item) continue;
+    if (next == nullptr || node.serial < next->serial) next = &node;
   }
+  if (next == nullptr) return false;
+  cursor.item = next->serial.value + 1;
+  write_row(*next, asked_at, piece);
   return true;
 }
 

@@ -9,7 +9,7 @@ namespace etcm::firmware {
 
 inline constexpr const char* csv_media_type = "text/csv; charset=utf-8; header=present";
 
-// Each known node, those of other gateways of a fleet too.
+// Each known node by serial, those of other gateways of a fleet too. O(nodes) for each row.
 class NodesCsv final : public Document {
  public:
   // `sources` must outlive this.

@@ -124,7 +124,7 @@ void look_at_refused(const StatusSources& sources, Reasons& reasons) {
   }
   if (!first) return;
   TextWriter& reason = reasons.add();
-  std::string_view cure = first->cure;
+  std::string_view cure = first->cure.view();
   if (cure.ends_with('.')) cure.remove_suffix(1);
   reason << first->what.view();
   if (!cure.empty()) reason << "; " << cure;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "firmware/config/site_plan.h"
+#include "firmware/mesh/feature_reason.h"
 #include "firmware/status/health.h"
 #include "firmware/status/shown_unit.h"
 
@@ -18,6 +19,7 @@ using namespace std::chrono_literals;
 enum : std::uint32_t {
   opening,
   troubles,
+  restart,
   counts,
   fleet,
   missing,
@@ -47,6 +49,10 @@ bool StatusDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWrit
       return true;
     case troubles:
       write_troubles(asked_at, piece);
+      cursor.next_section();
+      return true;
+    case restart:
+      write_needs_restart(piece);
       cursor.next_section();
       return true;
     case counts:
@@ -88,7 +94,8 @@ void StatusDocument::write_head(port::Instant asked_at, TextWriter& piece) const
   piece.json(sources_.version) << ",\"name\":";
   piece.json(snapshot.names->site()) << ",\"instance\":\"";
   piece.hex(instance_of(sources_))
-      << "\",\"uptime_ms\":" << age_of(sources_.started_at, asked_at) / 1ms
+      << "\",\"time_ms\":" << sources_.wall_clock.milliseconds()
+      << ",\"uptime_ms\":" << age_of(sources_.started_at, asked_at) / 1ms
       << ",\"generation\":" << snapshot.generation << ",\"state\":{\"partial\":";
   piece.yes_or_no((snapshot.state & snapshot_state::partial) != 0) << ",\"stale\":";
   piece.yes_or_no((snapshot.state & snapshot_state::stale) != 0) << ",\"budget_hit\":";
@@ -114,6 +121,22 @@ void StatusDocument::write_troubles(port::Instant asked_at, TextWriter& piece) c
     piece.json(line);
   }
   piece << "]";
+}
+
+// Those that there is room for.
+void StatusDocument::write_needs_restart(TextWriter& piece) const {
+  if (sources_.needs_restart == nullptr || sources_.needs_restart->empty()) return;
+  constexpr std::size_t keys_max = 10;
+  constexpr std::size_t key_bytes_max = 60;
+  std::string_view before = ",\"needs_restart\":[";
+  std::size_t room = keys_max;
+  for (const std::string& key : *sources_.needs_restart) {
+    if (room-- == 0) break;
+    piece << std::exchange(before, ",");
+    piece.json(port::cut_utf8(key, key_bytes_max));
+  }
+  piece << "],\"config\":";
+  piece.json(port::cut_utf8(sources_.config, why_shown_max));
 }
 
 // Where its corners are in the mesh: upper left, upper right, lower left.
@@ -286,7 +309,26 @@ void StatusDocument::write_quarantine(Cursor& cursor, port::Instant asked_at,
   }
   write_unit(entry.unit_index, piece);
   piece << ",\"why\":";
-  piece.json(explain(entry)) << "}";
+  write_why(entry, piece);
+  piece << "}";
+}
+
+void StatusDocument::write_why(const QuarantineEntry& entry, TextWriter& piece) const {
+  const std::span<const FeatureRecord> features = sources_.gateway.features();
+  if (entry.feature == 0 || entry.feature > features.size()) {
+    piece.json(explain(entry));
+    return;
+  }
+  const auto reason = reason_of(features[entry.feature - 1].settings, entry.rejection.mesh,
+                                entry.blocker, features, sources_.gateway.settings().site.plane());
+  if (!reason) {
+    piece.json(explain(entry));
+    return;
+  }
+  std::array<char, 2 * sizeof(TextLine)> room;
+  TextWriter why(room);
+  why << reason->what.view() << "; " << reason->cure.view();
+  piece.json(why.text());
 }
 
 // One node a piece.

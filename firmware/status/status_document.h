@@ -17,9 +17,11 @@ class StatusDocument final : public Document {
  private:
   void write_head(port::Instant asked_at, TextWriter& piece) const;
   void write_troubles(port::Instant asked_at, TextWriter& piece) const;
+  void write_needs_restart(TextWriter& piece) const;
   void write_plan(TextWriter& piece) const;
   void write_counts(TextWriter& piece) const;
   void write_quarantine(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
+  void write_why(const QuarantineEntry& entry, TextWriter& piece) const;
   void write_fleet(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
   void write_fleet_head(const FleetReport& report, port::Instant asked_at, TextWriter& piece) const;
   void write_member(const ReportedMember& member, port::Instant asked_at,

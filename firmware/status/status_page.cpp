@@ -28,6 +28,7 @@ StatusPage::StatusPage(const StatusSources& sources, std::uint32_t readers_max)
       status_(sources_, meter_),
       ages_(sources_),
       units_(sources_),
+      features_(sources_),
       nodes_csv_(sources_),
       units_csv_(sources_),
       events_csv_(sources_),
@@ -62,6 +63,7 @@ port::WebAnswer StatusPage::begin(std::size_t number, std::string_view path) {
   if (path == "/status.json") return show(reader, status_, json_media_type);
   if (path == "/ages.json") return show(reader, ages_, json_media_type);
   if (path == "/units.json") return show(reader, units_, json_media_type);
+  if (path == "/features.json") return show(reader, features_, json_media_type);
   if (path == "/nodes.csv") return show(reader, nodes_csv_, csv_media_type);
   if (path == "/units.csv") return show(reader, units_csv_, csv_media_type);
   if (path == "/events.csv") return show(reader, events_csv_, csv_media_type);

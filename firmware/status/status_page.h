@@ -16,6 +16,7 @@
 #include "firmware/status/bus_meter.h"
 #include "firmware/status/csv_documents.h"
 #include "firmware/status/document_reader.h"
+#include "firmware/status/features_document.h"
 #include "firmware/status/mesh_document.h"
 #include "firmware/status/metrics_document.h"
 #include "firmware/status/readings_document.h"
@@ -76,6 +77,7 @@ class StatusPage final : public port::WebSite {
   StatusDocument status_;
   AgesDocument ages_;
   UnitsDocument units_;
+  FeaturesDocument features_;
   NodesCsv nodes_csv_;
   UnitsCsv units_csv_;
   EventsCsv events_csv_;

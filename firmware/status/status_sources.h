@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "etcm/port/service_counters.h"
 #include "etcm/port/wall_clock.h"
@@ -26,7 +27,9 @@ struct StatusSources {
   std::string_view version;
   std::string_view config{};  // the path of the settings
   port::Instant started_at{};
-  const std::string* refusal = nullptr;         // what reload() said last; null: there is none
+  const std::string* refusal = nullptr;  // what reload() said last; null: there is none
+  // Keys of the settings that were changed and wait for a restart; null: none.
+  const std::vector<std::string>* needs_restart = nullptr;
   const DiskWriter* disk_of_alarms = nullptr;   // null: they are not saved
   std::uint64_t (*resident_bytes)() = nullptr;  // memory of the process; null: not known
   std::uint64_t (*heap_bytes)() = nullptr;      // of it in use from the heap; the same

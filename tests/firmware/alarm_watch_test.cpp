@@ -144,8 +144,11 @@ TEST_F(AlarmWatchTest, AMissingNodeIsOneUntilItIsDismissed) {
   EXPECT_NE(tell("show alarms").find("(10 s), acknowledged\n"), std::string::npos);
   EXPECT_EQ(tell("dismiss 1001"), "ok\nnode 1001 is no longer missed\n");
   EXPECT_EQ(tell("dismiss 1001"),
-            "error nobody knows a node 1001; etcm-gateway ctl list shows who is missing\n");
-  EXPECT_EQ(tell("dismiss 1002"), "error node 1002 is not missing\n");
+            "error node 1001 is not known here: it was dismissed already, or never here; sudo "
+            "etcm-gateway ctl list shows who is missing\n");
+  EXPECT_EQ(tell("dismiss 1002"),
+            "error node 1002 answers, so there is nothing to dismiss; sudo etcm-gateway ctl list "
+            "shows who is missing\n");
   run(1s);
   EXPECT_EQ(wrong(), Lines{});
   EXPECT_EQ(rig_.server.header("missing_count"), 0u);
@@ -287,19 +290,21 @@ TEST_F(AlarmWatchOfACrossing, TheOtherFeatureIsNamed) {
   run(10s);
   EXPECT_EQ(
       wrong(),
-      (Lines{"major: feature 2 (1002-1004, site.toml:1) is not in the mesh: The feature would "
-             "cross or touch the inside of another [with feature 1 'north fence' (site.toml:1), "
-             "near (50, 50)] "
-             "-> put a node where they meet."}));
+      (Lines{"major: feature 2 (1002-1004, site.toml:1) is not in the mesh: it crosses feature 1 "
+             "'north fence' (site.toml:1) at (50, 50) -> let both end at a node that is near "
+             "there, each as two [[feature]], or draw both in a site file with a vertex there, or "
+             "take one out; how: /guide/site.html#where-lines-meet"}));
 }
 
 TEST_F(AlarmWatchOfACrossing, HealthNamesAFeatureThatIsRefused) {
   rig_.put_square();
   run(2s);
-  EXPECT_EQ(tell("show health"),
-            "ok\nfeature 2 (1002-1004, site.toml:1) is not in the mesh: The feature would cross or "
-            "touch the inside of another [with feature 1 'north fence' (site.toml:1), near (50, "
-            "50)]; put a node where they meet\n");
+  EXPECT_EQ(
+      tell("show health"),
+      "ok\nfeature 2 (1002-1004, site.toml:1) is not in the mesh: it crosses feature 1 'north "
+      "fence' (site.toml:1) at (50, 50); let both end at a node that is near there, each as "
+      "two [[feature]], or draw both in a site file with a vertex there, or take one out; "
+      "how: /guide/site.html#where-lines-meet\n");
   rig_.settings.features.pop_back();
   rig_.update_settings();
   run(2s);
@@ -345,9 +350,11 @@ TEST_F(AlarmWatchOfACrossing, ANodeIsDismissedByItsName) {
   EXPECT_EQ(tell("dismiss gate"),
             "error 2 nodes of this name are missing; give the serial of one\n");
   EXPECT_EQ(tell("dismiss pump house"), "ok\nnode 1003 'pump house' is no longer missed\n");
-  EXPECT_EQ(tell("dismiss pump"),
-            "error no node of this name is missing, and no gateway of this name is gone and "
-            "without nodes; etcm-gateway ctl list shows who is\n");
+  EXPECT_EQ(
+      tell("dismiss pump"),
+      "error no node of this name is missing, and no gateway of this name is gone and "
+      "without nodes: it was dismissed already, or answers; sudo etcm-gateway ctl list shows who "
+      "is missing\n");
 }
 
 TEST_F(AlarmWatchOfACrossing, AFeatureWhoseNodeWasDismissedIsSaidToWait) {

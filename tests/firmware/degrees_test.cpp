@@ -389,8 +389,7 @@ TEST_F(DegreesOnThePage, AreInTheLog) {
   rig_.settings.site.projection = port::ProjSource().about(
       {.longitude = -10 * site_nano - 5'000'000, .latitude = -60 * site_nano}, why);
   start();
-  EXPECT_EQ(rig_.log.count("node 1001 joined at (0, 0), 60.000000° S, 10.005000° W: generation"),
-            1u)
+  EXPECT_EQ(rig_.log.count("node 1001 joined at (0, 0), 60.000000° S, 10.005000° W: 1 node"), 1u)
       << testing::PrintToString(rig_.log.lines);
   rig_.put(1, 1113, 0);
   rig_.run(1s);
@@ -443,7 +442,7 @@ TEST_F(DegreesOnThePage, OfASiteWithoutAreNowhere) {
   EXPECT_EQ(get("/mesh.geojson"), get("/mesh.json"));
   EXPECT_EQ(get("/mesh.json").find("longitude"), std::string::npos);
   EXPECT_EQ(get("/mesh.json").find("metres_per_unit"), std::string::npos);
-  EXPECT_EQ(rig_.log.count("node 1001 joined at (0, 0): generation"), 1u);
+  EXPECT_EQ(rig_.log.count("node 1001 joined at (0, 0): 1 node"), 1u);
 }
 
 // A projection of a few thousand kilometres; a node of ours may say that it is farther away.

@@ -35,9 +35,11 @@ TEST(Gateway, ANodeThatJoinsAloneIsAGenerationOfItsOwn) {
   rig.put(2, 100, 0);
   rig.run(1s);
   EXPECT_EQ(rig.gateway->generation(), before + 1);
-  EXPECT_EQ(rig.log.count("node 1002 joined at (100, 0): generation " + std::to_string(before + 1) +
-                          ", 1 neighbour"),
-            1u);
+  EXPECT_EQ(rig.log.count("node 1002 joined at (100, 0): 2 nodes"), 1u);
+  EXPECT_TRUE(rig.log.details.back().starts_with("node 1002 joined: generation " +
+                                                 std::to_string(before + 1) +
+                                                 ", 1 neighbour, 0 Steiner vertices added, "))
+      << rig.log.details.back();
 }
 
 TEST(Gateway, NothingIsPublishedWhileNothingChanges) {

@@ -29,7 +29,7 @@ class Reload : public testing::Test {
   bool reload_with(std::string text) {
     folder_.write("site.toml", text);
     log_.lines.clear();
-    const auto next = reload(path_, settings_, nullptr, log_, refusal_);
+    const auto next = reload(path_, settings_, nullptr, log_, refusal_, &waiting_);
     if (next == nullptr) return false;
     settings_ = *next;
     return true;
@@ -44,7 +44,17 @@ class Reload : public testing::Test {
   Settings settings_;
   RecordingLog log_;
   std::string refusal_;
+  std::vector<std::string> waiting_;
 };
+
+TEST_F(Reload, WhatNeedsARestartIsKnownUntilItIsTakenBack) {
+  EXPECT_TRUE(reload_with(with("vertices_max = 50", "vertices_max = 60")));
+  EXPECT_EQ(waiting_, std::vector<std::string>{"[mesh] vertices_max"});
+  EXPECT_FALSE(reload_with("nonsense"));
+  EXPECT_EQ(waiting_, std::vector<std::string>{"[mesh] vertices_max"});
+  EXPECT_TRUE(reload_with(good));
+  EXPECT_EQ(waiting_, std::vector<std::string>{});
+}
 
 TEST_F(Reload, ABusIsSharedAnotherWayOrNoMore) {
   const std::string shared =

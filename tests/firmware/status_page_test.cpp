@@ -163,6 +163,53 @@ TEST_F(StatusPageTest, WhoIsRefusedIsShownWithTheReason) {
   EXPECT_EQ(count(status, "\"why\":\"Another node stands exactly there"), 1u) << status;
 }
 
+// Diagonals of the square of which one is named and drawn in a site file, as a third one of which
+// an end is not there.
+TEST_F(StatusPageTest, AFeatureThatIsNotInTheMeshSaysWhyAndWhatToDo) {
+  rig_.settings.features = {
+      {.from = Serial{1001}, .to = Serial{1003}, .name = "main pipe", .source = "site.geojson:3"},
+      {.from = Serial{1002}, .to = Serial{1004}, .name = {}, .source = "site.geojson:9"},
+      {.from = Serial{1001}, .to = Serial{1707}, .name = "fence", .source = "gateway.toml:4"}};
+  open_page();
+  rig_.put_square();
+  run(1s);
+  const std::string told = get("/features.json");
+  EXPECT_TRUE(is_sound_json(told)) << told;
+  EXPECT_NE(told.find("{\"feature\":1,\"name\":\"main pipe\",\"source\":\"site.geojson:3\","
+                      "\"from\":1001,\"to\":1003,\"in_mesh\":true}"),
+            std::string::npos)
+      << told;
+  EXPECT_NE(
+      told.find("\"in_mesh\":false,\"refused\":true,\"why\":\"it crosses feature 1 'main pipe' "
+                "(site.geojson:3) at (50, 50)\",\"cure\":\"in the site file give both lines a "
+                "vertex there, at the same coordinates, or let one end there, or take one "
+                "out; how: /guide/site.html#where-lines-meet\",\"blocker\":1,\"near\":[50,50]"),
+      std::string::npos)
+      << told;
+  EXPECT_NE(
+      told.find("\"refused\":false,\"why\":\"node 1707, where it ends, has not been heard since "
+                "the start\",\"cure\":\"correct the serial in gateway.toml:4, or look for the "
+                "node\"}"),
+      std::string::npos)
+      << told;
+}
+
+TEST_F(StatusPageTest, WhatWaitsForARestartIsTold) {
+  const std::vector<std::string> keys = {"[mesh] vertices_max", "[http] listen"};
+  open_page();
+  EXPECT_EQ(get("/status.json").find("needs_restart"), std::string::npos);
+  sources_->needs_restart = &keys;
+  sources_->config = "/etc/etcm/gateway.toml";
+  page_.emplace(*sources_, 4);
+  const std::string status = get("/status.json");
+  EXPECT_TRUE(is_sound_json(status)) << status;
+  EXPECT_NE(status.find("\"needs_restart\":[\"[mesh] vertices_max\",\"[http] listen\"],\"config\":"
+                        "\"/etc/etcm/gateway.toml\""),
+            std::string::npos)
+      << status;
+  EXPECT_NE(status.find("\"time_ms\":1800000"), std::string::npos) << status;
+}
+
 TEST_F(StatusPageTest, NamesAndEventsMayHoldAnything) {
   rig_.settings.buses.front().name =
       "a \"b\" \\ \n\t\x01 <script> \xc3\xa9" + std::string(2000, '"');

@@ -83,15 +83,23 @@ class OnTheMachine(GatewayCase):
 
     def test_what_cannot_be_done_is_said(self):
         self.start_with_two_silent()
-        self.assertIn("node 3 is not missing", self.refused("dismiss", "3"))
+        self.assertIn("node 3 answers, so there is nothing to dismiss", self.refused("dismiss", "3"))
         self.assertIn("no gateway of this name is gone", self.refused("dismiss", "north"))
         self.assertIn("no alarm that is on has the number 77", self.refused("acknowledge", "77"))
         self.assertIn("nothing of this name", self.refused("show", "../state"))
         self.assertIn("no node of this name", self.refused("dismiss", "1 2"))
         self.assertEqual(self.ctl("dismiss", "1\n2").returncode, 2)
-        self.assertEqual(self.ctl("dismiss").returncode, 2)
+        for command, hint in (("dismiss", "serials, names of nodes or gateways, or all"),
+                              ("acknowledge", "their numbers, or all")):
+            without = self.ctl(command)
+            self.assertEqual(without.returncode, 2)
+            self.assertIn(f"ctl {command}: it is not said which; add {hint}, as sudo etcm-gateway ctl list",
+                          without.stderr)
         self.assertEqual(self.ctl("nonsense").returncode, 2)
         self.assertEqual(len(self.on()), 2)
+        self.assertEqual(self.ctl("dismiss", "1").returncode, 0)
+        self.assertIn("node 1 is not known here: it was dismissed already", self.refused("dismiss", "1"))
+        wait_for("one alarm less", lambda: len(self.on()) == 1)
         self.gateway.stop()
         self.assertIn("no gateway listens there: start it", self.refused("list"))
 

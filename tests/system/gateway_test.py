@@ -129,7 +129,7 @@ class AgainstNodes(GatewayCase):
                                   "12000,1,silent,,", "12000,4,leave,,"])
         gateway = self.start_gateway(buses, "[[feature]]\nfrom = 1\nto = 2\n", **SOON)
         self.assertEqual(self.header()["magic"], 0x4D45)
-        gateway.wait_for_line(r"node 4 joined at \(500, 300\): generation \d+, 3 neighbours")
+        gateway.wait_for_line(r"node 4 joined at \(500, 300\): \d nodes, \d+ proposed relays?|joined at \(500, 300\): \d nodes")
         gateway.wait_for_line(r"node 3 moved from \(400, 700\) to \(450, 750\)")
         gateway.wait_for_line(r"node 4 left \(on its own request\)")
         gateway.wait_for_line(r"node 1 left \(silent\)")
