@@ -45,8 +45,8 @@ class Alarms(BrowserCase):
 
         # By the keyboard.
         self.find("#ended summary").send_keys(Keys.ENTER)
-        self.wait_for_text("#ended-list", rf"(?s)^node 3, unit 3 of \S+, is missing\s*since {MOMENT}\s*"
-                                          rf"until {MOMENT}\s*for [\d.]+ s\s*dismissed\s*acknowledged\s*node 2, ")
+        self.wait_for_text("#ended-list", rf"(?s)^major\s*node 3, unit 3 of \S+, is missing\s*since {MOMENT}\s*"
+                                          rf"until {MOMENT}\s*for [\d.]+ s\s*dismissed\s*acknowledged\s*major\s*node 2, ")
         self.assertEqual(self.text("#ended-bound"), "", "all are shown")
         self.wait_for_turns()
         self.assertEqual(self.asked("/ended.json"), 0, "nothing is new")
@@ -119,7 +119,7 @@ class Alarms(BrowserCase):
         self.alarm(r"^feature 2 ").click()
         self.wait_for_text("#details-title", r"^Feature 2 refused$")
         self.wait_for_text("#facts", r"In its way\s+feature 1\b")
-        self.wait_for_text("#refused", r"In its way: feature 1\b")
+        self.wait_for_text("#refused", r"it crosses feature 1\b")
 
         self.alarm(r"^bus \S+ is silent").send_keys(Keys.ENTER)
         wait_for("an open bus", lambda: self.find("#buses li:nth-child(2) details[open]"))
@@ -218,9 +218,9 @@ class Alarms(BrowserCase):
         self.assertEqual(shown[0], "Alarms that have ended (2431)")
         self.assertEqual(shown[1], "The last 100 of 2431.")
         self.assertEqual(len(shown[2]), 100)
-        self.assertRegex(shown[2][0], r"^alarm 2002since a time that is not knownuntil a time that is not known$")
-        self.assertRegex(shown[2][1], rf"^alarm 2003since {MOMENT}until {MOMENT}for 60 s$")
-        self.assertRegex(shown[2][3], r"^alarm 2000since")
+        self.assertRegex(shown[2][0], r"^majoralarm 2002since a time that is not knownuntil a time that is not known$")
+        self.assertRegex(shown[2][1], rf"^majoralarm 2003since {MOMENT}until {MOMENT}for 60 s$")
+        self.assertRegex(shown[2][3], r"^majoralarm 2000since")
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ ETCM_BIN is the programs' folder. ETCM_SCREENSHOTS, where it is set, is a folder
 Every wait is for a condition.
 """
 import csv
+import datetime
 import io
 import json
 import re
@@ -105,7 +106,7 @@ class InABrowser(BrowserCase):
         self.assertIn(b"1 node is missing: node 5", ill.exception.read())
         # It is an alarm, with the cure.
         self.wait_for_text("#alarms-title", r"^Alarms \(1\)$")
-        self.wait_for_text("#alarm-list", rf"(?s)^node 5, unit 5 of \S+, is missing\s*since {MOMENT}"
+        self.wait_for_text("#alarm-list", rf"(?s)^major\s*node 5, unit 5 of \S+, is missing\s*since {MOMENT}"
                                           r".*etcm-gateway ctl dismiss 5$")
         self.assertEqual(self.ctl("acknowledge", "all").stdout, "1 acknowledged\n")
         self.wait_for_text("#alarms-title", r"^Alarms \(1\), 1 acknowledged$")
@@ -324,7 +325,7 @@ class InABrowser(BrowserCase):
         self.size(1280, 800)
         self.browser.get(self.url)
         self.wait_for_text("#counts", r"Nodes\s*6")
-        self.wait_for_text("#state", r"1 in quarantine")
+        self.wait_for_text("#state", r"feature \d .*is not in the mesh")
 
     def test_what_is_between_nodes_is_told_and_listed(self):
         self.start_analysis()
@@ -337,7 +338,7 @@ class InABrowser(BrowserCase):
         self.find("#found summary").click()
         kinds = {"Coverage hole": r"Nearest node", "Link too long": r"Between\s+node \d – .*\d units",
                  "Barrier gap": r"Between\s+node \d – ", "Feature \d refused": r"Why\s+\S",
-                 "Proposed relay": r"Place"}
+                 "Proposed relay": r"Position"}
         for title, facts in kinds.items():
             button = wait_for(title, lambda: next(
                 (b for b in self.browser.find_elements(By.CSS_SELECTOR, "#found-body button")
@@ -364,6 +365,143 @@ class InABrowser(BrowserCase):
             });""")
         self.assertGreaterEqual(set(found), {"gap", "link", "refused", "feature", "edge", "hole"})
         self.assertTrue(all(all(hits) for hits in found.values()), found)
+
+    def draw_crossing_lines(self, *vertex):
+        """Two lines of a site file between nodes that cross; both may have a vertex."""
+        middle = [None] if vertex else []
+        line = lambda name, *serials: {
+            "type": "Feature", "properties": {"name": name, "serials": [serials[0], *middle, serials[1]]},
+            "geometry": {"type": "LineString", "coordinates": [
+                [serials[0], 0], *([list(vertex)] if vertex else []), [serials[1], 9]]}}
+        (self.folder / "site.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": [
+            line("main pipe", 1, 3), line("north fence", 2, 4)]}))
+
+    def test_a_feature_that_crosses_another_says_where_and_how_both_can_be(self):
+        self.draw_crossing_lines()
+        gateway = self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,1000,1000", "0,4,join,0,990"],
+                                  '[site]\nfile = "site.geojson"\ncrs = "plane"\n'
+                                  '[[feature]]\nname = "gate line"\nfrom = 1\nto = 1707\n')
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#features-title", r"^Features \(3, 2 not in the mesh\)$")
+        # The one that is refused stands in the header once.
+        self.wait_for_text("#state", r"not in the mesh")
+        said = self.text("#state")
+        self.assertEqual(len(re.findall(r"north fence", said)), 1, said)
+        self.assertNotIn("quarantine", said)
+        self.assertNotIn("of 3 features", said)
+        # The table is open, and a person with a keyboard gets to the cure.
+        self.wait_for_text("#features-body", r"(?s)3 'north fence'\s+node 2 – node 4"
+                           r"\s+\d+ units\s+refused\s+it crosses feature 2 'main pipe' \(\S+\) at \(497, 497\)"
+                           r"\s+in the site file give both lines a vertex there, at the same coordinates")
+        self.wait_for_text("#features-body", r"(?s)1 'gate line'.*waits\s+node 1707, where it ends, has (not been heard|left)"
+                                             r".*correct the serial in site\.toml:\d+, or look for the node")
+        self.assertEqual(self.find("#features .units").get_attribute("tabindex"), "0")
+        link = self.find("#features-body a")
+        self.assertTrue(link.get_attribute("href").endswith("/guide/site.html#where-lines-meet"))
+        if b'href="guide"' in self.get("/"):
+            self.assertIn(b'id="where-lines-meet"', self.get("/guide/site.html"))
+        button = next(b for b in self.browser.find_elements(By.CSS_SELECTOR, "#features-body button")
+                      if "north fence" in b.text)
+        button.send_keys(Keys.ENTER)
+        self.wait_for_text("#details-title", r"^Feature 3 'north fence' refused$")
+        self.wait_for_text("#facts", r"(?s)They meet at\s+\(497, 497\)")
+        self.screenshot("crossing")
+        self.find("#close").click()
+        # By its name in the search, also of one that is in the mesh.
+        search = self.find("#search")
+        search.send_keys("main pi")
+        self.wait_for_text("#found-features", r"^Feature 2 'main pipe'$")
+        search.send_keys(Keys.ENTER)
+        self.wait_for_text("#details-title", r"^Feature edge$")
+        self.wait_for_text("#facts", r"Feature\s+2 'main pipe'")
+        search.clear()
+        # As the cure says, at the place that it says.
+        told = next(f for f in json.loads(self.get("/features.json"))["features"] if f.get("near"))
+        self.draw_crossing_lines(*told["near"])
+        gateway.process.send_signal(signal.SIGHUP)
+        self.wait_for_text("#features-title", r"^Features \(5, 1 not in the mesh\)$")
+        self.wait_for_text("#alarms-title", r"^$|^Alarms \(1\)|^Alarms \(2\)")
+        wait_for("no feature refused", lambda: "north fence" not in self.text("#state"))
+        self.assertEqual([entry for entry in self.browser.get_log("browser")
+                          if entry["level"] == "SEVERE"], [])
+
+    def test_a_setting_that_waits_for_a_restart_is_told_until_then(self):
+        gateway = self.start_page(["0,1,join,0,0", "0,2,join,1000,0"])
+        self.browser.get(self.url)
+        self.wait_for_text("#state", r"^All well$")
+        self.assertFalse(self.find("#notice").is_displayed())
+        config = self.folder / "site.toml"
+        good = config.read_text()
+        config.write_text(good.replace("features_max = 50", "features_max = 60"))
+        gateway.process.send_signal(signal.SIGHUP)
+        self.wait_for_text("#notice", r"^Waits for a restart: \[mesh\] features_max\. Changed in \S*site\.toml, "
+                                      r".*sudo systemctl restart etcm-gateway$")
+        self.wait_for_text("#state", r"^All well$")
+        self.assertRegex(self.ctl("list").stdout, r"(?s)nothing is wrong\nwaits for a restart: \[mesh\] features_max\n")
+        config.write_text(good)
+        gateway.process.send_signal(signal.SIGHUP)
+        wait_for("no notice", lambda: not self.find("#notice").is_displayed())
+
+    def test_names_are_on_the_map_of_a_small_screen_and_at_twice_the_size(self):
+        names = "".join(f'[[node]]\nserial = {1000 + n}\nname = "well {n}"\n' for n in range(1, 13))
+        self.start_page([f"0,{1000 + n},join,{n * 137 % 1009},{n * n * 7 % 641}" for n in range(1, 13)], names)
+        for width, height in ((400, 800), (640, 400), (1280, 800)):
+            self.size(width, height)
+            self.browser.get(self.url)
+            self.wait_for_text("#counts", r"Nodes\s*12")
+            labels = lambda: int(self.find("#map").get_attribute("data-labels") or 0)
+            wait_for(f"names at {width}", lambda: labels() >= 8)
+            self.screenshot(f"labels-{width}")
+
+    def test_a_unit_is_found_by_its_number_before_what_has_it_as_a_part(self):
+        self.start_page(["0,8,join,0,0", *(f"0,{n},join,{n * 90},{n * n}" for n in range(11, 18)), "0,2018,join,400,700"])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#nodes-title", r"\(9\)")
+        found = lambda: [row.get_attribute("data-serial")
+                         for row in self.browser.find_elements(By.CSS_SELECTOR, "tr.row")]
+        search = self.find("#search")
+        search.send_keys("unit 8")
+        wait_for("the node at unit 8", lambda: found() == ["17"])
+        search.clear()
+        search.send_keys("8")
+        wait_for("what is exactly 8 first", lambda: found() == ["8", "17", "2018"])
+        units = self.find("#unit-search")
+        units.send_keys("unit 8")
+        wait_for("unit 8 alone", lambda: [row.text.split()[0] for row in self.browser.find_elements(
+            By.CSS_SELECTOR, "#buses .units tbody tr")] == ["8"])
+
+    def test_times_are_those_of_the_clock_of_the_gateway(self):
+        script = self.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source":
+            "const now = Date.now; Date.now = () => now() + 40 * 86400000;"})
+        try:
+            self.start_page(["0,1,join,0,0", "0,2,join,1000,0"])
+            self.browser.get(self.url)
+            self.wait_for_text("#events", MOMENT)
+            shown = re.search(MOMENT, self.text("#events")).group()
+            at = datetime.datetime.strptime(shown.rsplit(" ", 1)[0], "%d %b %Y, %H:%M:%S")
+            self.assertLess(abs(datetime.datetime.now() - at), datetime.timedelta(days=2), shown)
+        finally:
+            self.browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", script)
+
+    def test_a_low_battery_has_a_sign_of_its_own(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700", "1500,2,low_battery,,"])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#alarm-list", r"^minor\s*node 2")
+        self.wait_for_text("#legend", r"Low battery\s*1")
+        self.wait_for_text("tr[data-serial='2']", r"fresh\s*low battery")
+        self.assertNotIn("low battery", self.text("tr[data-serial='1']"))
+        colours = self.browser.execute_script("""
+            return ['.battery', '.mark.fresh'].map((part) =>
+              getComputedStyle(document.querySelector(`tr[data-serial='2'] ${part}`)).color)""")
+        self.assertNotEqual(*colours)
+        before = self.picture()
+        next(label for label in self.browser.find_elements(By.CSS_SELECTOR, "#legend label")
+             if "Low battery" in label.text).click()
+        self.wait_for_another_picture(before)
+        self.screenshot("battery")
 
     def test_a_plan_lies_below_the_mesh_until_it_is_switched_off(self):
         # 20 by 10 pixels, all red: its left half lies below the nodes.

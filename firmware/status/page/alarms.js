@@ -1,5 +1,5 @@
 // What is wrong, since when, and what to do: the worst first.
-import { byId, element, setText, showRows } from "./dom.js";
+import { byId, element, linked, setText, showRows } from "./dom.js";
 import { dateOf, momentText } from "./model.js";
 
 // More are on the gateway itself, and on paper.
@@ -43,11 +43,18 @@ export function setWholeAlarms(wanted) {
 function row(alarm, follow) {
   const item = element("li", "", alarm.severity);
   // The gateway's own commands go by the number.
-  item.append(headOf(alarm, follow), timeOf(alarm, "since"), element("span", `no. ${alarm.number}`),
+  item.append(severityOf(alarm), headOf(alarm, follow), timeOf(alarm, "since"), element("span", `no. ${alarm.number}`),
     ...factsOf(alarm));
-  if (alarm.cure) item.append(element("p", alarm.cure));
+  if (alarm.cure) {
+    const cure = element("p");
+    cure.append(...linked(alarm.cure));
+    item.append(cure);
+  }
   return item;
 }
+
+// How bad it is, in a word.
+export function severityOf(alarm) { return element("em", alarm.severity, "severity"); }
 
 // Its text, which leads to what it is about.
 export function headOf(alarm, follow) {

@@ -1,7 +1,7 @@
 // The buses, and below each the units that are named or have ever answered: trouble first.
 import { byId, element, focusOn, setText } from "./dom.js";
 import { calledText, sinceText } from "./model.js";
-import { byUrgency, errorsText, isUnheard, matchesUnit, notesOf, stateText } from "./units.js";
+import { byUrgency, errorsText, isExactly, isUnheard, matchesUnit, notesOf, stateText, wordsOf } from "./units.js";
 
 const meterMs = 10000;   // until then nothing has been measured
 
@@ -31,7 +31,7 @@ export class BusList {
     return this.words.length > 0 || [...this.rows.values()].some((row) => row.details.open);
   }
 
-  get words() { return byId("unit-search").value.toLowerCase().split(/\s+/).filter(Boolean); }
+  get words() { return wordsOf(byId("unit-search").value); }
 
   // Opens a bus; where `unit` is an address, goes on to that unit.
   goTo(bus, unit) {
@@ -100,14 +100,21 @@ export class BusList {
   // To its node, or where it has none to its line.
   goToFirst(units) {
     this.wantsFirst = false;
-    const [{ bus, unit, serial }] = units.sort(byUrgency);
+    const [{ bus, unit, serial }] = this.sorted(units);
     if (serial === undefined) this.wanted = { bus, unit };
     else this.go(serial);
   }
 
+  // What was asked for by its whole number first.
+  sorted(units) {
+    const { words } = this;
+    const rank = (unit) => (isExactly(words, unit.unit, unit.serial) ? 0 : 1);
+    return units.sort((a, b) => rank(a) - rank(b) || byUrgency(a, b));
+  }
+
   // A button and its focus stay while the units are the same ones in the same order.
   fill(row, units) {
-    units.sort(byUrgency);
+    this.sorted(units);
     const key = units.map((unit) => `${unit.unit}:${unit.serial}:${unit.name}`).join();
     if (row.shown !== key) {
       row.shown = key;

@@ -1,5 +1,5 @@
 // The details of what was chosen: a node, a vertex of the mesh, or another item of the map.
-import { byId, element } from "./dom.js";
+import { byId, element, linked } from "./dom.js";
 import { itemFacts, titleOf } from "./items.js";
 import {
   ageText, calledText, degreesText, featureText, nameOf, placeText, sinceText, whereText,
@@ -31,7 +31,7 @@ function nodeFacts(node, readings) {
   const facts = [["State", element("span", node.state, `mark ${node.state}`)]];
   const why = whyText(node);
   if (why) facts.push(["Why", why]);
-  facts.push(["Last position", node.ageMs === undefined ? "none" : `${ageText(node.ageMs)} ago`],
+  facts.push(["Position told", node.ageMs === undefined ? "none" : `${ageText(node.ageMs)} ago`],
     node.owner === undefined ? ["Unit, bus", whereText(node)] : ["Heard by", node.owner],
     ...placeFacts(node), ...unitFacts(node), ["Link to it", link]);
   for (const [quantity, reading] of readingsOf(readings, node.serial)) {
@@ -45,6 +45,7 @@ function nodeFacts(node, readings) {
 function unitFacts(node) {
   if (node.bus === undefined) return [];
   const unit = node.heardBy;
+  if (unit === null) return [["Its unit", "nobody has answered there since the start"]];
   if (!unit) return ["It says", "Its unit", "Errors", "Answer in"].map((name) => [name, "…"]);
   const isThere = unit.serial === node.serial;
   const answer = unit.answer_ms === undefined ? "–"
@@ -67,7 +68,7 @@ function saidText(unit) {
 
 function placeFacts(point) {
   const degrees = degreesText(point);
-  const facts = [["Place", placeText(point)]];
+  const facts = [["Position", placeText(point)]];
   if (degrees) facts.push(["Degrees", degrees]);
   facts.push(["Neighbours", point.neighbours.length]);
   return facts;
@@ -92,7 +93,7 @@ export function showDetails(point, mesh, readings, go) {
   byId("details-title").textContent = point.isItem ? titleOf(point) : nameOf(point);
   byId("facts").replaceChildren(...factsOf(point, mesh, readings).flatMap(([name, value]) => {
     const content = element("dd");
-    content.append(value);
+    content.append(...(typeof value === "string" ? linked(value) : [value]));
     return [element("dt", name), content];
   }));
   showNeighbours(point, mesh, go);

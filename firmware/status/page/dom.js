@@ -14,6 +14,16 @@ export function setText(target, text) {
   if (target.textContent !== text) target.textContent = text;
 }
 
+// A text in which a path of the guide ("/guide/site.html#where-lines-meet") is a link to it.
+export function linked(text) {
+  return text.split(/(\/guide\/[\w.#-]+)/).map((part) => {
+    if (!part.startsWith("/guide/")) return part;
+    const link = element("a", part.slice(1));
+    link.href = part.slice(1);
+    return link;
+  });
+}
+
 // Rows of a list, one for each entry. Those that `keyOf` calls the same stay: a click, the focus and a
 // selection outlive what comes and goes around them.
 export function showRows(list, entries, keyOf, make) {

@@ -1,5 +1,5 @@
 // The alarms that have ended, the newest first. Asked for only while the list is open.
-import { factsOf, headOf, timeOf } from "./alarms.js";
+import { factsOf, headOf, severityOf, timeOf } from "./alarms.js";
 import { byId, element, setText, showRows } from "./dom.js";
 import { ageText } from "./model.js";
 
@@ -38,7 +38,7 @@ const ends = { by_itself: "by itself", dismissed: "dismissed", removed: "no long
 
 function row(alarm, follow) {
   const item = element("li", "", alarm.severity);
-  item.append(headOf(alarm, follow), timeOf(alarm, "since"), timeOf(alarm, "until"));
+  item.append(severityOf(alarm), headOf(alarm, follow), timeOf(alarm, "since"), timeOf(alarm, "until"));
   if (isKnown(alarm)) item.append(element("span", `for ${ageText(alarm.since_ms - alarm.until_ms)}`));
   if (ends[alarm.end]) item.append(element("span", ends[alarm.end]));
   item.append(...factsOf(alarm));

@@ -1,6 +1,7 @@
 // What the map shows beside points: lines, coverage holes, barrier gaps, links, proposed relays. An item
 // has a place of its own (`x`, `y`), so that the map can go there. Knows nothing of the screen.
-import { blockerText, featureText, lengthText, nameOf, placeText } from "./model.js";
+import { featureAlong, featureName, featureOf, meetingText } from "./features.js";
+import { blockerText, featureText, lengthText, nameOf, placeOfEnd, placeText } from "./model.js";
 
 // By the layer of the legend that shows it; the first is the one that is found where several are.
 const titles = {
@@ -44,13 +45,6 @@ function lineItem(mesh, kind, line, more = {}) {
   };
 }
 
-// An end is the serial of a node or the place of an anchor.
-function placeOfEnd(mesh, end) {
-  if (Array.isArray(end)) return end;
-  const node = mesh.bySerial.get(end);
-  return node?.hasPlace ? [node.x, node.y] : null;
-}
-
 // "node 1001 – anchor (0, 20)"
 export function endsText(mesh, { from, to }) {
   const text = (end) => (Array.isArray(end) ? `anchor (${end.join(", ")})`
@@ -75,21 +69,36 @@ export function titleOf(item) {
 export function itemFacts(mesh, item) {
   const length = (value) => lengthText(value, mesh.metresPerUnit);
   if (item.kind === "hole") {
-    return [["Place", placeText(item)], ["Nearest node", length(item.distance)],
+    return [["Position", placeText(item)], ["Nearest node", length(item.distance)],
       ["Sensing range", length(mesh.sensingRange)]];
   }
-  if (item.kind === "relay") return [["Place", placeText(item)], ["Where", whereText(item)]];
+  if (item.kind === "relay") return [["Position", placeText(item)], ["Where", whereText(item)]];
   const facts = [["Between", betweenText(mesh, item)], ["Length", length(item.length)]];
+  const along = item.kind === "feature" || item.kind === "gap" ? featureAlong(mesh, item.line) : undefined;
+  if (along) facts.unshift(["Feature", featureName(along)]);
   if (item.kind === "link") facts.push(["Radio range", length(mesh.radioRange)]);
   if (item.kind === "gap") facts.push(["Sensing range", length(mesh.sensingRange)]);
-  if (item.refused) facts.push(["Why", item.refused]);
+  if (item.refused) {
+    const told = featureOf(item.feature);
+    facts.push(["Why", told?.why ?? item.refused]);
+    if (told?.cure) facts.push(["What to do", told.cure]);
+    if (meetingText(told)) facts.push(["They meet at", meetingText(told)]);
+  }
   if (item.blocker) facts.push(["In its way", blockerText(item)]);
   return facts;
 }
 
 // One line of it.
 export function itemText(mesh, item) {
-  return `${titleOf(item)}: ${itemFacts(mesh, item).map(([, text]) => text).slice(0, 2).join(", ")}`;
+  const facts = itemFacts(mesh, item);
+  const told = facts[0][0] === "Feature" ? 3 : 2;
+  return `${titleOf(item)}: ${facts.map(([, text]) => text).slice(0, told).join(", ")}`;
+}
+
+// A line of a feature by its number: in the mesh or refused; or null.
+export function partOf(mesh, number) {
+  return itemsOf(mesh, "refused").find((item) => item.feature === number) ??
+    itemsOf(mesh, "feature").find((item) => featureAlong(mesh, item.line)?.feature === number) ?? null;
 }
 
 // The same in a newer mesh, or null.

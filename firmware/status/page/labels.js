@@ -4,20 +4,22 @@
 const height = 14;   // of a text of 12 pixels
 const gap = 2;
 
-// `labels` have `x`, `y`, `radius` and `text`, the important first; `covered` are boxes that are taken
+// `labels` have `x`, `y`, `radius`, `text`, and may have a `short` text, the important first; `covered` are boxes that are taken
 // already; `widthOf` measures a text. Returns those that have room, with `left` and `top`.
 export function placeLabels(labels, covered, width, tall, widthOf) {
   const taken = [...covered, ...labels.map(({ x, y, radius }) =>
     ({ left: x - radius, top: y - radius, right: x + radius, bottom: y + radius }))];
   const placed = [];
   for (const label of labels) {
-    if (!label.text) continue;
-    const box = boxesAround(label, widthOf(label.text)).find((other) => other.left >= gap &&
-      other.top >= gap && other.right <= width - gap && other.bottom <= tall - gap &&
-      !taken.some((one) => overlap(one, other)));
-    if (!box) continue;
-    taken.push(box);
-    placed.push({ ...box, text: label.text });
+    for (const text of [label.text, label.short]) {
+      const box = text && boxesAround(label, widthOf(text)).find((other) => other.left >= gap &&
+        other.top >= gap && other.right <= width - gap && other.bottom <= tall - gap &&
+        !taken.some((one) => overlap(one, other)));
+      if (!box) continue;
+      taken.push(box);
+      placed.push({ ...box, text });
+      break;
+    }
   }
   return placed;
 }

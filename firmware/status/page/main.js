@@ -2,15 +2,17 @@
 import { isOldList, showAlarms } from "./alarms.js";
 import { BusList } from "./buses.js";
 import { showDetails } from "./details.js";
-import { setText } from "./dom.js";
+import { focusOn, setText } from "./dom.js";
 import { countEnded, isOldEnded, showEnded } from "./ended.js";
+import { showFeatures } from "./feature_table.js";
+import { areOldFeatures, setFeatures } from "./features.js";
 import { coloursOfMembers, showFleet } from "./fleet.js";
 import { showFound } from "./found.js";
-import { sameItem } from "./items.js";
+import { partOf, sameItem } from "./items.js";
 import { keepInAddress, serialInAddress } from "./keep.js";
 import { Leads } from "./leads.js";
 import { MeshMap } from "./map.js";
-import { momentText, readMesh, setAges } from "./model.js";
+import { dateOf, momentText, readMesh, setAges, setBatteries, setClock } from "./model.js";
 import {
   countLegend, makeLegend, showBands, showEvents, showMissing, showNoAnswer, showQuantities,
   showQuarantine, showStatus, showUnheard,
@@ -27,6 +29,7 @@ const searchedMs = 5000;   // after which units are asked for again for a search
 
 let mesh = null;
 let readings = null;
+let alarms = { alarms: [] };
 let status = null;   // what the gateway said last
 let choice = null;
 let answeredAt = null;
@@ -38,7 +41,7 @@ const map = new MeshMap(document.getElementById("map"), { chosen: (found) => {
   // On a small screen they are below the map.
   if (found) document.getElementById("details").scrollIntoView({ block: "nearest" });
 } });
-const table = new NodeTable({ chosen: choose });
+const table = new NodeTable({ chosen: choose, featureChosen: goToFeature });
 const go = (serial) => choose(mesh.bySerial.get(serial) ?? null);
 const buses = new BusList({ go });
 const leads = new Leads({ choose, buses });
@@ -66,6 +69,13 @@ function choose(point) {
   const hadFocus = document.getElementById("details").contains(document.activeElement);
   show(point);
   if (!point && hadFocus) leads.back();
+}
+
+// To a line of the mesh that is a part of it, or to where it would be.
+function goToFeature(number) {
+  const found = partOf(mesh, number);
+  if (found) choose(found);
+  else focusOn(document.getElementById("features-title"), document.getElementById("features"));
 }
 
 function show(point) {
@@ -151,6 +161,7 @@ function showWanted() {
 
 async function turn() {
   status = await ask("status.json");
+  setClock(status);
   await turnReadings(status);
   if (!mesh || mesh.generation !== status.generation || mesh.instance !== status.instance) {
     const newer = readMesh(await ask("mesh.json"));
@@ -165,7 +176,11 @@ async function turn() {
   shade();
   document.getElementById("empty").hidden = mesh.bounds !== null;
   showStatus(status);
-  if (isOldList(status)) showAlarms(status, await ask("alarms.json"), follow);
+  if (isOldList(status)) {
+    alarms = await ask("alarms.json");
+    showAlarms(status, alarms, follow);
+  }
+  setBatteries(mesh, alarms);
   countEnded(status);
   if (isOldEnded(status)) showEnded(status, await ask("ended.json"), follow);
   buses.show(status);
@@ -177,6 +192,8 @@ async function turn() {
   showMissing(status.missing, go);
   showQuarantine(status.quarantine, mesh, go);
   showUnheard(status.unheard);
+  if (areOldFeatures(status)) setFeatures(await ask("features.json"), status);
+  showFeatures(mesh, goToFeature);
   showFound(mesh, choose);
   countLegend(mesh, status);
   table.setNodes(mesh.nodes);
@@ -205,7 +222,7 @@ async function run() {
     if (!document.hidden) {
       try {
         await turn();
-        answeredAt = new Date();
+        answeredAt = dateOf(0);
         setLost(false);
       } catch (error) {
         console.info(String(error));

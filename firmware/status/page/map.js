@@ -6,7 +6,7 @@ import { featureText, lengthText, nameOf } from "./model.js";
 import { Plan } from "./plan.js";
 import { isFresh, valueText } from "./readings.js";
 import { bandColours, rampNames } from "./shading.js";
-import { diamond, isOutline, nodeShape } from "./shapes.js";
+import { diamond, isOutline, lowBattery, nodeShape } from "./shapes.js";
 import { View } from "./view.js";
 
 // What can be shown or not, bottom first.
@@ -24,13 +24,14 @@ export const layers = [
   { name: "stale", text: "Stale", on: true },
   { name: "quarantined", text: "In quarantine", on: true },
   { name: "missing", text: "Missing", on: true },
+  { name: "battery", text: "Low battery", on: true },
 ];
 
 const hitDistance = 14;       // pixels
 const lineHitDistance = 7;
 const paperRatio = 3;         // of the points of paper to those of the screen
-const labelledNodesMax = 150;
-const labelSpacing = 46;      // pixels between nodes from which serials are legible
+const labelledNodesMax = 150;   // those of the others that need somebody are named first
+const obstaclesMax = 1000;      // points that names keep away from
 const areaPart = 0.62;        // of the colour of a value where it fills an area below lines
 
 export class MeshMap {
@@ -123,7 +124,7 @@ export class MeshMap {
     this.colours = { text: colour("text"), dim: colour("dim"), back: colour("map-back"),
       accent: colour("accent") };
     for (const name of ["edge", "feature", "steiner", "fresh", "ageing", "stale", "quarantined",
-      "missing", "hole", "link"]) {
+      "missing", "hole", "link", "battery"]) {
       this.colours[name] = colour(`map-${name}`);
     }
     this.ramp = rampNames().map(colour);
@@ -161,6 +162,7 @@ export class MeshMap {
       if (this.shading) this.drawValues(mesh.nodes, state, Math.max(3, radius));
       else this.drawNodes(mesh.nodes, state, radius);
     }
+    if (this.isOn("battery")) this.drawBatteries(radius);
     this.drawRing(this.choice, radius + 5, 3);
     if (this.hover !== this.choice) this.drawRing(this.hover, radius + 4, 1.5);
     if (this.hover?.line) this.strokeLines([this.hover.line], colours.accent, 2);
@@ -205,7 +207,19 @@ export class MeshMap {
     context.globalAlpha = 1;
   }
 
+  // And where they meet what is in their way.
   drawRefused() {
+    const { context, view, colours } = this;
+    for (const { near } of itemsOf(this.mesh, "refused")) {
+      if (!near) continue;
+      const [x, y] = [view.screenX(near[0]), view.screenY(near[1])];
+      context.beginPath();
+      context.arc(x, y, 8, 0, 2 * Math.PI);
+      nodeShape(context, "missing", x, y, 4);
+      context.strokeStyle = colours.quarantined;
+      context.lineWidth = 2;
+      context.stroke();
+    }
     this.strokeLines(itemsOf(this.mesh, "refused").map((item) => item.line), this.colours.quarantined, 2,
       [7, 5]);
   }
@@ -255,6 +269,16 @@ export class MeshMap {
     }
   }
 
+  // Beside the node, above it to the left.
+  drawBatteries(radius) {
+    const { context, view, colours } = this;
+    const size = Math.max(4, radius);
+    for (const node of this.mesh.nodes) {
+      if (!node.lowBattery || !node.hasPlace || !this.isOn(node.state)) continue;
+      lowBattery(context, view.screenX(node.x) - radius - size, view.screenY(node.y) - radius - size / 2, size, colours);
+    }
+  }
+
   // In the shape of the state and the colour of the value; without a fresh one it is empty.
   drawValues(nodes, state, radius) {
     const { context, view, colours, shading } = this;
@@ -296,25 +320,32 @@ export class MeshMap {
   // Names or serials, or what is measured.
   drawLabels(radius) {
     const { context, view, mesh } = this;
-    if (this.spacing * view.scale < labelSpacing) return;
     const seen = mesh.nodes.filter((node) => node.hasPlace && this.isSeen(node));
-    if (seen.length > labelledNodesMax) return;
     context.font = "12px system-ui, 'DejaVu Sans', sans-serif";
     context.textBaseline = "top";
     context.strokeStyle = this.colours.back;
     context.fillStyle = this.colours.text;
     context.lineWidth = 3;
     context.lineJoin = "round";
-    // What was chosen is named before all others.
-    seen.sort((a, b) => (b === this.choice) - (a === this.choice));
-    const labels = seen.map((node) => ({ x: view.screenX(node.x), y: view.screenY(node.y), radius,
-      text: this.shading ? this.shownValue(node) : node.name ?? String(node.serial) }));
+    // What was chosen is named before all others, then who needs somebody, then who has a name.
+    const rank = (node) => (node === this.choice ? 0 : node.state !== "fresh" || node.lowBattery ? 1
+      : node.name ? 2 : 3);
+    seen.sort((a, b) => rank(a) - rank(b));
+    const labels = seen.slice(0, obstaclesMax).map((node, at) => ({ x: view.screenX(node.x),
+      y: view.screenY(node.y), radius, ...(at < labelledNodesMax ? this.labelOf(node) : {}) }));
     const placed = placeLabels(labels, this.coveredBoxes(), view.width, view.height,
       (text) => context.measureText(text).width);
+    this.canvas.dataset.labels = placed.length;
     for (const { text, left, top } of placed) {
       context.strokeText(text, left, top + 1);
       context.fillText(text, left, top + 1);
     }
+  }
+
+  // A name that finds no room gives way to the serial.
+  labelOf(node) {
+    if (this.shading) return { text: this.shownValue(node) };
+    return { text: node.name ?? String(node.serial), short: node.name ? String(node.serial) : undefined };
   }
 
   // Of what lies on the map.
@@ -371,7 +402,7 @@ export class MeshMap {
     if (found.isItem) return itemText(this.mesh, found);
     if (!found.isNode) return `Proposed relay on feature ${featureText(found)}`;
     const value = this.shownValue(found);
-    return `${nameOf(found)}, ${found.state}${value ? `, ${value}` : ""}`;
+    return `${nameOf(found)}, ${found.state}${found.lowBattery ? ", low battery" : ""}${value ? `, ${value}` : ""}`;
   }
 
   // A point before a line or an area.
@@ -421,6 +452,8 @@ export class MeshMap {
       context.beginPath();
       context.arc(13, 8, 7, 0, 2 * Math.PI);
       context.fill();
+    } else if (name === "battery") {
+      lowBattery(context, 13, 8, 6, this.colours);
     } else if (["edges", "links", "features", "gaps", "refused"].includes(name)) {
       context.lineWidth = { edges: 1.5, features: 3, gaps: 5 }[name] ?? 2;
       if (name === "links" || name === "refused") context.setLineDash([5, 4]);

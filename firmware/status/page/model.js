@@ -90,6 +90,13 @@ export function setAges(mesh, ages, status) {
   for (const node of mesh.nodes) node.state = stateOf(node, status.stale_after_ms);
 }
 
+// Takes over from alarms.json which nodes say that their battery is low.
+export function setBatteries(mesh, { alarms }) {
+  const low = new Set(alarms.filter((alarm) => alarm.on && alarm.kind === "low_battery")
+    .map((alarm) => alarm.about?.node));
+  for (const node of mesh.nodes) node.lowBattery = low.has(node.serial);
+}
+
 function stateOf(node, staleAfterMs) {
   if (node.missing) return "missing";
   if (node.refused) return "quarantined";
@@ -117,7 +124,16 @@ const moment = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "short"
 // "23 Nov 2026, 14:03:10 CET"
 export function momentText(date) { return moment.format(date); }
 
-export function dateOf(ageMs) { return new Date(Date.now() - ageMs); }
+// By how much the clock of the gateway is before that of the browser, which may be wrong.
+let clockAheadMs = 0;
+
+// Takes over the time of day that the gateway has told just now.
+export function setClock({ time_ms }) {
+  // Without one that is set, the browser's.
+  clockAheadMs = time_ms > 0 ? time_ms - Date.now() : 0;
+}
+
+export function dateOf(ageMs) { return new Date(Date.now() + clockAheadMs - ageMs); }
 
 // "23 Nov 2026, 14:03:10 CET (4 min)"
 export function sinceText(ageMs) { return `${momentText(dateOf(ageMs))} (${ageText(ageMs)})`; }
@@ -132,6 +148,13 @@ export function degreesText(point) {
   const angle = (value, positive, negative) =>
     `${Math.abs(value).toFixed(6)}° ${value < 0 ? negative : positive}`;
   return `${angle(point.latitude, "N", "S")}, ${angle(point.longitude, "E", "W")}`;
+}
+
+// An end of a feature is the serial of a node or the place of an anchor.
+export function placeOfEnd(mesh, end) {
+  if (Array.isArray(end)) return end;
+  const node = mesh.bySerial.get(end);
+  return node?.hasPlace ? [node.x, node.y] : null;
 }
 
 // A length in units: "250 units", or "2.5 km" where it is known how long they are.
@@ -188,9 +211,12 @@ function upperCased(troubles) {
 function smallTroubles(status) {
   const troubles = [];
   if (status.state.budget_hit) troubles.push("room or budget is too small");
-  if (status.quarantined > 0) troubles.push(`${status.quarantined} in quarantine`);
-  const waiting = status.features_configured - status.features_active;
-  if (waiting > 0) troubles.push(`${waiting} of ${status.features_configured} features not in the mesh`);
+  // Those that the mesh refuses, the gateway itself calls a trouble.
+  const refused = (status.quarantine ?? []).filter((entry) => entry.feature !== undefined).length;
+  const quarantined = status.quarantined - refused;
+  if (quarantined > 0) troubles.push(`${quarantined} in quarantine`);
+  const waiting = status.features_configured - status.features_active - refused;
+  if (waiting > 0) troubles.push(`${waiting} ${waiting === 1 ? "feature waits" : "features wait"} for nodes`);
   if (status.waiting_nodes > 0) troubles.push(`${status.waiting_nodes} without a fix`);
   const sensors = status.disagreeing_sensors;
   if (sensors > 0) troubles.push(`${sensors} ${sensors === 1 ? "sensor disagrees" : "sensors disagree"} with the nodes around`);
@@ -216,7 +242,9 @@ export function stateInWords(status) {
   const alarms = alarmTroubles(status);
   const troubles = smallTroubles(status);
   if (status.troubles.length > 0) {
-    return ["bad", [...status.troubles, ...upperCased([...alarms, ...troubles])].join("\n")];
+    // The guide is a click away, in the alarm.
+    const told = status.troubles.map((trouble) => trouble.replace(/; how: \/guide\/\S+$/, ""));
+    return ["bad", [...told, ...upperCased([...alarms, ...troubles])].join("\n")];
   }
   const colours = [alarmColour(status.alarms)];
   if (status.nodes === 0 && !status.waiting_nodes) {

@@ -1,9 +1,9 @@
 // Counts, lists of what is wrong, events, quantities, legend.
-import { byId, element, setText, showRows } from "./dom.js";
+import { byId, element, linked, setText, showRows } from "./dom.js";
 import { endsText } from "./items.js";
 import { keepLayers, keptLayers } from "./keep.js";
 import { layers } from "./map.js";
-import { ageText, blockerText, calledText, dateOf, momentText, sinceText, stateInWords, whereText } from "./model.js";
+import { ageText, calledText, dateOf, momentText, sinceText, stateInWords, whereText } from "./model.js";
 import { decimal, isFresh, quantityText, valueText } from "./readings.js";
 
 function showState(colour, words) {
@@ -25,6 +25,7 @@ export function showStatus(status) {
   document.title = status.name ? `${status.name} – ETCM gateway` : "ETCM gateway";
   document.querySelector("h1").textContent = status.name || "ETCM gateway";
   showState(...stateInWords(status));
+  showNotice(status);
   const counts = [
     ["Version (generation)", status.generation],
     ["Nodes", status.nodes],
@@ -40,6 +41,15 @@ export function showStatus(status) {
     return pair;
   }));
   byId("version").textContent = `version ${status.version}, up ${ageText(status.uptime_ms)}`;
+}
+
+// What is no trouble, and wants to be known.
+export function showNotice(status) {
+  const keys = status.needs_restart ?? [];
+  byId("notice").hidden = keys.length === 0;
+  if (keys.length === 0) return;
+  setText(byId("notice"), `Waits for a restart: ${keys.join(", ")}. Changed in ${status.config}, and not in force before: ` +
+    "sudo systemctl restart etcm-gateway");
 }
 
 // Nodes that fell silent and left the mesh for that; `go` is called with the serial that was clicked.
@@ -87,8 +97,9 @@ export function showQuarantine(entries, mesh, go) {
       item.append(button);
     }
     const where = entry.bus === undefined ? "" : `unit ${whereText(entry)}: `;
-    const blocker = feature ? blockerText(feature) : "";
-    item.append(element("span", `${where}${entry.why}${blocker && ` (In its way: ${blocker})`}`));
+    const why = element("span");
+    why.append(...linked(`${where}${entry.why}`));
+    item.append(why);
     return item;
   }));
 }
@@ -212,6 +223,7 @@ export function countLegend(mesh, status) {
     steiner: relayCount(status),
   };
   for (const node of mesh.nodes) count[node.state] = (count[node.state] ?? 0) + 1;
+  count.battery = mesh.nodes.filter((node) => node.lowBattery).length;
   for (const layer of layers) {
     layer.count.textContent = count[layer.name] ?? 0;
     layer.label.classList.toggle("none", !count[layer.name]);

@@ -29,3 +29,18 @@ export function nodeShape(context, state, x, y, radius) {
     context.arc(x, y, radius, 0, 2 * Math.PI);
   }
 }
+
+// A battery of `size` around a place, nearly empty.
+export function lowBattery(context, x, y, size, colours) {
+  const [wide, tall] = [size * 1.9, size * 1.1];
+  context.beginPath();
+  context.rect(x - wide / 2, y - tall / 2, wide, tall);
+  context.rect(x + wide / 2, y - tall / 4, size / 4, tall / 2);
+  context.fillStyle = colours.back;
+  context.fill();
+  context.strokeStyle = colours.battery;
+  context.lineWidth = Math.max(1.3, size / 5);
+  context.stroke();
+  context.fillStyle = colours.battery;
+  context.fillRect(x - wide / 2, y - tall / 2, wide * 0.3, tall);
+}

@@ -1,27 +1,32 @@
 // The table of nodes: sorted, searched, and only the rows that are seen are made. A row stays the
 // same element while its node is seen, and is moved only where the order changed: a click, the focus
 // and a selection outlive what changes in the row.
-import { byId, setText } from "./dom.js";
+import { byId, element, setText, showRows } from "./dom.js";
+import { featureName, featuresFound } from "./features.js";
 import { ageText, calledText, nameOf, nodeStates, placeText, whereText } from "./model.js";
-import { conditionsOfNode } from "./units.js";
+import { conditionsOfNode, isExactly, unitIn, wordsOf } from "./units.js";
 
 const rowHeight = 31;   // of style.css, with its line
 const spareRows = 8;
+const featuresMax = 20;   // that a search shows
 
 const columns = [
   { name: "serial", text: "Serial", isLong: true, value: (node) => node.serial },
-  { name: "state", text: "State", value: (node) => nodeStates.indexOf(node.state) },
+  { name: "state", text: "State", 
+    value: (node) => nodeStates.indexOf(node.state) + (node.lowBattery ? 0.5 : 0) },
   { name: "age", text: "Age", number: true, value: (node) => node.ageMs ?? Infinity },
   { name: "where", text: "Unit, bus", isLong: true, value: (node) => node.bus ?? "", then: (node) => node.unit },
-  { name: "place", text: "Place", optional: true, value: (node) => node.x ?? Infinity,
+  { name: "place", text: "Position", optional: true, value: (node) => node.x ?? Infinity,
     then: (node) => node.y },
   { name: "neighbours", text: "Neighbours", number: true, optional: true, value: (node) => node.neighbours.length },
 ];
 
 export class NodeTable {
-  // `chosen` is called with the node of a row.
-  constructor({ chosen }) {
+  // `chosen` is called with the node of a row, `featureChosen` with the number of a feature.
+  constructor({ chosen, featureChosen }) {
     this.chosen = chosen;
+    this.featureChosen = featureChosen;
+    this.features = [];   // that are found
     this.area = document.getElementById("rows");
     this.body = document.getElementById("body");
     this.title = document.getElementById("nodes-title");
@@ -40,7 +45,9 @@ export class NodeTable {
       this.update();
     });
     this.search.addEventListener("keydown", (event) => {
-      if (event.key === "Enter" && this.found.length > 0) this.chosen(this.found[0]);
+      if (event.key !== "Enter") return;
+      if (this.found.length > 0) this.chosen(this.found[0]);
+      else if (this.features.length > 0) this.featureChosen(this.features[0].feature);
     });
     this.body.addEventListener("click", (event) => {
       const row = event.target.closest("tr.row");
@@ -86,21 +93,38 @@ export class NodeTable {
   }
 
   update() {
-    const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const words = wordsOf(this.search.value);
     this.found = this.nodes.filter((node) => words.every((word) => matches(node, word)));
     const { column, isUp } = this.order;
     const compare = (a, b) => (a < b ? -1 : a > b ? 1 : 0);
-    this.found.sort((a, b) => (isUp ? 1 : -1) *
+    const rank = (node) => (isExactly(words, node.serial, node.unit) ? 0 : 1);
+    this.found.sort((a, b) => rank(a) - rank(b) || (isUp ? 1 : -1) *
       (compare(column.value(a), column.value(b)) ||
        (column.then ? compare(column.then(a), column.then(b)) : 0) || compare(a.serial, b.serial)));
     for (const other of columns) other.head.removeAttribute("aria-sort");
     column.head.setAttribute("aria-sort", isUp ? "ascending" : "descending");
     this.title.textContent = words.length === 0 ? `Nodes (${this.nodes.length})`
       : `Nodes (${this.found.length} of ${this.nodes.length})`;
-    byId("no-node").hidden = words.length === 0 || this.found.length > 0;
+    this.showFeatures(featuresFound(words));
+    byId("no-node").hidden = words.length === 0 || this.found.length > 0 || this.features.length > 0;
     // Rows that are not made count too, for who hears the table.
     this.body.closest("table").setAttribute("aria-rowcount", this.found.length + 1);
     this.draw();
+  }
+
+  // Those that the search finds, by name or number.
+  showFeatures(found) {
+    this.features = found.slice(0, featuresMax);
+    const list = byId("found-features");
+    list.hidden = found.length === 0;
+    showRows(list, this.features, featureName, (feature) => {
+      const item = document.createElement("li");
+      const button = document.createElement("button");
+      button.textContent = `Feature ${featureName(feature)}`;
+      button.addEventListener("click", () => this.featureChosen(feature.feature));
+      item.append(button);
+      return item;
+    });
   }
 
   draw() {
@@ -144,7 +168,7 @@ export class NodeTable {
     }
     const button = document.createElement("button");
     row.cells[0].append(button);
-    row.cells[1].append(document.createElement("span"));
+    row.cells[1].append(document.createElement("span"), element("span", "low battery", "battery"));
     this.rows.set(serial, row);
     return row;
   }
@@ -158,6 +182,7 @@ export class NodeTable {
     const state = row.cells[1].firstChild;
     state.className = `mark ${node.state}`;
     setText(state, node.state);
+    row.cells[1].lastChild.hidden = !node.lowBattery;
     setText(row.cells[2], ageText(node.ageMs));
     setText(row.cells[3], whereText(node));
     row.cells[3].title = whereText(node);
@@ -168,6 +193,7 @@ export class NodeTable {
 
 // A number is a part of a serial or a name, or a whole unit: addresses of buses are full of numbers.
 function matches(node, word) {
+  if (unitIn(word) !== null) return node.unit === unitIn(word);
   if (calledText(node.serial, node.name).toLowerCase().includes(word)) return true;
   if (/^\d+$/.test(word)) return String(node.unit) === word;
   return node.state.startsWith(word) || [nameOf(node), whereText(node), ...conditionsOfNode(node)]

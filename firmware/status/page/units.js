@@ -10,7 +10,7 @@ export function readUnits(json, status) {
 export function setUnits(mesh, units) {
   const byPlace = new Map(units.map((unit) => [`${unit.unit} ${unit.bus}`, unit]));
   for (const node of mesh.nodes) {
-    node.heardBy = node.bus === undefined ? undefined : byPlace.get(`${node.unit} ${node.bus}`);
+    node.heardBy = node.bus === undefined ? undefined : byPlace.get(`${node.unit} ${node.bus}`) ?? null;
   }
 }
 
@@ -65,6 +65,7 @@ export function conditionsOfNode(node) {
   const isThere = node.heardBy?.serial === node.serial;
   const conditions = isThere ? conditionsOf(node.heardBy) : [];
   if (node.no_fix && !conditions.includes("no fix")) conditions.push("no fix");
+  if (node.lowBattery && !conditions.includes("low battery")) conditions.push("low battery");
   if (node.missing || isThere && node.heardBy.state !== "answering") {
     conditions.push(node.missing ? "silent" : node.heardBy.state);
   }
@@ -73,9 +74,26 @@ export function conditionsOfNode(node) {
 
 export function notesOf(unit) { return [unit.profile, ...conditionsOf(unit)].filter(Boolean); }
 
+// What somebody has typed, as words; "unit 8" is one.
+export function wordsOf(text) {
+  return text.toLowerCase().replace(/\bunit\s+(?=\d)/g, "unit:").split(/\s+/).filter(Boolean);
+}
+
+// The unit that such a word asks for, or null.
+export function unitIn(word) {
+  const found = /^unit:(\d+)$/.exec(word);
+  return found ? Number(found[1]) : null;
+}
+
+// Whether one of the words is all of its number: that is more than a part of one.
+export function isExactly(words, ...numbers) {
+  return words.some((word) => numbers.includes(unitIn(word) ?? (/^\d+$/.test(word) ? Number(word) : undefined)));
+}
+
 // A number is a unit, or a part of a serial or of a name.
 export function matchesUnit(unit, word) {
   const name = (unit.name ?? "").toLowerCase();
+  if (unitIn(word) !== null) return unit.unit === unitIn(word);
   if (/^\d+$/.test(word)) {
     return String(unit.unit) === word || String(unit.serial ?? "").includes(word) || name.includes(word);
   }
