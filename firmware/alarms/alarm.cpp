@@ -41,6 +41,7 @@ constexpr std::array<KindOfAlarm, alarm_kinds_end> alarm_kinds{{
     {"other_mesh", Severity::critical},
     {"rejected_gateway", Severity::major},
     {"faulty_unit", Severity::major},
+    {"far_node", Severity::major},
 }};
 
 bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }

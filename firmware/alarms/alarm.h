@@ -44,8 +44,9 @@ enum class AlarmKind : std::uint8_t {
   other_mesh = 23,
   rejected_gateway = 24,
   faulty_unit = 25,
+  far_node = 26,
 };
-inline constexpr std::uint8_t alarm_kinds_end = 26;
+inline constexpr std::uint8_t alarm_kinds_end = 27;
 std::string_view to_string(AlarmKind kind);
 Severity severity_of(AlarmKind kind);
 

@@ -160,6 +160,7 @@ bool AlarmWatch::is_judged_by_what_came(AlarmKey key, port::Instant now) const {
     case AlarmKind::missing_node:
     case AlarmKind::no_fix:
     case AlarmKind::low_battery:
+    case AlarmKind::far_node:
     case AlarmKind::refused_node:
       return is_node_judged(gateway, key);
     case AlarmKind::refused_feature:

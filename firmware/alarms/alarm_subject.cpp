@@ -56,6 +56,7 @@ Serial node_of_subject(AlarmKey key) {
     case AlarmKind::missing_node:
     case AlarmKind::no_fix:
     case AlarmKind::low_battery:
+    case AlarmKind::far_node:
     case AlarmKind::refused_node:
     case AlarmKind::unheard_end:
       return Serial{static_cast<std::uint32_t>(key.subject)};
@@ -99,6 +100,7 @@ bool is_there(const Gateway& gateway, AlarmKey key) {
     case AlarmKind::missing_node:
     case AlarmKind::no_fix:
     case AlarmKind::low_battery:
+    case AlarmKind::far_node:
     case AlarmKind::refused_node:
     case AlarmKind::unheard_end:  // that is known by now, or no feature ends there
       return gateway.nodes().find(Serial{static_cast<std::uint32_t>(subject)}) != nullptr;

@@ -6,6 +6,7 @@
 #include "firmware/alarms/alarm_subject.h"
 #include "firmware/alarms/refusal_text.h"
 #include "firmware/logging/text_line.h"
+#include "firmware/mesh/length_text.h"
 #include "firmware/nodes/faulty_units.h"
 #include "firmware/nodes/silence_cause.h"
 
@@ -22,6 +23,7 @@ void AlarmWatch::step(port::Instant now) {
   look_at_nodes();
   look_at_absent();
   look_at_faulty(now);
+  look_at_far();
   look_at_quarantine();
   look_at_unheard();
   look_at_sensors();
@@ -124,10 +126,12 @@ void AlarmWatch::look_at_node(const NodeRecord& node) {
   if (node.lacks_fix) {
     TextLine text;
     write_node(text, gateway, node);
+    text << " answers, and tells no position";
+    const auto told = told_at(gateway.poller(), node.last_unit);
+    const NoPosition why = explain(told);
+    if (told != DevicePosition::State::value) text << ": it " << why.what;
     book_.hold({AlarmKind::no_fix, subject},
-               node.has_position() ? node.positioned_at : node.known_since,
-               text << " answers, and tells no position",
-               "look at the sky above its antenna, and its cable");
+               node.has_position() ? node.positioned_at : node.known_since, text, why.cure);
   }
   if ((node.status & node_status::low_battery) != 0) {
     TextLine text;
@@ -158,6 +162,32 @@ void AlarmWatch::look_at_faulty(port::Instant now) {
     const FaultText text = explain_fault(poller, unit);
     book_.hold({AlarmKind::faulty_unit, subject_of(bus, poller.address_of(unit).value)}, *since,
                text.what, text.cure);
+  }
+}
+
+void AlarmWatch::look_at_far() {
+  const Gateway& gateway = sources_.gateway;
+  const Snapshot& snapshot = gateway.snapshot();
+  if (snapshot.far_count == 0) return;
+  for (const SnapshotVertex& vertex : snapshot.vertices) {
+    if (!vertex.is_far || !vertex.owner.is_none()) continue;
+    const NodeRecord* const node = gateway.nodes().find(vertex.serial);
+    if (node == nullptr) continue;
+    TextLine text;
+    write_node(text, gateway, *node);
+    text << " stands ";
+    const std::size_t before = text.view().size();
+    write_distance(text, gateway.settings().site.plane(), snapshot.middle, node->position,
+                   " from the others");
+    if (text.view().size() == before) text << "far from all others";
+    const bool is_surveyed =
+        !node->last_unit.is_none() && gateway.poller().is_surveyed(node->last_unit);
+    book_.hold({AlarmKind::far_node, vertex.serial.value}, {}, text,
+               is_surveyed ? "correct where its [[node]] says that it stands; if it does stand "
+                             "there, acknowledge this"
+                           : "look for a coordinate that is 0, longitude and latitude exchanged, "
+                             "or another coordinate system, in the device and its profile "
+                             "(etcm-bus probe); if it does stand there, acknowledge this");
   }
 }
 

@@ -55,6 +55,7 @@ class AlarmWatch {
   void look_at_node(const NodeRecord& node);
   void look_at_absent();
   void look_at_faulty(port::Instant now);
+  void look_at_far();
   void look_at_quarantine();
   void look_at_unheard();
   void look_at_sensors();

@@ -186,7 +186,7 @@ void Gateway::update_settings(std::shared_ptr<const Settings> settings,
   distributor_.update_settings(poll);
   placement_.update_site(*settings_, generation_ + 1);
   unheard_ends_.take_site(now);
-  snapshots_.update_site(settings_->domain);
+  snapshots_.update_site(*settings_);
   if (file_publisher_) file_publisher_->update_settings(*settings_->files);
   if (state_saver_) state_saver_->update_settings(*settings_);
   reserve_quarantine();
@@ -239,7 +239,7 @@ void Gateway::take_site(std::shared_ptr<const Settings> settings, port::Instant 
   take_names();
   placement_.update_site(*settings_, generation_ + 1);
   unheard_ends_.take_site(now);
-  snapshots_.update_site(settings_->domain);
+  snapshots_.update_site(*settings_);
   reserve_quarantine();
 }
 

@@ -200,6 +200,11 @@ void Presence::tell_no_fix(const NodeRecord& node, port::Instant now) {
     line << "yet";
   }
   if (node.is_placed()) line << "; it stays where it was";
+  const DevicePosition::State told = told_at(poller_, node.last_unit);
+  if (told != DevicePosition::State::value) {
+    const NoPosition why = explain(told);
+    line << "; it " << why.what << ": " << why.cure;
+  }
   log_.write(port::Level::warning, line);
 }
 

@@ -35,6 +35,8 @@ class Device {
   std::span<const RegisterSpan> blocks() const { return blocks_; }
   std::uint32_t register_count() const { return register_count_; }
   std::string_view profile_name() const { return profile_.name; }
+  // Where it stands the settings say, and not the device.
+  bool is_surveyed() const { return surveyed_.has_value(); }
   port::RegisterKind kind() const {
     return profile_.function == 3 ? port::RegisterKind::holding : port::RegisterKind::input;
   }

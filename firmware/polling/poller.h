@@ -102,6 +102,11 @@ class Poller {
     const Device* const device = units_[unit.value].device;
     return device == nullptr ? std::string_view{} : device->profile_name();
   }
+  // The settings say where the device there stands.
+  bool is_surveyed(UnitIndex unit) const {
+    const Device* const device = units_[unit.value].device;
+    return device != nullptr && device->is_surveyed();
+  }
   // What is measured there, in the order in which the listener hears of it.
   std::span<const QuantityIndex> quantities(UnitIndex unit) const {
     const Device* const device = units_[unit.value].device;
@@ -187,5 +192,10 @@ class Poller {
   std::vector<Measurement> measured_;  // in the sweep that was completed last
   port::Instant stepped_at_{};
 };
+
+// Why the device at a unit has told no position; `value` where it is a node of our own, or none.
+inline DevicePosition::State told_at(const Poller& poller, UnitIndex unit) {
+  return unit.is_none() ? DevicePosition::State::value : poller.counters(unit).told;
+}
 
 }  // namespace etcm::firmware

@@ -32,6 +32,7 @@ struct SnapshotVertex {
   VertexKind kind = VertexKind::none;
   bool stale = false;
   bool lacks_fix = false;     // stale although its node answers
+  bool is_far = false;        // of a node: from all others (far_nodes.h)
   bool is_anchor = false;     // a fixed point of the site; to the mesh it is a node
   Rejection rejection{};      // of a node: why the mesh does not have it where it is now
   Serial serial{};            // of a node that is no anchor
@@ -100,6 +101,8 @@ struct Snapshot {
   std::uint32_t stale_count = 0;
   std::uint32_t waiting_count = 0;  // nodes that answer and have not told where they are
   std::uint32_t missing_count = 0;  // nodes
+  std::uint32_t far_count = 0;      // nodes that stand far from all others
+  Position middle{};                // the median place of the nodes, where there are some of these
   std::uint32_t absent_count = 0;   // units that the settings name and that have never answered
   std::uint32_t silent_bus_count = 0;
   std::uint32_t oldest_age_ms = 0;  // of the position of a node in the mesh, at this generation

@@ -58,9 +58,11 @@ void reserve(Snapshot& snapshot, const Settings& settings, std::uint32_t nodes) 
 }
 
 SnapshotTaker::SnapshotTaker(const Settings& settings, std::uint32_t nodes)
-    : around_(settings.mesh.vertices_max), analyst_(settings.analysis, settings.mesh) {
+    : around_(settings.mesh.vertices_max),
+      analyst_(settings.analysis, settings.mesh),
+      far_nodes_(settings.mesh.vertices_max) {
   reserve(snapshot_, settings, nodes);
-  analyst_.take_site(settings.domain);
+  update_site(settings);
 }
 
 const Snapshot& SnapshotTaker::take(std::uint32_t generation, const KeptMesh& kept,
@@ -82,6 +84,7 @@ const Snapshot& SnapshotTaker::take(std::uint32_t generation, const KeptMesh& ke
   snapshot_.mesh_hash = mesh.hash();
   snapshot_.names = nodes.names();
   copy_mesh(kept);
+  far_nodes_.mark(snapshot_);
   look_at_nodes(nodes, now);
   look_at_absent(absent, nodes);
   look_at_features(features);

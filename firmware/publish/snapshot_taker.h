@@ -16,6 +16,7 @@
 #include "firmware/nodes/presence.h"
 #include "firmware/polling/poller.h"
 #include "firmware/publish/analyst.h"
+#include "firmware/publish/far_nodes.h"
 #include "firmware/publish/mesh_registers.h"
 #include "firmware/publish/quarantine.h"
 #include "firmware/publish/snapshot.h"
@@ -35,7 +36,10 @@ class SnapshotTaker {
   SnapshotTaker(const Settings& settings, std::uint32_t nodes);
 
   // The settings have another site.
-  void update_site(const SiteDomain& domain) { analyst_.take_site(domain); }
+  void update_site(const Settings& settings) {
+    analyst_.take_site(settings.domain);
+    far_nodes_.set_plane(settings.site.plane());
+  }
 
   // The names of the gateways that other owners of nodes are, for the next snapshots.
   void set_gateways(std::span<const std::string> names) {
@@ -66,6 +70,7 @@ class SnapshotTaker {
   Snapshot snapshot_;
   std::vector<Neighbour> around_;  // of one vertex
   Analyst analyst_;
+  FarNodes far_nodes_;
 };
 
 }  // namespace etcm::firmware

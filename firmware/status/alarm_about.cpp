@@ -69,6 +69,7 @@ void write_about(const Gateway& gateway, AlarmKey key, TextWriter& piece) {
     case AlarmKind::missing_node:
     case AlarmKind::no_fix:
     case AlarmKind::low_battery:
+    case AlarmKind::far_node:
     case AlarmKind::refused_node:
     case AlarmKind::unheard_end:
       return write_about_node(key.subject, piece);

@@ -299,6 +299,7 @@ void MeshDocument::write_vertex_head(const SnapshotVertex& vertex, std::uint32_t
     piece << ",\"in_mesh\":true,\"stale\":";
     piece.yes_or_no(vertex.stale);
     if (vertex.lacks_fix) piece << ",\"no_fix\":true";
+    if (vertex.is_far) piece << ",\"far\":true";
     write_rejection(vertex.rejection, piece);
   } else {
     piece << "\"kind\":\"steiner\"";

@@ -19,8 +19,9 @@
 // a feature. A node that another gateway of the fleet hears has its name as "owner", and no bus and
 // unit. A node that is known and not in the mesh has "in_mesh": false and no id; one that is
 // missing also "missing": true, with its last place and unit. One that is stale although it answers
-// has "no_fix": true. What a node measures has a property "reading NAME (UNIT)" each, with the
-// value or, where the device has no valid one, null; when it is stale, "stale reading NAME (UNIT)".
+// has "no_fix": true, one that stands far from all others "far": true. What a node measures has a
+// property "reading NAME (UNIT)" each, with the value or, where the device has no valid one, null;
+// when it is stale, "stale reading NAME (UNIT)".
 #pragma once
 
 #include <optional>

@@ -240,6 +240,23 @@ TEST_F(AlarmWatchTest, AUnitThatAnswersForLongWithNothingOfUseIsOne) {
   EXPECT_EQ(wrong(), Lines{});
 }
 
+TEST_F(AlarmWatchTest, ANodeFarFromAllOthersIsOne) {
+  rig_.settings.site.metres = site_nano;
+  rig_.put_square();
+  rig_.put(5, 900'000, 0);
+  run(3s);
+  EXPECT_EQ(
+      wrong(),
+      (Lines{"major: node 1005, unit 5 of yard, stands 900 km from the others -> look for a "
+             "coordinate that is 0, longitude and latitude exchanged, or another coordinate "
+             "system, in the device and its profile (etcm-bus probe); if it does stand there, "
+             "acknowledge this"}));
+  EXPECT_NE(tell("show alarms.json").find("\"about\":{\"node\":1005}"), std::string::npos);
+  rig_.put(5, 90, 0);
+  run(3s);
+  EXPECT_EQ(wrong(), Lines{});
+}
+
 TEST_F(AlarmWatchTest, AnExceptionNowAndThenIsNone) {
   rig_.put_square();
   run(10s);

@@ -9,6 +9,7 @@
 #include "etcm/files/exchange.h"
 #include "etcm/types.h"
 #include "fakes.h"
+#include "firmware/alarms/alarm_watch.h"
 #include "firmware/config/configuration.h"
 #include "firmware/config/reload.h"
 #include "firmware/mesh/length_text.h"
@@ -568,6 +569,64 @@ origin = ["8", "47"]
             "has the letter N in its longitude, where only E and W belong: exchange the registers "
             "of 'longitude' and 'latitude' in the profile, or their letters");
   EXPECT_EQ(rig_.log.count("unit 4 of yard: has the letter N in its longitude"), 1u);
+}
+
+// The sky is good for one that has a position at times, and for no other.
+TEST_F(DevicesInDegrees, ThatTellNoPositionSayWhy) {
+  bus_.put(4, 0, {181, 47});
+  bus_.put(5, 0, {0, 0});
+  bus_.put(7, 3, {1234});
+  start(R"(
+[[profile]]
+name = "rover"
+longitude = { register = 0 }
+latitude = { register = 1 }
+[[profile]]
+name = "meter"
+[[profile.reading]]
+name = "level"
+value = { register = 3 }
+)" + device_line +
+            R"([[bus.device]]
+units = "4-5"
+profile = "rover"
+[[bus.device]]
+units = "7"
+profile = "meter"
+[site]
+origin = ["8", "47"]
+)",
+        &proj_);
+  const port::ServiceCounters services{.is_listening = true};
+  const std::string refusal;
+  AlarmWatch watch({.gateway = *rig_.gateway,
+                    .masters = services,
+                    .readers = &services,
+                    .refusal = refusal,
+                    .started_at = rig_.clock.now()});
+  rig_.run(2s);
+  watch.step(rig_.clock.now());
+  const AlarmBook& book = watch.book();
+  const auto words = [&](std::uint32_t serial) {
+    for (std::uint32_t i = 0; i < book.open_count(); ++i) {
+      const Alarm& alarm = book.open(i);
+      if (alarm.key != AlarmKey{AlarmKind::no_fix, serial}) continue;
+      return std::string(alarm.text()) + " -> " + std::string(alarm.cure());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(words(1004),
+            "node 1004, unit 4 of yard, answers, and tells no position: it has a longitude beyond "
+            "180 degrees -> correct 'register', 'type', 'order', 'scale' and 'format' of its "
+            "coordinates in the profile (etcm-bus probe shows what each gives)");
+  EXPECT_EQ(words(1005),
+            "node 1005, unit 5 of yard, answers, and tells no position: it says that it is at 0, 0 "
+            "degrees, as devices do that know no place -> look at the sky above its antenna, and "
+            "its cable");
+  EXPECT_EQ(words(1007),
+            "node 1007, unit 7 of yard, answers, and tells no position: it has a profile without a "
+            "position, and the settings do not say where it stands -> give it a [[node]] with its "
+            "bus, its unit and x, y or longitude, latitude");
 }
 
 }  // namespace

@@ -277,6 +277,7 @@ TEST_F(StatusPageTest, AgesCountFromTheLastPositionWithAFix) {
   EXPECT_EQ(ages.find("[1006,"), std::string::npos);
   const std::string mesh = get("/mesh.geojson");
   EXPECT_EQ(count(mesh, "\"stale\":true,\"no_fix\":true"), 1u) << mesh;
+  EXPECT_EQ(count(mesh, "\"far\":"), 0u) << mesh;
   const std::string metrics = get("/metrics");
   EXPECT_EQ(count(metrics, "\netcm_stale_nodes 1\n"), 1u);
   EXPECT_EQ(count(metrics, "\netcm_waiting_nodes 1\n"), 1u);

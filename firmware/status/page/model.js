@@ -69,6 +69,8 @@ function addPoint(mesh, feature) {
   }
   if (point.hasPlace) {
     if (point.id !== undefined) mesh.byPlace.set(`${point.x},${point.y}`, point);
+    // What stands far from all others, by a mistake most often, would make a dot of the rest.
+    if (properties.far) return;
     const b = (mesh.bounds ??= { left: point.x, right: point.x, bottom: point.y, top: point.y });
     b.left = Math.min(b.left, point.x);
     b.right = Math.max(b.right, point.x);
