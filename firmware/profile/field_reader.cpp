@@ -66,6 +66,22 @@ const Value* read_word(TomlTable& table, const char* key, std::span<const Word<V
   return nullptr;
 }
 
+// Where a text or a list stands for a number. False: neither does.
+bool tell_of_no_number(TomlTable& table, const char* key, const toml::node& node,
+                       const std::string& example) {
+  if (node.is_string()) {
+    const std::string text = node.value_exact<std::string>().value_or("");
+    const bool is_number =
+        !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+    table.mistake(node, quoted(key) + " is a text; write the number without quotes: " + key +
+                            " = " + (is_number ? text : example));
+    return true;
+  }
+  if (!node.is_array()) return false;
+  table.mistake(node, quoted(key) + " is a list; give one number: " + key + " = " + example);
+  return true;
+}
+
 // ---- Numbers.
 
 constexpr const char* how_to_write =
@@ -223,6 +239,14 @@ void read_range(TomlTable& table, Field& field) {
     field.least = nano_of(*pair->get(0));
     field.most = nano_of(*pair->get(1));
     if (field.least && field.most && *field.least <= *field.most) return;
+    if (pair->get(0)->is_floating_point() || pair->get(1)->is_floating_point()) {
+      return table.mistake(*node,
+                           "'range' has a number with a point, which stands in quotes, so that it "
+                           "is exact; write it as range = [\"0.5\", \"1\"]");
+    }
+    if (field.least && field.most) {
+      return table.mistake(*node, "'range' has its most before its least; exchange them");
+    }
   }
   table.mistake(*node,
                 "'range' must be the least and the most; write it as range = [\"-40\", \"85.5\"]");
@@ -289,6 +313,22 @@ std::optional<std::int64_t> read_tested(TomlTable& table, const char* key, const
                                         const toml::node& node) {
   const auto nano = tested_nano_of(number, node);
   if (nano && can_be(number, *nano)) return nano;
+  const std::string text = node.value_exact<std::string>().value_or("");
+  if (!nano && number.type == NumberType::ascii && node.is_string()) {
+    table.mistake(node, quoted(key) +
+                            " compares an ascii number with a text; give a number, or look at the "
+                            "letter of one byte without 'type' and 'count': { register = 200, mask "
+                            "= 0xFF00, equals = \"A\" }");
+    return std::nullopt;
+  }
+  if (nano && text.size() == 1 && text[0] >= '0' && text[0] <= '9') {
+    table.mistake(node, quoted(key) + " = \"" + text +
+                            "\" is the number, not the digit, and the bits of this test never have "
+                            "it; give the code of the digit, where the bits of the mask stand: 0x" +
+                            std::to_string(30 + text[0] - '0') + " in a low byte, 0x" +
+                            std::to_string(30 + text[0] - '0') + "00 in a high one");
+    return std::nullopt;
+  }
   table.mistake(
       node, quoted(key) + (nano ? " is a number that the registers of this test never have (see "
                                   "'type' and 'mask'); correct it"
@@ -342,6 +382,7 @@ std::optional<std::int64_t> read_whole(TomlTable& table, const char* key, std::i
   if (node == nullptr) return std::nullopt;
   const auto value = node->value_exact<std::int64_t>();
   if (value && *value >= least && *value <= most) return value;
+  if (tell_of_no_number(table, key, *node, std::to_string(least))) return std::nullopt;
   table.mistake(*node, quoted(key) + " is out of range; give a whole number from " +
                            std::to_string(least) + " to " + std::to_string(most));
   return std::nullopt;
@@ -390,7 +431,7 @@ RegisterSpan FieldReader::read_registers(TomlTable& table, std::uint16_t count) 
   const std::int64_t last = counts_from_ + register_end - count;
   if (given && *given >= counts_from_ && *given <= last) {
     span.first = static_cast<std::uint16_t>(*given - counts_from_);
-  } else {
+  } else if (!tell_of_no_number(table, "register", *node, std::to_string(counts_from_))) {
     table.mistake(*node, "'register' is out of range for a number of " + std::to_string(count) +
                              (count == 1 ? " register" : " registers") +
                              "; give a whole number from " + std::to_string(counts_from_) + " to " +

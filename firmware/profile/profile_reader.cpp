@@ -141,7 +141,12 @@ void read_reading(TomlTable& table, const FieldReader& fields, Profile& profile)
 }
 
 void read_transfer(TomlTable& table, Profile& profile) {
-  if (const auto function = read_whole(table, "function", 3, 4)) {
+  const toml::node* const given = table.find("function");
+  if (given != nullptr && given->is_array()) {
+    table.mistake(*given,
+                  "'function' is a list, and a profile reads one table; give 3 or 4, whichever has "
+                  "what you need most");
+  } else if (const auto function = read_whole(table, "function", 3, 4)) {
     profile.function = static_cast<std::uint8_t>(*function);
   }
   if (const auto pause = table.duration("pause")) profile.pause = *pause;

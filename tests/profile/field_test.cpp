@@ -21,6 +21,14 @@ TEST(ProfileField, DegreesAndMinutesInOneNumber) {
   EXPECT_EQ(decoded("register = 0, format = 'ddmmss.ss'", {60}).state, State::malformed);
 }
 
+TEST(ProfileField, DegreesAndMinutesInLetters) {
+  const std::string ddmm = "register = 0, type = 'ascii', count = 5, format = 'ddmm.mmmm'";
+  const auto state = [&](const Words& words) { return decoded(ddmm, words).state; };
+  EXPECT_EQ(decoded(ddmm, {0x3438, 0x3539, 0x2e39, 0x3939, 0x4e20}).nano, 48'999'983'333);
+  EXPECT_EQ(state({0x3438, 0x3630, 0x2e30, 0x3030, 0x4e20}), State::malformed) << "4860.000N";
+  EXPECT_EQ(state({0x3438, 0x3939, 0x2e30, 0x3030, 0x5320}), State::malformed) << "4899.000S";
+}
+
 TEST(ProfileField, Radians) {
   EXPECT_EQ(decoded("register = 0, type = 'f32', format = 'radians'", {0x3fc9, 0x0fdb}).nano,
             90'000'002'504);
@@ -140,6 +148,13 @@ TEST(ProfileTest, LooksAtBitsAndLetters) {
   EXPECT_TRUE(holds("{ register = 0, mask = 0x0300, equals = 0x0200 }", {0xfeff}));
   EXPECT_TRUE(holds("{ register = 0, mask = 0x0008, not_equals = 0 }", {0x000a}));
   EXPECT_FALSE(holds("{ register = 0, mask = 0x0008, not_equals = 0 }", {0x0002}));
+}
+
+TEST(ProfileTest, ADigitInLettersIsItsNumber) {
+  const std::string status = "{ register = 0, type = 'ascii', count = 1, equals = '1' }";
+  EXPECT_TRUE(holds(status, {0x3120}));
+  EXPECT_FALSE(holds(status, {0x3220}));
+  EXPECT_FALSE(holds(status, {0x0001}));
 }
 
 TEST(ProfileTest, KnowsEveryType) {
