@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <string_view>
@@ -75,6 +76,37 @@ FieldValue value_of(const Number& number, double value, int exponent) {
   // Not beyond this: a little farther it would not fit.
   if (!(std::abs(nano) < 9.2e18)) return in_range(std::nullopt);
   return in_range(static_cast<std::int64_t>(nano));
+}
+
+// Reals of 32 bits have some seven digits; the shortest decimal that is the same real has no
+// others, which would be those of its double. Nothing where whole numbers are rounded, where the
+// scale is no decimal, and for what decimals cannot count.
+std::optional<FieldValue> shortest_value_of(const Number& number, float value, int exponent) {
+  constexpr float exact_end = 1 << 24;
+  const bool is_decimal = power_of_ten(power_of_ten_max).numerator % number.scale.denominator == 0;
+  if (!is_decimal || !(std::abs(value) < exact_end)) return std::nullopt;
+  std::array<char, 32> text;
+  const auto written =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::scientific);
+  // "-1.2345e-03"
+  Decimal decimal;
+  const char* at = text.data() + (text[0] == '-' ? 1 : 0);
+  bool has_point = false;
+  for (; at != written.ptr && *at != 'e'; ++at) {
+    if (*at == '.') {
+      has_point = true;
+      continue;
+    }
+    decimal.value = decimal.value * 10 + (*at - '0');
+    if (has_point) --decimal.exponent;
+  }
+  if (text[0] == '-') decimal.value = -decimal.value;
+  const bool is_negative = at + 1 < written.ptr && at[1] == '-';
+  int power = 0;
+  std::from_chars(std::min<const char*>(at + 2, written.ptr), written.ptr, power);
+  decimal.exponent += (is_negative ? -power : power) + exponent;
+  const FieldValue found = value_of(number, decimal);
+  return found.is_value() ? std::optional(found) : std::nullopt;
 }
 
 // ---- Texts.
@@ -153,6 +185,7 @@ FieldValue decode(const Number& number, const Sweep& sweep, int exponent) {
   if (std::find(number.none.begin(), number.none.end(), raw) != number.none.end()) return {};
   if (number.type == NumberType::f32) {
     const auto value = std::bit_cast<float>(static_cast<std::uint32_t>(raw));
+    if (const auto shortest = shortest_value_of(number, value, exponent)) return *shortest;
     return value_of(number, static_cast<double>(value), exponent);
   }
   if (number.type == NumberType::f64) return value_of(number, std::bit_cast<double>(raw), exponent);

@@ -92,6 +92,11 @@ void UnitsDocument::write_unit(UnitIndex unit, port::Instant asked_at, TextWrite
   if (shown.is_moving) piece << ",\"moving\":true";
   if (shown.has_low_battery) piece << ",\"low_battery\":true";
   if (shown.lacks_fix) piece << ",\"no_fix\":true";
+  if (shown.lacks_fix && counters.told != DevicePosition::State::value) {
+    piece << ",\"no_position\":";
+    piece.json(explain(counters.told).what);
+  }
+  if (sources_.gateway.poller().is_surveyed(unit)) piece << ",\"surveyed\":true";
   piece << "}";
 }
 

@@ -214,6 +214,19 @@ TEST(ProfileNumber, StandsInLetters) {
 }
 
 // "-33.8S" was 33.8 degrees in the north: the sign turned what the letter had turned.
+// 63.4305 as a real of 32 bits is 63.430500030517578 in the digits of a double.
+TEST(ProfileNumber, ARealOf32BitsHasItsOwnDigits) {
+  expect({
+      {"register = 0, type = 'f32'", {0x427d, 0xb8d5}, "63430500000"},
+      {"register = 0, type = 'f32'", {0xc0b3, 0x3333}, "-5600000000"},
+      {"register = 0, type = 'f32', scale = '0.1', offset = 1", {0x3dcc, 0xcccd}, "1010000000"},
+      {"register = 0, type = 'f32', scale = '1/3'", {0x3dcc, 0xcccd}, "33333334"},
+      {"register = 0, type = 'f32'", {0x3083, 0x1270}, "1"},
+      {"register = 0, type = 'f32'", {0x4b7f, 0xffff}, "16777215000000000"},
+      {"register = 0, type = 'f32'", {0x4ceb, 0x79a3}, "123456792000000000"},
+  });
+}
+
 TEST(ProfileNumber, ASignBesideALetterIsNoNumber) {
   constexpr const char* field = "register = 0, type = 'ascii', count = 6";
   expect({

@@ -160,7 +160,7 @@ profile = "rover"
         self.start("line", ["socat", f"pty,raw,echo=0,link={near}", f"pty,raw,echo=0,link={far}"])
         wait_for("the line", lambda: near.exists() and far.exists())
         terminal = {200: 1, 207: ord("E"), 210: ord("N")} | f32(208, 10.3960) | f32(211, 63.4295) | \
-            f32(213, 0.5) | f32(215, 90)
+            f32(213, 0.3) | f32(215, 90)
         self.serve("terminals", far, {"3": {"3": terminal}, "5": {"3": {"0": 120}},
                                       "6": {"3": {"0": 150}}, "7": {"3": {"0": 190}}})
         gateway = self.start_gateway([], head=f'profiles = "{PROFILES}"\n[site]\nunit = "0.01"\n',
@@ -216,6 +216,11 @@ latitude = "63.4315"
             self.assertAlmostEqual(longitude, place[0], delta=1e-6, msg=serial)
             self.assertAlmostEqual(latitude, place[1], delta=1e-6, msg=serial)
         self.assertEqual(nodes[3005]["properties"]["x"], 0, "the first [[node]] is the middle")
+        with urllib.request.urlopen(url + "/units.json", timeout=30) as answer:
+            units = json.loads(answer.read())["units"]
+        self.assertEqual([unit["unit"] for unit in units if unit.get("surveyed")], [5, 6, 7])
+        with urllib.request.urlopen(url + "/readings.json", timeout=30) as answer:
+            self.assertRegex(answer.read().decode(), r"\[3003,\d+,0\.3,", "in the digits of a real of 32 bits")
         gateway.wait_for_line(r"node 3005 joined at \(0, 0\), 63\.430000° N, 10\.394000° E: ")
 
     # As it stands there, but for where the devices are.

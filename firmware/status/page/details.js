@@ -11,6 +11,7 @@ function whyText(node) {
   if (node.never_heard) return "it has not answered since the start";
   if (node.missing) return `no answer since ${sinceText(node.missingMs ?? 0)}`;
   if (node.refused) return node.refused;
+  if (node.far) return "it stands far from all others";
   return node.no_fix ? "it answers, but has no fix" : "";
 }
 
@@ -53,6 +54,8 @@ function unitFacts(node) {
   const facts = [["It says", isThere && unit.said_ms !== undefined ? saidText(unit) : "–"], ["Its unit", stateText(unit)],
     ["Errors", errorsText(unit, ` of the last ${unit.recent} questions`)], ["Answer in", answer]];
   if (!isThere && unit.serial !== undefined) facts.push(["There now", `node ${calledText(unit.serial, unit.name)}`]);
+  if (unit.no_position) facts.push(["No position", `it ${unit.no_position}`]);
+  if (unit.last_error_text && unit.state !== "answering") facts.push(["What is wrong", unit.last_error_text]);
   if (unit.profile) facts.push(["Profile", unit.profile]);
   return facts;
 }
@@ -60,7 +63,7 @@ function unitFacts(node) {
 function saidText(unit) {
   const said = element("span");
   const conditions = conditionsOf(unit);
-  if (!unit.no_fix) said.append("it has a fix", conditions.length > 0 ? ", " : "");
+  if (!unit.no_fix) said.append(unit.surveyed ? "surveyed" : "it has a fix", conditions.length > 0 ? ", " : "");
   said.append(element("span", conditions.join(", "), unit.no_fix || unit.low_battery ? "stale" : undefined),
     `, ${ageText(unit.said_ms)} ago`);
   return said;

@@ -3,7 +3,7 @@
 // and a selection outlive what changes in the row.
 import { byId, element, setText, showRows } from "./dom.js";
 import { featureName, featuresFound } from "./features.js";
-import { ageText, calledText, nameOf, nodeStates, placeText, whereText } from "./model.js";
+import { ageText, calledText, degreesText, nameOf, nodeStates, placeText, whereText } from "./model.js";
 import { conditionsOfNode, isExactly, unitIn, wordsOf } from "./units.js";
 
 const rowHeight = 31;   // of style.css, with its line
@@ -186,7 +186,9 @@ export class NodeTable {
     setText(row.cells[2], ageText(node.ageMs));
     setText(row.cells[3], whereText(node));
     row.cells[3].title = whereText(node);
-    setText(row.cells[4], placeText(node));
+    const degrees = degreesText(node);
+    setText(row.cells[4], degrees ? `${placeText(node)} (${degrees})` : placeText(node));
+    row.cells[4].title = row.cells[4].textContent;
     setText(row.cells[5], String(node.neighbours.length));
   }
 }
