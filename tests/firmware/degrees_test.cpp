@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 
 #include "device_test.h"
 #include "etcm/files/exchange.h"
 #include "etcm/types.h"
 #include "fakes.h"
+#include "firmware/alarms/alarm_subject.h"
 #include "firmware/alarms/alarm_watch.h"
 #include "firmware/config/configuration.h"
 #include "firmware/config/reload.h"
@@ -541,7 +543,31 @@ TEST_F(Degrees, AReloadMovesWhatWasSurveyed) {
 
 class DevicesInDegrees : public DeviceTest {
  protected:
+  // What is wrong now.
+  void look() {
+    watch_.emplace(AlarmSources{.gateway = *rig_.gateway,
+                                .masters = services_,
+                                .readers = &services_,
+                                .refusal = refusal_,
+                                .started_at = started_at_});
+    watch_->step(rig_.clock.now());
+  }
+  // "text -> cure"; empty: it is not on.
+  std::string words_of(AlarmKey key) const {
+    const AlarmBook& book = watch_->book();
+    for (std::uint32_t i = 0; i < book.open_count(); ++i) {
+      const Alarm& alarm = book.open(i);
+      if (alarm.key != key || !alarm.is_on) continue;
+      return std::string(alarm.text()) + " -> " + std::string(alarm.cure());
+    }
+    return "";
+  }
+
   port::ProjSource proj_;
+  const port::ServiceCounters services_{.is_listening = true};
+  const std::string refusal_;
+  const port::Instant started_at_ = rig_.clock.now();
+  std::optional<AlarmWatch> watch_;
 };
 
 // A swapped place is one on the other side of the world, and as good as any.
@@ -569,6 +595,37 @@ origin = ["8", "47"]
             "has the letter N in its longitude, where only E and W belong: exchange the registers "
             "of 'longitude' and 'latitude' in the profile, or their letters");
   EXPECT_EQ(rig_.log.count("unit 4 of yard: has the letter N in its longitude"), 1u);
+  rig_.run(5s);
+  look();
+  EXPECT_EQ(
+      words_of({AlarmKind::faulty_unit, subject_of("yard", 4)}),
+      "unit 4 of yard: has the letter N in its longitude, where only E and W belong -> "
+      "exchange the registers of 'longitude' and 'latitude' in the profile, or their letters");
+}
+
+TEST_F(DevicesInDegrees, WithoutTheSerialOfItsProfileOneIsFaulty) {
+  bus_.put(4, 0, {0xffff, 0xffff, 7});
+  start(R"(
+[[profile]]
+name = "meter"
+serial = { register = 0, type = "u32" }
+[[profile.reading]]
+name = "level"
+value = { register = 2 }
+)" + device_line +
+        R"([[bus.device]]
+units = "4"
+profile = "meter"
+)");
+  rig_.run(1s);
+  look();
+  EXPECT_EQ(words_of({AlarmKind::faulty_unit, subject_of("yard", 4)}), "");
+  rig_.run(5s);
+  look();
+  EXPECT_EQ(
+      words_of({AlarmKind::faulty_unit, subject_of("yard", 4)}),
+      "unit 4 of yard: no serial in the registers of `serial` -> correct its profile, or take "
+      "`serial` out");
 }
 
 // The sky is good for one that has a position at times, and for no other.
@@ -597,24 +654,9 @@ profile = "meter"
 origin = ["8", "47"]
 )",
         &proj_);
-  const port::ServiceCounters services{.is_listening = true};
-  const std::string refusal;
-  AlarmWatch watch({.gateway = *rig_.gateway,
-                    .masters = services,
-                    .readers = &services,
-                    .refusal = refusal,
-                    .started_at = rig_.clock.now()});
   rig_.run(2s);
-  watch.step(rig_.clock.now());
-  const AlarmBook& book = watch.book();
-  const auto words = [&](std::uint32_t serial) {
-    for (std::uint32_t i = 0; i < book.open_count(); ++i) {
-      const Alarm& alarm = book.open(i);
-      if (alarm.key != AlarmKey{AlarmKind::no_fix, serial}) continue;
-      return std::string(alarm.text()) + " -> " + std::string(alarm.cure());
-    }
-    return std::string();
-  };
+  look();
+  const auto words = [this](std::uint32_t serial) { return words_of({AlarmKind::no_fix, serial}); };
   EXPECT_EQ(words(1004),
             "node 1004, unit 4 of yard, answers, and tells no position: it has a longitude beyond "
             "180 degrees -> correct 'register', 'type', 'order', 'scale' and 'format' of its "

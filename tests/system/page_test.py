@@ -503,6 +503,20 @@ class InABrowser(BrowserCase):
         self.wait_for_another_picture(before)
         self.screenshot("battery")
 
+    def test_fit_leaves_out_a_node_far_from_all_others(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,0,1000", "0,4,join,1000,1000",
+                         "0,5,join,900000,0"])
+        self.browser.get(self.url)
+        self.wait_for_text("#nodes-title", r"Nodes \(5\)")
+        self.wait_for_text("#alarms", r"node 5, unit 5 of \S+, stands far from all others")
+        bounds = self.browser.execute_async_script("""
+            const done = arguments[0];
+            import('/model.js').then(async ({ readMesh }) =>
+              done(readMesh(await (await fetch('/mesh.json')).json()).bounds));""")
+        self.assertEqual(bounds, {"left": 0, "right": 1000, "bottom": 0, "top": 1000})
+        self.find("#search").send_keys("5", Keys.ENTER)
+        self.wait_for_text("#facts", r"Why\s+it stands far from all others")
+
     def test_a_plan_lies_below_the_mesh_until_it_is_switched_off(self):
         # 20 by 10 pixels, all red: its left half lies below the nodes.
         row = b"\0" + b"\xff\0\0" * 20
