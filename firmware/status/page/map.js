@@ -333,6 +333,9 @@ export class MeshMap {
     seen.sort((a, b) => rank(a) - rank(b));
     const labels = seen.slice(0, obstaclesMax).map((node, at) => ({ x: view.screenX(node.x),
       y: view.screenY(node.y), radius, ...(at < labelledNodesMax ? this.labelOf(node) : {}) }));
+    const relays = this.isOn("steiner") ? [...mesh.steiner, ...mesh.relays].filter((relay) => this.isSeen(relay)) : [];
+    labels.push(...relays.slice(0, obstaclesMax).map((relay) => ({ x: view.screenX(relay.x),
+      y: view.screenY(relay.y), radius })));
     const placed = placeLabels(labels, this.coveredBoxes(), view.width, view.height,
       (text) => context.measureText(text).width);
     this.canvas.dataset.labels = placed.length;
