@@ -12,6 +12,7 @@
 #include "firmware/config/site_plan.h"
 #include "firmware/config/site_scale.h"
 #include "firmware/site/coverage_domain.h"
+#include "firmware/site/feature_meeting.h"
 #include "firmware/toml/toml_table.h"
 
 namespace etcm::firmware {
@@ -21,6 +22,36 @@ namespace {
 std::string text_of(const FeatureSettings& feature) {
   if (!feature.name.empty()) return "'" + feature.name + "'";
   return "the line from " + to_string(feature.from) + " to " + to_string(feature.to);
+}
+
+// In millionths, without zeros at the end.
+std::string decimal_of(double value) {
+  std::string text = std::to_string(value);
+  text.resize(text.find_last_not_of('0') + 1);
+  if (text.ends_with('.')) text.pop_back();
+  return text == "-0" ? "0" : text;
+}
+
+// Where two lines between anchors cross, as their file has coordinates: " at (10.3951, 63.4305)";
+// empty where they do not.
+std::string meeting_text(const Settings& settings, const FeatureSettings& one,
+                         const FeatureSettings& other) {
+  const auto line_of = [](const FeatureSettings& feature) {
+    return FeatureLine{.from = feature.from.position, .to = feature.to.position};
+  };
+  const auto there = meeting_of(line_of(one), line_of(other)).near_crossing;
+  if (!there) return {};
+  const SitePlane plane = settings.site.plane();
+  const auto nano = [](double value) { return decimal_of(value / 1e9); };
+  if (const auto degrees = earth_point(plane, to_point(*there))) {
+    return " at longitude " + nano(static_cast<double>(degrees->longitude)) + ", latitude " +
+           nano(static_cast<double>(degrees->latitude));
+  }
+  const auto coordinate = [&](std::int64_t origin, std::int32_t units) {
+    return nano(static_cast<double>(origin) + static_cast<double>(plane.unit_length) * units);
+  };
+  return " at (" + coordinate(plane.origin_x, there->x) + ", " +
+         coordinate(plane.origin_y, there->y) + ")";
 }
 
 void check_repeated(const Settings& settings, std::vector<std::string>& mistakes) {
@@ -96,10 +127,11 @@ class AnchoredPart {
       std::swap(feature, other);
     }
     const std::string what = feature != nullptr ? feature->source + ": " + text_of(*feature) : path;
-    if (other != nullptr) {
+    if (feature != nullptr && other != nullptr) {
       mistakes.push_back(
           what + (status == Status::crossing_features ? " crosses " : " runs along ") +
-          text_of(*other) + " (" + other->source + "); draw a vertex on both where they meet");
+          text_of(*other) + " (" + other->source + ")" + meeting_text(settings_, *feature, *other) +
+          "; draw a vertex on both where they meet");
     } else {
       mistakes.push_back(what + ": " + explain(status));
     }

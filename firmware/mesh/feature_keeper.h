@@ -15,9 +15,9 @@
 #include "etcm/port/clock.h"
 #include "etcm/port/log.h"
 #include "firmware/config/settings.h"
-#include "firmware/mesh/feature_meeting.h"
 #include "firmware/mesh/kept_mesh.h"
 #include "firmware/records/node_table.h"
+#include "firmware/site/feature_meeting.h"
 
 namespace etcm::firmware {
 

@@ -12,8 +12,8 @@
 
 #include "etcm/audit.h"
 #include "fakes.h"
-#include "firmware/mesh/feature_meeting.h"
 #include "firmware/mesh/node_placement.h"
+#include "firmware/site/feature_meeting.h"
 #include "geojson.h"
 #include "inputs/random.h"
 #include "support/emulated.h"

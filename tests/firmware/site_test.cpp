@@ -231,7 +231,7 @@ TEST_F(Site, LinesThatCrossAreFoundBeforeTheyAreInAMesh) {
   EXPECT_EQ(mistakes(),
             "site.geojson:3: the line from (0, 9) to (9, 0) crosses the line from (0, "
             "0) to (9, 9) (" +
-                path_ + ":2); draw a vertex on both where they meet\n");
+                path_ + ":2) at (5, 5); draw a vertex on both where they meet\n");
   draw(geometry("LineString", "[[0,0],[9,0]]") + ",\n" + geometry("LineString", "[[3,0],[12,0]]"));
   EXPECT_NE(mistakes().find(" runs along "), std::string::npos) << mistakes();
   draw(geometry("LineString", "[[0,0],[9,0]]") + ",\n" + geometry("LineString", "[[3,0],[3,7]]"));

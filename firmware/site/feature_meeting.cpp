@@ -1,4 +1,4 @@
-#include "firmware/mesh/feature_meeting.h"
+#include "firmware/site/feature_meeting.h"
 
 #include <algorithm>
 #include <cmath>
