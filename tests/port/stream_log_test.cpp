@@ -66,6 +66,17 @@ TEST_F(StreamLogTest, ForTheJournalHasPriorities) {
   EXPECT_EQ(read_all(), "<3>a\n<4>b\n<6>c\n");
 }
 
+TEST_F(StreamLogTest, FiguresAreWrittenWhereTheyAreWanted) {
+  StreamLog plain(writer_.get());
+  plain.write(Level::detail, "d");
+  plain.write(Level::info, "c");
+  EXPECT_EQ(read_all(), "c\n");
+  name_journal(writer_.get());
+  StreamLog all(writer_.get(), Level::detail);
+  all.write(Level::detail, "d");
+  EXPECT_EQ(read_all(), "<7>d\n");
+}
+
 TEST_F(StreamLogTest, ThatWasSentElsewhereThanTheJournalHasNone) {
   for (const char* const stream : {"", "x", "1", "1:", ":1", "-1:-1"}) {
     ::setenv("JOURNAL_STREAM", stream, 1);

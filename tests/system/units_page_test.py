@@ -177,12 +177,15 @@ class Units(BrowserCase):
             const done = arguments[0];
             import('/units.js').then(({ conditionsOfNode, setUnits }) => {
               const nodes = [{ serial: 1, bus: 'yard', unit: 7 }, { serial: 2, bus: 'yard', unit: 7, missing: true },
-                { serial: 3, bus: 'mill', unit: 7, no_fix: true }, { serial: 4 }];
+                { serial: 3, bus: 'mill', unit: 7, no_fix: true }, { serial: 4 },
+                { serial: 5, bus: 'yard', unit: 99, lowBattery: true }];
               setUnits({ nodes }, [{ bus: 'yard', unit: 7, state: 'answering', serial: 1, moving: true,
                 low_battery: true }, { bus: 'mill', unit: 7, state: 'faulty', serial: 3, no_fix: true }]);
-              done(nodes.map(conditionsOfNode));
+              done([...nodes.map(conditionsOfNode), nodes[4].heardBy]);
             });""")
-        self.assertEqual(said, [["low battery", "moving"], ["silent"], ["no fix", "faulty"], []])
+        self.assertEqual(said, [["low battery", "moving"], ["silent"], ["no fix", "faulty"], [],
+                                ["low battery"], None])
+        # None: it is known that nobody has answered there, so nothing is waited for.
 
 
 if __name__ == "__main__":
