@@ -272,7 +272,7 @@ export class MeshMap {
   // Beside the node, above it to the left.
   drawBatteries(radius) {
     const { context, view, colours } = this;
-    const size = Math.max(4, radius);
+    const size = Math.max(5, radius * 1.2);
     for (const node of this.mesh.nodes) {
       if (!node.lowBattery || !node.hasPlace || !this.isOn(node.state)) continue;
       lowBattery(context, view.screenX(node.x) - radius - size, view.screenY(node.y) - radius - size / 2, size, colours);
