@@ -33,8 +33,8 @@ using test::put_number;
 constexpr std::uint64_t instructions_max = ETCM_INSTRUCTIONS_MAX;
 // Of smaller calls fixed costs are measured, not the units.
 constexpr std::uint64_t least_units = 1000;
-// From one end of a row of nodes to the other.
-constexpr std::uint32_t walk_most = 2 * test::cost_node_count;
+// From one end of a row of nodes to the other; a step takes as long as two units at worst.
+constexpr std::uint32_t walk_most = 2 * 2 * test::cost_node_count;
 constexpr std::uint32_t samples_most = 96;
 constexpr std::uint32_t rounds = 12;
 constexpr std::uint32_t random_inputs = 4;

@@ -3,9 +3,9 @@
 //
 //   if (mesh.join(position, id, Work{20'000}) == Status::work_limit) ...  // nothing has changed
 //
-// A unit is about one triangle, edge, list entry or hint cell that is looked at or changed; what
-// goes with one, a test of a circle or a few links, is in it. docs/work.md has the time of a
-// unit.
+// A unit is about one triangle, edge, list entry or hint cell that is looked at or changed, with a
+// few links. What takes longer, such as circles that are compared, is as many units as it takes
+// longer. docs/work.md has the time of a unit.
 #pragma once
 
 #include <compare>
@@ -32,7 +32,8 @@ struct Work {
 //
 // Between two calls of it, before the first and after the last there are at most units_between
 // units and one walk: once around a vertex, along a line or across the mesh, which is tens of units
-// as a rule and never more than there are triangles, or along a list of segments. That holds for
+// as a rule and never more than twice as many as there are triangles, for a step of it may take as
+// long as two; or along a list of segments. That holds for
 // work that no limit knows of too, such as ties (docs/work.md); only the time that a policy of
 // one's own takes adds to it.
 //

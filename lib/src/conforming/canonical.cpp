@@ -36,6 +36,12 @@ void on_touched_at_ends(Change& change, SegmentId found, SegmentId about) noexce
 
 void on_touched(Change& change, SegmentId found, SegmentId) noexcept { list(change, found); }
 
+// What is taken back leaves nothing stale, and there is no room for the work to look.
+bool tells_of_changes(const Change& change) noexcept {
+  const MeshState& m = change.mesh;
+  return change.extent == Change::Extent::local && !m.is_all_stale && !m.work.is_going_back();
+}
+
 void on_stale(Change& change, SegmentId found, SegmentId) noexcept {
   make_stale(change.mesh, found);
 }
@@ -120,13 +126,13 @@ void forget_places(Change& change) noexcept {
 
 void note_mark(Change& change, Edge e) noexcept {
   MeshState& m = change.mesh;
-  if (change.extent != Change::Extent::local || m.is_all_stale) return;
+  if (!tells_of_changes(change)) return;
   if (!find_influenced(change, e, SegmentId::none(), on_touched)) make_all_stale(m);
 }
 
 void note_incidence(Change& change, SegmentId s) noexcept {
   MeshState& m = change.mesh;
-  if (change.extent != Change::Extent::local || m.is_all_stale) return;
+  if (!tells_of_changes(change)) return;
   const VertexId from = m.segment(s).from, to = m.segment(s).to;
   for (const VertexId node : {from, to}) {
     if (has_few_segments(m, node)) {

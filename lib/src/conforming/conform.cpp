@@ -58,8 +58,8 @@ Status fail(MeshState& m, Status status, SegmentId s, const Subsegment& subsegme
   return site;
 }
 
-// A split: up to 2 * 29 tests of circles, a few places of the policy's to look around, an
-// insertion, and marks to set.
+// A split: up to 2 * 29 tests of circles, and marks to set; 62 000 instructions on a Cortex-M0+.
+// What the policy asks is counted where it is answered (surroundings.cpp).
 constexpr std::uint32_t work_of_split = 64;
 // The most that a policy of the library's may look at beyond its limit.
 constexpr std::uint32_t work_beyond = 192;
@@ -99,8 +99,6 @@ Status split(Change& change, SegmentId s, const Subsegment& subsegment, const Sp
     return fail(m, Status::steiner_budget, s, subsegment);
   v = allocate_vertex(m);
   if (v.is_none()) return fail(m, Status::out_of_vertices, s, subsegment);
-  // Where those tests are settled by wide integers they take as long as several times their units.
-  m.work.pass(KeepAlive::units_between);
   if (m.work.spend_whole(work_of_split) && m.work.fits(work_beyond)) {
     t = m.work.call_out([&]() noexcept { return m.policy(site); });
     demand(site.head < t && t < site.tail, Call::policy, Fault::outside);

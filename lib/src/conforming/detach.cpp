@@ -2,6 +2,7 @@
 
 #include "conforming/canonical.h"
 #include "triangulation/change.h"
+#include "triangulation/insert.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/remove.h"
@@ -10,14 +11,14 @@
 
 namespace etcm::internal {
 
-// Around the vertex four turns are made beside the removal; it is found and put back by a short
-// walk, and its edges are looked at twice.
+// Around the vertex four turns are made beside the removal; it is found by a short walk and put
+// back, which turns an edge less than its degree, and its edges are looked at twice.
 bool may_remove(Change& change, std::uint32_t degree) noexcept {
   MeshState& m = change.mesh;
   constexpr std::uint32_t walk = 32;
   if (!m.work.spend(degree)) return false;
   const Units removal = removal_work(degree) + 3 * Units{degree};
-  m.work.keep(4 * Units{degree} + walk);
+  m.work.keep((work_of_flip + 2) * Units{degree} + walk);
   return m.work.spend_whole(removal);
 }
 

@@ -145,7 +145,7 @@ void release_group(Change& change) noexcept {
 
 Units work_to_lay_all(const MeshState& m) noexcept {
   // A vertex that is put back, and its subsegments.
-  constexpr Units work_of_vertex = 64;
+  constexpr Units work_of_vertex = 96;
   return (work_of_vertex + work_of_listing) * (Units{m.vertex_end} + m.segment_end);
 }
 

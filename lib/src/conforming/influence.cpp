@@ -24,8 +24,14 @@ constexpr unsigned waiting_most = 16;
 constexpr unsigned seen_most = 40;
 constexpr unsigned hole_most = 64;
 
-// Where doubles are computed in software a unit of this takes as long as several others.
-constexpr Units more_to_pass = 7;
+// Where doubles are computed in software, so long it takes to work out a circle, to go on through a
+// triangle, with two comparisons of edges and a circle, to look at one with the circles of two
+// others, and to find the next edge of a hole: 9 000, 14 000, 29 000 and 3 000 instructions on a
+// Cortex-M0+.
+constexpr Units work_of_circle = 9;
+constexpr Units work_to_follow = 14;
+constexpr Units work_of_two_circles = 28;
+constexpr Units work_of_side = 3;
 
 // The circle of a triangle. Seen from one of its corners, so that differences are exact.
 struct Circle {
@@ -106,9 +112,9 @@ bool follow(Change& change, const Circle& circle, Edge first, SegmentId about,
   IdValue waiting[waiting_most];
   waiting[0] = first.value;
   unsigned count = 1;
+  if (!change.mesh.work.spend_whole(work_of_circle)) return false;
   for (unsigned triangles = 0; count != 0; ++triangles) {
-    change.mesh.work.pass(more_to_pass);
-    if (triangles == triangles_most || !change.mesh.work.spend_whole(1)) return false;
+    if (triangles == triangles_most || !change.mesh.work.spend_whole(work_to_follow)) return false;
     const Edge e{waiting[--count]};
     if (topo.is_constrained(e)) {
       tell(change, segment_of_edge(m, topo.origin(e), topo.target(e)), about, found);
@@ -148,8 +154,7 @@ bool look_left(Change& change, Edge e, SegmentId about, OnSegment found) noexcep
   if (topo.is_ghost(seen[0])) return true;
   unsigned count = 1;
   for (unsigned i = 0; i < count; ++i) {
-    change.mesh.work.pass(3 * more_to_pass);
-    if (!change.mesh.work.spend_whole(3)) return false;
+    if (!change.mesh.work.spend_whole(work_of_two_circles)) return false;
     for (unsigned side = 0; side < 3; ++side) {
       const Edge f = Topology::edge(seen[i], side);
       tell_owner(change, topo.apex(f), about, found);
@@ -199,6 +204,7 @@ bool find_influenced(Change& change, const Point& place, OnSegment found) noexce
   unsigned depth = 0;
   Edge e = at.edge;
   for (unsigned edges = 0; edges != 4 * hole_most; ++edges) {
+    if (!change.mesh.work.spend_whole(work_of_side)) return false;
     if (must_flip(m, e, place)) {
       if (topo.is_constrained(e)) {
         tell(change, segment_of_edge(m, topo.origin(e), topo.target(e)), SegmentId::none(), found);
@@ -208,7 +214,7 @@ bool find_influenced(Change& change, const Point& place, OnSegment found) noexce
       e = Topology::next(topo.twin(e));
       continue;
     }
-    if (!change.mesh.work.spend_whole(1) || !look_beyond(change, place, e, found)) return false;
+    if (!look_beyond(change, place, e, found)) return false;
     e = Topology::next(e);
     while (depth != 0 && e.value == entries[depth - 1]) {
       e = Topology::next(topo.twin(Edge{entries[--depth]}));

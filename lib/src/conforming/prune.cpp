@@ -16,12 +16,16 @@
 namespace etcm::internal {
 namespace {
 
+// A vertex of the link, by a circle that wide integers may have to settle: 2 200 instructions on a
+// Cortex-M0+.
+constexpr std::uint32_t work_of_test = 2;
+
 // Whether a - b, the neighbours of the Steiner vertex on its feature, would be a Delaunay edge
 // without it: some circle through a and b has none of its link strictly inside. On the left the
 // link vertex that sees a - b under the greatest angle gives the circle that leans furthest to the
 // right; all of the right must be outside that one. `to_b` and `to_a` leave the Steiner vertex.
 // Adds what it has looked at to `looked`, where it stops at `most`.
-bool is_needless(const MeshState& m, Edge to_a, Edge to_b, std::uint32_t most,
+bool is_needless(MeshState& m, Edge to_a, Edge to_b, std::uint32_t most,
                  std::uint32_t& looked) noexcept {
   const Topology& topo = m.topology;
   const Point& a = m.at(topo.target(to_a));
@@ -29,6 +33,7 @@ bool is_needless(const MeshState& m, Edge to_a, Edge to_b, std::uint32_t most,
   VertexId foremost{};
   for (Edge e = topo.rotate_ccw(to_b); e != to_a; e = topo.rotate_ccw(e)) {
     if (++looked > most) return false;
+    m.work.pass(work_of_test);
     const VertexId v = topo.target(e);
     if (v == infinite_vertex) continue;
     if (foremost.is_none() || incircle_fast(a, b, m.at(foremost), m.at(v)) > 0) foremost = v;
@@ -36,6 +41,7 @@ bool is_needless(const MeshState& m, Edge to_a, Edge to_b, std::uint32_t most,
   if (foremost.is_none()) return true;
   for (Edge e = topo.rotate_ccw(to_a); e != to_b; e = topo.rotate_ccw(e)) {
     if (++looked > most) return false;
+    m.work.pass(work_of_test);
     const VertexId v = topo.target(e);
     if (v != infinite_vertex && incircle_fast(a, b, m.at(foremost), m.at(v)) > 0) return false;
   }
@@ -110,8 +116,9 @@ bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
     const VertexId before = m.topology.target(beside.back),
                    after = m.topology.target(beside.onward);
     std::uint32_t looked = 0;
-    const bool is_needed = !is_needless(m, beside.back, beside.onward, m.work.left(), looked);
-    if (!m.work.spend(looked)) return false;
+    const bool is_needed =
+        !is_needless(m, beside.back, beside.onward, m.work.left() / work_of_test, looked);
+    if (!m.work.spend(work_of_test * looked)) return false;
     if (is_needed) {
       keeps_fresh = keeps_fresh || m.owner(v).role() == Role::fresh;
       v = after;

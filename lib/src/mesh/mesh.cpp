@@ -219,14 +219,23 @@ std::uint32_t Mesh::chain(FeatureId feature, std::span<VertexId> out) const noex
 }
 
 std::uint64_t Mesh::hash() const noexcept {
+  return hash_of(*this, opened(*this, Call::hash), nullptr);
+}
+
+}  // namespace ETCM_IDS
+}  // namespace etcm
+
+std::uint64_t etcm::internal::hash_of(const Mesh& mesh, const MeshState& m,
+                                      WorkMeter* work) noexcept {
   // A sum over what there is does not depend on the order in which it is met.
-  const MeshState& m = opened(*this, Call::hash);
   std::uint64_t sum = 0;
   for (IdValue i = 1; i < m.vertex_end; ++i) {
-    const VertexKind what = kind(VertexId{i});
+    if (work != nullptr) work->pass(1);
+    const VertexKind what = mesh.kind(VertexId{i});
     if (what != VertexKind::none) sum += mix(mix(m.points[i]) + static_cast<std::uint64_t>(what));
   }
   for (IdValue t = 0; t < m.topology.triangle_count(); ++t) {
+    if (work != nullptr) work->pass(2);
     for (unsigned side = 0; side < 3; ++side) {
       const Edge e = Topology::edge(t, side);
       const VertexId u = m.topology.origin(e), v = m.topology.target(e);
@@ -237,6 +246,3 @@ std::uint64_t Mesh::hash() const noexcept {
   }
   return mix(sum);
 }
-
-}  // namespace ETCM_IDS
-}  // namespace etcm

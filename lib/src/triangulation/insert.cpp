@@ -39,15 +39,27 @@ void break_subsegment(Change& change, Edge e) noexcept {
 
 // So many flips: the triangles beyond that many edges and as many again are looked at, beforehand
 // too; and the vertex may have to be found again, and taken out.
-Units work_of_flips(Units flips) noexcept { return 5 * flips + 6; }
+Units work_of_flips(Units flips) noexcept { return work_of_flip * flips + 18; }
 Units work_back(Units flips) noexcept {
   // Those that come after it may leave it with more neighbours than it has now.
   return removal_work(3 + flips) + 24 * flips + 16;
 }
 
-// Of many flips the meter is told while they are made: where ties are settled by wide integers, so
-// many take as long as all that may be between two calls of the hook.
+// Of many flips the meter is told while they are made. Those of a removal are counted before.
 constexpr std::uint32_t flips_between = 16;
+
+Units counted_meanwhile(std::uint32_t flips) noexcept {
+  return flips / flips_between * flips_between * work_of_flip;
+}
+
+void count_flips(MeshState& m, bool is_insertion) noexcept {
+  constexpr Units units = flips_between * work_of_flip;
+  if (is_insertion) {
+    m.work.add(units);
+  } else {
+    m.work.pass(units);
+  }
+}
 
 // For what those that break are found to take beforehand and while others flip: each flip may take
 // one of a degree, or put a segment into the list.
@@ -147,7 +159,7 @@ std::uint32_t legalize_link(MeshState& m, Edge e, VertexId last, const Point& p,
       if (is_kept && change != nullptr) break_subsegment(*change, e);
       if (!is_kept || change != nullptr) {
         topo.flip(e);
-        if (++flips % flips_between == 0) m.work.pass(KeepAlive::units_between);
+        if (++flips % flips_between == 0) count_flips(m, change != nullptr);
         v = w;
         uv = uw;
         continue;
@@ -202,7 +214,7 @@ bool insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
   }
   const Point& p = m.at(v);
   // With so much room nobody need count.
-  constexpr Units ample = 64;
+  constexpr Units ample = 96;
   if (!m.work.has_room(ample * topo.triangle_count()) && !fits(change, p, found)) return false;
   Edge e = topo.split_triangle(Topology::triangle_of(found.edge), v);
   // Where p lies on an edge, the triangle between is flat until that edge flips (p is inside any
@@ -213,7 +225,7 @@ bool insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
   }
   const std::uint32_t broken_before = change.broken_count;
   const std::uint32_t flips = legalize_link(m, e, topo.origin(e), p, &change);
-  m.work.add(work_of_flips(flips));
+  m.work.add(work_of_flips(flips) - counted_meanwhile(flips));
   m.work.keep(work_back(flips));
   const std::uint32_t broken = change.broken_count - broken_before;
   if (broken != 0) {

@@ -148,6 +148,9 @@ inline MeshState& about_to_change(Mesh& mesh, Call call) noexcept {
   return m;
 }
 
+// Mesh::hash(); the meter, where there is one, is told how far it has come.
+std::uint64_t hash_of(const Mesh& mesh, const MeshState& m, WorkMeter* work) noexcept;
+
 }  // namespace etcm::internal
 
 namespace etcm {

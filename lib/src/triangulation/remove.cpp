@@ -61,7 +61,7 @@ bool is_ear(const MeshState& m, Edge spoke) noexcept {
 // Where each test of a circle is settled by wide integers.
 constexpr std::uint32_t tests_to_pass = 8;
 // To put one back: itself, and what it turns.
-constexpr std::uint32_t work_of_ear = 6;
+constexpr std::uint32_t work_of_ear = 32;
 // So many the tests of ears are quicker for.
 constexpr unsigned few = 8;
 // In each round about half of those that are left; in the last all.

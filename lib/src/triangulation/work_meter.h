@@ -101,6 +101,7 @@ class WorkMeter {
     kept_ = slack;
   }
   [[nodiscard]] bool is_over() const noexcept { return is_over_; }
+  [[nodiscard]] bool is_going_back() const noexcept { return is_going_back_; }
 
   // While somebody else's function runs, nobody may change the mesh.
   template <class Function>
