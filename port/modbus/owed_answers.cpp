@@ -6,7 +6,7 @@ namespace etcm::port {
 
 const OwedAnswers::Owed* OwedAnswers::find(const RtuQuestion& question) const {
   const auto found = std::find_if(owed_.begin(), owed_.end(), [&](const Owed& owed) {
-    return owed.is_remembered && are_answered_alike(owed.question, question);
+    return owed.is_remembered && !is_settled(owed) && are_answered_alike(owed.question, question);
   });
   return found == owed_.end() ? nullptr : &*found;
 }
@@ -47,13 +47,34 @@ void OwedAnswers::add(const RtuQuestion& question, Instant asked_at, Instant unt
       .question = question, .asked_at = asked_at, .until = until, .is_remembered = true};
 }
 
-void OwedAnswers::add_unasked(const RtuQuestion& question, Instant now, Instant until) {
-  // Nobody knows when it was asked for, so the next one tells no latency.
+void OwedAnswers::note_answered(const RtuQuestion& question, Instant asked_at, Instant now,
+                                Duration latest) {
   place_for(question) = {.question = question,
-                         .asked_at = now,
-                         .until = until,
+                         .asked_at = asked_at,
+                         .until = now < doubled_until_ ? now + latest : Instant{},
                          .is_remembered = true,
-                         .has_come = true};
+                         .has_come = true,
+                         .was_answered = true};
+}
+
+void OwedAnswers::add_unasked(const RtuQuestion& question, Instant now, Duration latest) {
+  const auto may_be_answered_again = [&](const Owed& owed) {
+    return owed.is_remembered && owed.was_answered && now <= owed.asked_at + latest;
+  };
+  Owed& like_it = place_for(question);
+  if (may_be_answered_again(like_it) && are_answered_alike(like_it.question, question)) {
+    doubled_until_ = now + doubled_for;
+    for (Owed& owed : owed_) {
+      if (may_be_answered_again(owed)) owed.until = now + latest;
+    }
+    return;
+  }
+  // Nobody knows when it was asked for, so the next one tells no latency.
+  like_it = {.question = question,
+             .asked_at = now,
+             .until = now + latest,
+             .is_remembered = true,
+             .has_come = true};
 }
 
 OwedAnswers::Owed& OwedAnswers::place_for(const RtuQuestion& question) {
@@ -61,7 +82,7 @@ OwedAnswers::Owed& OwedAnswers::place_for(const RtuQuestion& question) {
   for (Owed& owed : owed_) {
     if (owed.is_remembered && are_answered_alike(owed.question, question)) return owed;
     const auto end_of = [](const Owed& other) {
-      return other.is_remembered ? other.until : Instant{};
+      return other.is_remembered ? other.until : Instant::min();
     };
     if (place == nullptr || end_of(owed) < end_of(*place)) place = &owed;
   }

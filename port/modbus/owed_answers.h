@@ -17,6 +17,9 @@ inline constexpr Duration late_answer_max = std::chrono::seconds(5);
 // However slow a unit has been, it may come no later than this.
 inline constexpr Duration late_answer_longest = std::chrono::minutes(1);
 
+// Two that answer at one unit are taken for gone when only one was heard for so long.
+inline constexpr Duration doubled_for = std::chrono::minutes(1);
+
 // Of one unit.
 class OwedAnswers {
  public:
@@ -40,9 +43,13 @@ class OwedAnswers {
   // It was waited for in vain; its answer may come until then.
   void add(const RtuQuestion& question, Instant asked_at, Instant until);
 
+  // It was answered in time. Where two answer at the unit, its other answer may come for so long.
+  void note_answered(const RtuQuestion& question, Instant asked_at, Instant now, Duration latest);
+
   // An answer to it has come that nobody waited for, and that was not owed: another one like it may
-  // come until then.
-  void add_unasked(const RtuQuestion& question, Instant now, Instant until);
+  // come for so long. Where it was answered no longer ago, two answer at the unit, so all that was
+  // answered may be answered once more, and so may what will be in the next doubled_for.
+  void add_unasked(const RtuQuestion& question, Instant now, Duration latest);
 
   // Something came that was not waited for. Returns when it was asked for, where that is certain,
   // and that answer is no longer owed. An exception tells no count, so it may be for several; and
@@ -56,12 +63,17 @@ class OwedAnswers {
     Instant until{};
     bool is_remembered = false;
     bool has_come = false;
+    bool was_answered = false;  // in time: only another one's answer may come
   };
   const Owed* find(const RtuQuestion& question) const;
   // Where one that is answered alike is remembered; else what will be forgotten first.
   Owed& place_for(const RtuQuestion& question);
 
+  // It is remembered only for the case that two answer.
+  static bool is_settled(const Owed& owed) { return owed.was_answered && owed.until == Instant{}; }
+
   std::array<Owed, count_max> owed_{};
+  Instant doubled_until_{};
 };
 
 }  // namespace etcm::port

@@ -247,6 +247,7 @@ void RtuBus::settle(const RtuAnswer& found, Instant now) {
     if (said == ReadAnswer::malformed) return;
     if (said == ReadAnswer::exception) return settle_exception(exception, now);
   }
+  note_answered(now);
   complete(BusResult::ok);
   answer_.left_out = request_.left_out;
   answer_.registers = std::span(registers_).first(count);
@@ -259,6 +260,7 @@ void RtuBus::settle_for_client(const RtuAnswer& found, Instant now) {
                    : !answers(found.pdu, request_.question)) {
     return;
   }
+  if (!is_exception) note_answered(now);
   complete(is_exception ? BusResult::exception : BusResult::ok);
   if (is_exception) answer_.exception = found.pdu[1];
   std::copy(found.pdu.begin(), found.pdu.end(), pdu_.begin());
@@ -289,6 +291,14 @@ bool RtuBus::note_late(const RtuAnswer& found, Instant now) {
   return true;
 }
 
+// The other answer to it, where two answer at the unit, must not become the next question's.
+void RtuBus::note_answered(Instant now) {
+  const std::uint8_t function = request_.question.function;
+  if (function != read_holding_registers && function != read_input_registers) return;
+  UnitState& unit = units_[request_.address];
+  unit.owed.note_answered(request_.question, sent_at_, now, latest_of(unit));
+}
+
 // Two answer at this unit, or somebody else asks it: a question was answered, and its other answer
 // is still to come, which must not become the next question's.
 void RtuBus::note_unasked(const RtuAnswer& found, Instant now) {
@@ -300,7 +310,7 @@ void RtuBus::note_unasked(const RtuAnswer& found, Instant now) {
   const RtuQuestion question{.function = function, .range = {.first = 0, .count = count}};
   const bool is_under_way = phase_ == Phase::waiting && found.address == request_.address &&
                             are_answered_alike(question, request_.question);
-  if (!is_under_way) unit.owed.add_unasked(question, now, now + latest_of(unit));
+  if (!is_under_way) unit.owed.add_unasked(question, now, latest_of(unit));
 }
 
 void RtuBus::report_late(std::uint8_t number, Duration lateness, Instant now) {

@@ -13,7 +13,9 @@
 //   registers that are known (RegisterRead::spare); a unit that owes half of what it can be asked
 //   is asked at even distances; a write waits. Others are asked meanwhile;
 // - an answer that was neither waited for nor owed may be followed by more like it (two units have
-//   one address), so nothing is asked that is answered alike for as long as if it had been owed;
+//   one address), so nothing is asked that is answered alike for as long as if it had been owed.
+//   Where it looks like the answer to what was answered just before, they are two: then what is
+//   answered is owed once more (doubled_for);
 // - so it is known of a late answer when it was asked for, and the log says how slow the unit is.
 //
 // Those who share the line (UnitRequest) ask in their own way, so the same is done to them: nothing
@@ -153,6 +155,7 @@ class RtuBus final : public NodeBus {
   void settle_for_client(const RtuAnswer& found, Instant now);
   void settle_exception(std::uint8_t exception, Instant now);
   bool note_late(const RtuAnswer& found, Instant now);
+  void note_answered(Instant now);
   void note_unasked(const RtuAnswer& found, Instant now);
   void report_late(std::uint8_t address, Duration lateness, Instant now);
   void owe(Instant now);

@@ -355,6 +355,52 @@ TEST_F(SerialBus, ALateAnswerToWhatAnotherOneHasAnsweredIsNotTakenForTheNext) {
   EXPECT_EQ(value_, 4);
 }
 
+// The second answer to the question in the other way has not come when the other one is taken away.
+TEST_F(SerialBus, WhereTwoAnswerAllThatWasAnsweredMayBeAnsweredOnceMore) {
+  const RegisterRead read{.address = 7, .first = 0, .count = 2, .timeout = answer_timeout};
+  request(7);
+  say(two_registers(7, 1));
+  EXPECT_EQ(result(), BusResult::ok);
+  EXPECT_LE(bus().read_free_at(read, now_), now_) << "nothing is known of another one";
+  pass(300ms);
+  say(two_registers(7, 2));
+  EXPECT_EQ(result(), std::nullopt);
+  request(7, read_holding_registers);
+  say(two_registers(7, 3, read_holding_registers));
+  EXPECT_EQ(result(), BusResult::ok);
+  const Instant answered_at = now_;
+  EXPECT_GE(bus().read_free_at(read, now_), answered_at - 300ms + late_answer_max);
+  become_ready();
+  say(two_registers(7, 4, read_holding_registers));
+  EXPECT_EQ(result(), std::nullopt);
+  // One that answers at once and alone is asked as before.
+  pass(doubled_for);
+  for (std::uint8_t value = 5; value < 8; ++value) {
+    request(7);
+    say(two_registers(7, value));
+    EXPECT_EQ(result(), BusResult::ok);
+    EXPECT_EQ(value_, value);
+    pass(20ms);
+  }
+}
+
+TEST_F(SerialBus, WhatWasAnsweredBeforeTwoWereKnownOfMayBeAnsweredOnceMore) {
+  const RegisterRead other{
+      .address = 7, .kind = RegisterKind::input, .first = 0, .count = 1, .timeout = answer_timeout};
+  become_ready();
+  bus().start_read(other, now_);
+  take(rtu_read_request_bytes);
+  say(rtu_of(7, {4, 2, 0, 1}));
+  EXPECT_EQ(result(), BusResult::ok);
+  request(7);
+  say(two_registers(7, 2));
+  EXPECT_EQ(result(), BusResult::ok);
+  EXPECT_LE(bus().read_free_at(other, now_), now_);
+  pass(300ms);
+  say(two_registers(7, 3));
+  EXPECT_GE(bus().read_free_at(other, now_), now_ + late_answer_max);
+}
+
 TEST_F(SerialBus, WhatMayBeLeftOutIsAnotherWayToAsk) {
   request(7);
   EXPECT_EQ(wait_in_vain(), BusResult::timeout);

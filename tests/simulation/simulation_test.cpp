@@ -19,6 +19,16 @@ std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
   return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
 }
 
+// Each of these lives has shown a fault once.
+TEST(Simulation, AGatewayLivesThroughWhatItFailedAtBefore) {
+  for (const std::uint64_t seed : {
+           20261126015u,  // a late answer, where two at one address had answered in time
+       }) {
+    const Outcome life = live(seed, 6h);
+    EXPECT_EQ(life.wrong, "") << "seed " << seed;
+  }
+}
+
 TEST(Simulation, AGatewayLivesThroughAllOfIt) {
   const std::uint64_t hours_each = from_environment("ETCM_SIMULATION_HOURS", 6);
   const std::uint64_t days = from_environment("ETCM_SIMULATION_DAYS", 20 / test::thinning_if_slow);
