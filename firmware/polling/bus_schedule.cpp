@@ -348,12 +348,13 @@ void BusSchedule::charge_retry(port::Duration cost, port::Instant now) {
 
 port::Duration BusSchedule::pause_of(ModbusAddress address) const {
   const std::uint32_t failures = units_[address.value].failures;
-  if (failures <= failures_free || sound_ == 0) return poll_.interval;
-  const std::uint32_t doublings = std::min(failures - failures_free, doublings_max);
+  if (failures <= failures_free) return poll_.interval;
+  const std::uint32_t doublings =
+      sound_ == 0 ? 0 : std::min(failures - failures_free, doublings_max);
   const port::Duration pause =
       std::clamp(poll_.interval * (std::int64_t{1} << doublings), poll_.interval,
                  std::max(poll_.interval, poll_.absent_interval));
-  // Up to an eighth less.
+  // Up to an eighth less: an answer that is always as late would fall into the same one each time.
   return pause - pause / 8 / 1024 * (mix(address.value, failures) % 1024);
 }
 

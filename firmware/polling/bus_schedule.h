@@ -48,7 +48,8 @@ namespace etcm::firmware {
 // due by then counts as waiting.
 //
 // Where no unit of a bus answers, something between is broken, such as a cable: all are asked as
-// often as if they were there, and all at once when the first answers again.
+// often as if they were there (or that little earlier: it may be that one's late answer spoils the
+// other's), and all at once when the first answers again.
 //
 // Units go by their addresses; all calls but has_unit() and add_unit() are for one that was added.
 class BusSchedule {

@@ -2,7 +2,10 @@
 // units that never answer.
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "fakes.h"
+#include "firmware/polling/bus_schedule.h"
 
 namespace etcm::firmware {
 namespace {
@@ -101,6 +104,42 @@ TEST_F(LostAnswers, OfDeadUnitsCostTheOthersTheirShare) {
   rig_.run(60s);
   // A question and its answer take a step of 10 ms.
   EXPECT_GE((reads_of_the_healthy() - before) * 100, 6000 * 95);
+}
+
+// One answers so late that it spoils the answer of the other, which is asked next. Asked at even
+// distances neither would ever be heard again.
+TEST(AnswersThatMeet, DoNotMeetInEveryRoundWhereNobodyIsHeard) {
+  ScriptedBus bus;
+  PollSettings poll;
+  poll.interval = 10s;
+  BusSettings settings;
+  settings.link = port::SerialLine{.path = "", .baud = 19200};
+  settings.outstanding_max = 1;
+  BusSchedule schedule(poll, settings, bus);
+  schedule.add_unit(ModbusAddress{1}, true);
+  schedule.add_unit(ModbusAddress{2}, true);
+  port::Instant first_at{};
+  std::set<port::Duration> distances;
+  std::uint32_t rounds = 0;
+  for (port::Instant now{1h}; now < port::Instant{2h}; now += 10ms) {
+    const auto question = schedule.next_question(now);
+    if (!question) continue;
+    schedule.ask(*question, now);
+    if (question->address.value == 1) {
+      first_at = now;
+    } else {
+      distances.insert(now - first_at);
+      ++rounds;
+    }
+    now += 250ms;
+    port::BusAnswer none;
+    none.result = port::BusResult::timeout;
+    schedule.note_cost(question->address, none, now);
+    schedule.note_failure(question->address, true, now);
+  }
+  EXPECT_GE(rounds, 360u);
+  EXPECT_LE(rounds, 360u * 8 / 7 + 2);
+  EXPECT_GE(distances.size(), 50u);
 }
 
 }  // namespace
