@@ -329,6 +329,21 @@ void BusSchedule::note_more(ModbusAddress address) {
   ask_again(address, units_[address.value].due);
 }
 
+void BusSchedule::note_held_up(ModbusAddress address, port::Instant now) {
+  UnitSchedule& unit = units_[address.value];
+  if (!unit.has_answered || unit.failures == 0) return;
+  for (Turns* const turns : {&repeats_, &retries_}) {
+    const auto found = std::find_if(turns->begin(), turns->end(),
+                                    [&](const Turn& turn) { return turn.address == address; });
+    if (found == turns->end()) continue;
+    turns->erase(found);
+    std::make_heap(turns->begin(), turns->end(), Later{});
+    unit.failures = 0;
+    if (sound_++ == 0) bring_back_all(now);
+    return ask_again(address, now);
+  }
+}
+
 void BusSchedule::note_link_lost(ModbusAddress address, port::Instant now) {
   const UnitSchedule& unit = units_[address.value];
   unit.is_listed || unit.has_answered ? ask_again(address, now) : rest(address);

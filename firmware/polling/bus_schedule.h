@@ -47,6 +47,9 @@ namespace etcm::firmware {
 // that a unit waits for would hold it up for as long as a question in vain does, so a unit that is
 // due by then counts as waiting.
 //
+// Nor does one whose answers others have held up behind a converter until they came too late count
+// as failing: it is asked again as one that is there.
+//
 // Where no unit of a bus answers, something between is broken, such as a cable: all are asked as
 // often as if they were there (or that little earlier: it may be that one's late answer spoils the
 // other's), and all at once when the first answers again.
@@ -89,6 +92,8 @@ class BusSchedule {
   void note_failure(ModbusAddress address, bool is_miss, port::Instant now);
   // It is to be asked once more at once: a torn read, or the next part of what is read.
   void note_more(ModbusAddress address);
+  // It has answered after all, as soon as others let it: its failures were none of its own.
+  void note_held_up(ModbusAddress address, port::Instant now);
   void note_link_lost(ModbusAddress address, port::Instant now);
 
   // A node is said to be there: the unit is asked next, before all that are due and however often

@@ -107,6 +107,9 @@ void Poller::step(port::Instant now) {
         take(answer, UnitIndex{answer.ticket}, now);
       }
     }
+    while (const std::optional<std::uint8_t> unit = bus.bus->take_held_up()) {
+      if (!bus.unit_at[*unit].is_none()) bus.schedule.note_held_up(ModbusAddress{*unit}, now);
+    }
     while (bus.bus->ready() && ask_next(number, now)) {
     }
     if (!bus.bus->is_up()) {

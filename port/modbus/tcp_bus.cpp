@@ -157,7 +157,10 @@ void TcpBus::on_frame(const Frame& frame) {
   start_listening();
   heard_.set(frame.address);
   if (std::exchange(silence_max_, tcp_silence_max) != tcp_silence_max) note_up();
-  if (const auto request = queue_.answer(frame.transaction)) settle(*request, frame);
+  const bool is_exception = frame.pdu.empty() || (frame.pdu[0] & exception_bit) != 0;
+  if (const auto request = queue_.answer(frame.transaction, !is_exception)) {
+    settle(*request, frame);
+  }
 }
 
 void TcpBus::start_listening() {

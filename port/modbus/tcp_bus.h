@@ -55,6 +55,7 @@ class TcpBus final : public NodeBus, private FrameConnection::Listener {
   void start_request(const UnitRequest& request, Instant now) override;
   bool is_up() const override { return connection_.state() == FrameConnection::State::up; }
   void advance(Instant now) override;
+  std::optional<std::uint8_t> take_held_up() override { return queue_.take_held_up(); }
   bool take_answer(BusAnswer& answer) override;
   Instant next_deadline() const override;
   bool is_one_line() const override { return queue_.is_one_line(); }

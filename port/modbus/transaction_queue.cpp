@@ -48,13 +48,14 @@ void TransactionQueue::add(const TcpRequest& request, Instant now) {
   start_heads(now);
 }
 
-std::optional<TcpRequest> TransactionQueue::answer(std::uint16_t transaction) {
+std::optional<TcpRequest> TransactionQueue::answer(std::uint16_t transaction, bool is_of_unit) {
   const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
     return entry.request.transaction == transaction && entry.state < State::answered;
   });
   if (found == entries_.end()) return std::nullopt;
   const bool is_waited_for = found->state == State::waiting;
   is_heard_ = true;
+  found->is_of_unit = is_of_unit;
   found->state = is_waited_for ? State::answered : State::answered_late;
   for (auto behind = found + 1; behind != entries_.end(); ++behind) behind->has_moved_up = true;
   return is_waited_for ? std::optional(found->request) : std::nullopt;
@@ -83,6 +84,9 @@ void TransactionQueue::take_answer(std::size_t index, Instant now) {
   const Duration latency = now - begun;
   const bool is_late = answered.state == State::answered_late;
   overtake(index, now, !is_late && now - answered.request.sent_at <= answered.request.timeout);
+  if (is_late && answered.is_of_unit && latency <= patience(answered.request)) {
+    held_up_.set(answered.request.address);
+  }
   if (is_late && latency > patience(answered.request)) {
     learn(answered, latency);
   } else if (!is_late && ++in_time_ >= grows_after) {
@@ -103,7 +107,9 @@ void TransactionQueue::take_answer(std::size_t index, Instant now) {
   }
 }
 
-// Those before an answered request are not what it waited for, or will not be answered any more.
+// Those before an answered request are not what it waited for, or will not be answered any more: a
+// converter may have given up the first one just before it took this, so it is in good time for
+// both of them that shows that there is no queue.
 void TransactionQueue::overtake(std::size_t index, Instant now, bool is_in_time) {
   Instant first_head = never;
   std::uint8_t first = 0;
@@ -119,6 +125,7 @@ void TransactionQueue::overtake(std::size_t index, Instant now, bool is_in_time)
   }
   if (first_head == never || !is_queue()) return;
   if (is_in_time) {
+    if (now - first_head > entries_[index].request.timeout) return;
     is_proven_ = false;
     hold_ = Duration{};
   } else {
@@ -195,6 +202,15 @@ Instant TransactionQueue::next_deadline() const {
 
 std::optional<LateTransaction> TransactionQueue::take_late() {
   return std::exchange(late_, std::nullopt);
+}
+
+std::optional<std::uint8_t> TransactionQueue::take_held_up() {
+  for (std::size_t address = 0; held_up_.any() && address < held_up_.size(); ++address) {
+    if (!held_up_.test(address)) continue;
+    held_up_.reset(address);
+    return static_cast<std::uint8_t>(address);
+  }
+  return std::nullopt;
 }
 
 // Of those that are only remembered, the last ones.

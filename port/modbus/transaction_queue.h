@@ -2,7 +2,7 @@
 //
 // Most connections lead to a converter: one queue, and one line on which a request that was given
 // up is still waited for. Others lead to units that answer beside each other. Nothing tells which,
-// so a queue is assumed until an answer overtakes an earlier request in good time:
+// so a queue is assumed until an answer overtakes an earlier request in good time for both:
 // - the time of a request runs from when those before it are done with; a request behind a dead
 //   unit has not failed;
 // - a request that was waited for in vain keeps its room, and those behind it their time, until it
@@ -17,6 +17,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -75,8 +76,8 @@ class TransactionQueue {
   void add(const TcpRequest& request, Instant now);
 
   // An answer has come; its time counts with the next advance(). Returns the request where the
-  // answer is still waited for.
-  std::optional<TcpRequest> answer(std::uint16_t transaction);
+  // answer is still waited for. `is_of_unit`: it shows that the unit is there.
+  std::optional<TcpRequest> answer(std::uint16_t transaction, bool is_of_unit = true);
   // A unit's absence was told: only a converter does that.
   void note_converter() { is_proven_ = true; }
 
@@ -91,6 +92,9 @@ class TransactionQueue {
 
   // The latest one since the last call.
   std::optional<LateTransaction> take_late();
+  // A unit that was waited for in vain because others held it up, and has answered since; each
+  // once.
+  std::optional<std::uint8_t> take_held_up();
 
  private:
   enum class State : std::uint8_t {
@@ -104,6 +108,7 @@ class TransactionQueue {
     TcpRequest request;
     State state = State::waiting;
     bool is_overtaken = false;
+    bool is_of_unit = false;    // its answer is
     bool has_moved_up = false;  // one before it was answered since the last advance()
     Instant head_at = never;    // when all before it were done with
     Instant until{};
@@ -136,6 +141,7 @@ class TransactionQueue {
   Duration least_patience_{};             // of these
   std::vector<Entry> entries_;            // as they were sent
   std::optional<LateTransaction> late_;
+  std::bitset<256> held_up_;
 };
 
 }  // namespace etcm::port

@@ -74,6 +74,40 @@ TEST_F(Transactions, AnAnswerThatOvertakesShowsThatThereIsNoQueue) {
   EXPECT_FALSE(queue_.is_one_line());
 }
 
+// The converter has given up the first one just before it took the second.
+TEST_F(Transactions, AnAnswerLongAfterOneInVainDoesNotShowThatThereIsNoQueue) {
+  const auto slow = send(1);
+  const auto behind = send(2);
+  EXPECT_EQ(pass(1s), Units{1});
+  EXPECT_FALSE(answer(slow));
+  EXPECT_TRUE(answer(behind));
+  pass(1ms);
+  ASSERT_TRUE(queue_.is_one_line());
+  send(1, 200ms);
+  pass(1100ms);
+  const auto sent_late = send(3);
+  pass(20ms);
+  EXPECT_TRUE(answer(sent_late));
+  pass(1ms);
+  EXPECT_TRUE(queue_.is_one_line());
+}
+
+TEST_F(Transactions, WhoWasHeldUpByOthersIsSaidOnce) {
+  const auto dead = send(1);
+  EXPECT_EQ(pass(200ms), Units{1});
+  const auto held_up = send(2);
+  EXPECT_EQ(pass(200ms), Units{2}) << "that there is a queue is not known";
+  pass(600ms);
+  EXPECT_FALSE(queue_.answer(dead, false));
+  pass(1ms);
+  EXPECT_EQ(queue_.take_held_up(), std::nullopt) << "its own time was too short";
+  pass(29ms);
+  EXPECT_FALSE(answer(held_up));
+  pass(1ms);
+  EXPECT_EQ(queue_.take_held_up(), 2);
+  EXPECT_EQ(queue_.take_held_up(), std::nullopt);
+}
+
 TEST_F(Transactions, OneThatOvertakesTooLateShowsAConverterThatSaysNothing) {
   send(1);
   const auto second = send(2);

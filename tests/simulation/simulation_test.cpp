@@ -3,6 +3,7 @@
 // ETCM_SIMULATION_VERBOSE=1 tells what happens in them.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 
@@ -21,10 +22,13 @@ std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
 
 // Each of these lives has shown a fault once.
 TEST(Simulation, AGatewayLivesThroughWhatItFailedAtBefore) {
-  for (const std::uint64_t seed : {
-           20261126015u,  // a late answer, where two at one address had answered in time
-           20261127077u,  // one that is always as late spoils the same one's answers
-       }) {
+  constexpr std::array<std::uint64_t, 4> seeds{
+      20261126015,  // a late answer, where two at one address had answered in time
+      20261127077,  // one that is always as late spoils the same one's answers
+      7083,         // a converter had given up a dead unit, and that was taken for no queue
+      20261128554,  // units that others held up had the time of dead ones
+  };
+  for (const std::uint64_t seed : seeds) {
     const Outcome life = live(seed, 6h);
     EXPECT_EQ(life.wrong, "") << "seed " << seed;
   }

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -132,6 +133,10 @@ class NodeBus {
 
   // Expires what is overdue and brings a lost link back.
   virtual void advance(Instant now) = 0;
+
+  // A unit that was waited for in vain because others held up its answer, which has come since: the
+  // bus knows now to wait for it. Each once.
+  virtual std::optional<std::uint8_t> take_held_up() { return std::nullopt; }
 
   // The next complete answer, oldest first; false when there is none.
   virtual bool take_answer(BusAnswer& answer) = 0;
