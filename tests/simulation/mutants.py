@@ -40,9 +40,6 @@ MUTANTS = {
         "port/modbus/transaction_queue.cpp",
         "return entry.request.transaction == transaction && entry.state < State::answered;",
         "return entry.state < State::answered;"),
-    "a_given_up_unit_is_taken_for_no_queue": (
-        "port/modbus/transaction_queue.cpp",
-        "    if (now - first_head > entries_[index].request.timeout) return;\n", ""),
     "who_was_held_up_is_taken_for_dead": (
         "firmware/polling/bus_schedule.cpp",
         "if (!unit.has_answered || unit.failures == 0) return;", "if (unit.timeout >= port::Duration{}) return;"),
