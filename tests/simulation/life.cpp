@@ -50,6 +50,7 @@ class Life {
     if (outcome_.wrong.empty()) run_->gateway().dismiss_all(clock_.now());
     if (outcome_.wrong.empty()) run_until(clock_.now() + 1min, false);
     if (outcome_.wrong.empty()) note(judge_.look_at_rest(*run_));
+    if (outcome_.wrong.empty()) ebb();
     outcome_.lived = clock_.now() - begin;
     outcome_.positions = judge_.positions;
     outcome_.generations = judge_.generations;
@@ -58,6 +59,24 @@ class Life {
   }
 
  private:
+  // All leave, one comes back, then all.
+  void ebb() {
+    std::size_t there = site_.devices.size();
+    for (const std::size_t staying : {std::size_t{0}, std::size_t{1}, there}) {
+      there = 0;
+      for (const auto& device : site_.devices) {
+        if (!device->is_replaced) device->is_leaving = there++ >= staying;
+      }
+      run_until(clock_.now() + 1min, false);
+      const std::size_t shown = run_->gateway().snapshot().node_count;
+      if (outcome_.wrong.empty() && staying < there && shown != staying) {
+        note(std::to_string(shown) + " nodes are in the mesh after all but " +
+             std::to_string(staying) + " have left");
+      }
+    }
+    if (outcome_.wrong.empty()) note(judge_.look_at_rest(*run_));
+  }
+
   void start() {
     for (const auto& device : site_.devices) device->answers = 0;
     site_.write_file();

@@ -68,6 +68,10 @@ MUTANTS = {
         "lib/src/conforming/transaction.cpp",
         "  m.work.go_back();\n  change.dirty.clear(m);\n  drop_fresh(change);",
         "  m.work.go_back();\n  change.dirty.clear(m);"),
+    "all_leave_and_one_returns": (
+        "lib/src/analysis/coverage.cpp",
+        "if (d == nullptr || d->topology.triangle_count() == 0 || is_flat(*d)) {",
+        "if (d == nullptr || is_flat(*d)) {"),
     # The disk.
     "the_copy_before_the_last_is_not_used": (
         "firmware/persist/state_saver.cpp", "{port::Copy::last, port::Copy::previous}", "{port::Copy::last}"),

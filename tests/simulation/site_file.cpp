@@ -31,7 +31,8 @@ std::string SiteFile::text() const {
       << "\nleave_after = " << ms(leave_after)
       << "\n[state]\nfolder = \"/state\"\ninterval = \"10s\"\n"
          "[files]\nfolder = \"/files\"\nname = \"mesh\"\ninterval = \"5s\"\n"
-         "[http]\nlisten = \"127.0.0.1:8080\"\n";
+         "[http]\nlisten = \"127.0.0.1:8080\"\n"
+         "[analysis]\nradio_range = 1500\nsensing_range = 900\n";
   for (std::size_t i = 0; i < buses.size(); ++i) write_bus(out, i, buses[i]);
   for (const auto& [from, to] : features) {
     out << "[[feature]]\nfrom = " << from << "\nto = " << to << "\n";
