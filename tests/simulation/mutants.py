@@ -33,8 +33,6 @@ MUTANTS = {
     "nothing_is_cleared_at_the_start": (
         "port/modbus/rtu_bus.cpp", "clear_at_ = options_.clearing > Duration{} ? now + clearing : now;",
         "clear_at_ = now;"),
-    "of_two_at_a_unit_one_is_forgotten": (
-        "port/modbus/owed_answers.cpp", "    doubled_until_ = now + doubled_for;\n", ""),
     # Behind a converter.
     "answers_of_any_transaction": (
         "port/modbus/transaction_queue.cpp",
