@@ -31,14 +31,23 @@ void FleetMember::State::mend_incomplete(port::Instant now) {
 }
 
 // Members whose headers tell of an older document are told of this one again, though the broker
-// has it as seen from here.
+// has it as seen from here. One that has read it and refused it has it too; and whose it is says it
+// again: others may not be allowed to.
 void FleetMember::State::mend_site(port::Instant now) {
   const bool is_known = site.held && site.version.number > 0;
+  const auto is_here = [](const Peer& peer) {
+    return peer.state == PeerState::online && peer.header;
+  };
+  const auto has_read_it = [&](const Peer& peer) {
+    return std::max(peer.header->site, peer.header->refused_site) >= site.version;
+  };
   const bool is_any_behind = std::any_of(peers.begin(), peers.end(), [&](const auto& entry) {
-    const Peer& peer = entry.second;
-    return peer.state == PeerState::online && peer.header && peer.header->site < site.version;
+    return is_here(entry.second) && !has_read_it(entry.second);
   });
-  if (!is_known || !is_any_behind) {
+  const auto owner = is_known ? peers.find(site.held->gateway) : peers.end();
+  const bool is_with_owner = is_known && !is_site_of_here() && owner != peers.end() &&
+                             is_here(owner->second) && has_read_it(owner->second);
+  if (!is_known || !is_any_behind || is_with_owner) {
     site.behind_since = port::never;
     site.mend_pause = settings.period / 2;
     return;

@@ -204,6 +204,7 @@ OutMessage FleetMember::State::encode(OutKey key, port::Instant now) {
       header.merged_hash = told_merged_hash = merged.hash();
       header.merged_records = told_records = merged.record_hash();
       header.site = site.version;
+      header.refused_site = site.refused ? site.refused->version() : SiteVersion{};
       return {.payload = encode_header(header)};
     case TopicKind::conflict:
     case TopicKind::have:

@@ -24,9 +24,13 @@ void FleetMember::State::mark_site(port::Instant now) {
   // Some brokers hang up after a message that they refuse: then each try would take the nodes of
   // this gateway from the others.
   if (site.denied == site.version) return;
-  const bool is_ours = site.held->gateway == settings.gateway ||
-                       (site.own && site.own->version().hash == site.version.hash);
-  out.mark(site_key, is_ours ? now : now + settings.period / 2);
+  out.mark(site_key, is_site_of_here() ? now : now + settings.period / 2);
+}
+
+// REQUIRES: one holds.
+bool FleetMember::State::is_site_of_here() const {
+  return site.held->gateway == settings.gateway ||
+         (site.own && site.own->version().hash == site.version.hash);
 }
 
 // Whoever had it in a file, from now on it is the fleet's.
@@ -117,8 +121,11 @@ void FleetMember::State::consider_site(SiteDocument document, port::Instant now)
   const std::string refusal = listener.on_site(document, now);
   if (refusal.empty()) return hold_site(std::move(document), true, now);
   site.trouble = document.name() + " is refused: " + refusal;
-  log.write(port::Level::error, "fleet: " + site.trouble + "; the old one stays");
+  log.write(port::Level::error,
+            "fleet: " + site.trouble +
+                (site.held ? "; the old one stays" : "; until then this gateway has no site"));
   site.refused = std::move(document);
+  mark_header();
 }
 
 void FleetMember::State::take_site(std::string_view payload, port::Instant now) {

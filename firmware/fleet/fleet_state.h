@@ -175,6 +175,7 @@ struct FleetMember::State {
   void settle_site(port::Instant now);
   void tell_site(port::Instant now);
   void mark_site(port::Instant now);
+  bool is_site_of_here() const;
   void note_site_refused();
 
   // --- fleet_sending.cpp: what goes out, and whether the broker still has it.

@@ -25,6 +25,13 @@ FleetRun read_run(JsonFields& fields) {
   return run;
 }
 
+SiteVersion read_site_version(JsonFields& fields) {
+  SiteVersion version;
+  version.number = fields.number("number", fleet_number_max);
+  version.hash = fields.hash("hash");
+  return version;
+}
+
 std::optional<JsonValue> parse_short(std::string_view payload, std::string& wrong,
                                      std::size_t bytes_max = header_bytes_max) {
   if (payload.size() <= bytes_max) return parse_message(payload, wrong);
@@ -70,7 +77,12 @@ std::string encode_header(const FleetHeader& header) {
     if (header.is_alone) json.key("alone").boolean(true);
     json.end();
     json.key("site").object().key("number").number(header.site.number);
-    json.key("hash").hash(header.site.hash).end();
+    json.key("hash").hash(header.site.hash);
+    if (header.refused_site.number != 0) {
+      json.key("refused").object().key("number").number(header.refused_site.number);
+      json.key("hash").hash(header.refused_site.hash).end();
+    }
+    json.end();
   }
   return json.end().take();
 }
@@ -111,8 +123,10 @@ std::optional<FleetHeader> decode_header(std::string_view payload, std::string& 
       if (of.has("nodes")) header.mesh_nodes = of.number("nodes", any_number);
     });
     read_object(fields, "site", [&](JsonFields& of) {
-      header.site.number = of.number("number", fleet_number_max);
-      header.site.hash = of.hash("hash");
+      header.site = read_site_version(of);
+      if (!of.has("refused")) return;
+      read_object(of, "refused",
+                  [&](JsonFields& refused) { header.refused_site = read_site_version(refused); });
     });
   }
   return finish(fields, header, wrong);

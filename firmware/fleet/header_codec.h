@@ -42,6 +42,7 @@ struct FleetHeader {
   std::optional<std::uint32_t> mesh_nodes{};  // in that mesh; none: it does not tell
   bool is_alone = false;                      // that mesh is to have its own nodes alone
   SiteVersion site{};
+  SiteVersion refused_site{};  // the newest that its gateway does not take; number 0: none
 };
 
 // All messages about nodes that the member has published and not taken back. It is no part of the

@@ -202,7 +202,8 @@ TEST(FleetHeaderCodec, EverythingComesBack) {
                      .mesh_hash = 0x8000000000000000,
                      .mesh_nodes = 11,
                      .is_alone = true,
-                     .site = {.number = 4, .hash = 99}};
+                     .site = {.number = 4, .hash = 99},
+                     .refused_site = {.number = 5, .hash = 98}};
   std::string wrong;
   auto back = decode_header(encode_header(header), wrong);
   ASSERT_TRUE(back) << wrong;
@@ -219,6 +220,7 @@ TEST(FleetHeaderCodec, EverythingComesBack) {
   EXPECT_EQ(back->mesh_nodes, header.mesh_nodes);
   EXPECT_TRUE(back->is_alone);
   EXPECT_EQ(back->site, header.site);
+  EXPECT_EQ(back->refused_site, header.refused_site);
   header.is_online = false;
   back = decode_header(encode_header(header), wrong);
   ASSERT_TRUE(back) << wrong;

@@ -21,6 +21,19 @@ SiteDocument numbered(std::uint32_t number, std::int32_t x, const std::string& g
 class FleetSiteTest : public FleetMemberTest {
  protected:
   void say_site(const SiteDocument& site) { say("site", encode_site(site)); }
+  // What a member that is there goes by, and what it has refused.
+  void say_stand(const std::string& name, std::uint32_t beat, SiteVersion site,
+                 SiteVersion refused = {}) {
+    FleetHeader header{.run = {.instance = 77, .epoch = 1}, .beat = beat};
+    header.is_online = true;
+    header.site = site;
+    header.refused_site = refused;
+    say(name + "/header", encode_header(header));
+  }
+  FleetHeader own_header() {
+    std::string wrong;
+    return decode_header(broker.last("a/header"), wrong).value_or(FleetHeader{});
+  }
   std::string on_broker() { return broker.last("yard/site"); }
   std::uint32_t number() { return member->site_version().number; }
   // Its own goes out while it runs, and the broker refuses it.
@@ -96,6 +109,45 @@ TEST_F(FleetSiteTest, WhoHasAnOlderOneIsToldAgainEverLessOften) {
   }
   EXPECT_GT(broker.count("yard/site"), 5u);
   EXPECT_LT(broker.count("yard/site"), 12u);
+}
+
+// The broker has it: an access list that lets its owner alone write it would throw others out.
+TEST_F(FleetSiteTest, WhoRefusesItIsNotTakenForOneThatLacksIt) {
+  settle();
+  say_site(numbered(3, 7));
+  for (std::uint32_t beat = 1; beat < 20; ++beat) {
+    say_stand("c", beat, {}, numbered(3, 7).version());
+    pass(settings_.period / 2);
+  }
+  EXPECT_EQ(broker.count("yard/site"), 0u);
+}
+
+TEST_F(FleetSiteTest, WhoHasAnOlderOneIsToldAgainByItsOwnerWhileThatOneIsThere) {
+  settle();
+  const SiteVersion newest = numbered(3, 7).version();
+  say_site(numbered(3, 7));
+  for (std::uint32_t beat = 1; beat < 20; ++beat) {
+    say_stand("b", beat, newest);
+    say_stand("c", beat, numbered(2, 6).version());
+    pass(settings_.period / 2);
+  }
+  EXPECT_EQ(broker.count("yard/site"), 0u);
+  say_header("b", 20, false);
+  for (std::uint32_t beat = 20; beat < 24; ++beat) {
+    say_stand("c", beat, numbered(2, 6).version());
+    pass(settings_.period / 2);
+  }
+  EXPECT_EQ(on_broker(), encode_site(numbered(3, 7)));
+}
+
+TEST_F(FleetSiteTest, AnOwnerThatHasLostItItselfIsToldToo) {
+  settle();
+  say_site(numbered(3, 7));
+  for (std::uint32_t beat = 1; beat < 5; ++beat) {
+    say_stand("b", beat, {});
+    pass(settings_.period / 2);
+  }
+  EXPECT_EQ(on_broker(), encode_site(numbered(3, 7)));
 }
 
 // Mosquitto 2.0.11 hangs up after a message that it refuses.
@@ -176,10 +228,14 @@ TEST_F(FleetSiteTest, ARefusedOneIsOfferedOnceAndAgainWhenAsked) {
             1u);
   EXPECT_NE(member->status().site_trouble, "");
   EXPECT_TRUE(holds(5));
+  pass(settings_.period);
+  EXPECT_EQ(own_header().refused_site, numbered(3, 6).version()) << "the others are told";
   EXPECT_EQ(broker.count("yard/site"), 1u);
   gateway.refusal.clear();
   member->retry_site(now);
   EXPECT_TRUE(holds(6));
+  pass(settings_.period);
+  EXPECT_EQ(own_header().refused_site, SiteVersion{});
   EXPECT_EQ(member->status().site_trouble, "");
 }
 
