@@ -100,7 +100,9 @@ bool is_sensor_judged(const Gateway& gateway, std::uint64_t subject) {
 bool is_member_judged(const FleetReport& fleet, AlarmKey key) {
   const ReportedMember* const member = member_of_subject(&fleet, key.subject);
   if (member == nullptr) return true;
-  if (member->state == MemberState::waiting) return false;
+  const bool is_known =
+      member->state != MemberState::waiting && member->state != MemberState::unknown;
+  if (!is_known) return false;
   switch (key.kind) {
     case AlarmKind::gone_gateway:
       return member->state != MemberState::gone && member->is_proven;

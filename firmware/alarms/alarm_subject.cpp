@@ -24,7 +24,7 @@ bool is_with_its_gateway(const Gateway& gateway, const NodeRecord& node) {
   const FleetReport* const fleet = gateway.fleet();
   if (!node.is_foreign() || fleet == nullptr) return false;
   return std::any_of(fleet->members.begin(), fleet->members.end(), [&](const auto& member) {
-    return member.state == MemberState::gone && member.name == gateway_of(gateway, node);
+    return member.has_left && member.name == gateway_of(gateway, node);
   });
 }
 

@@ -247,16 +247,18 @@ void AlarmWatch::look_at_member(const ReportedMember& member, port::Instant now)
   TextLine text;
   text << "gateway " << member.name;
   switch (member.state) {
+    case MemberState::unknown:
     case MemberState::gone: {
       // Once told it goes on until that one is back, whether this gateway is connected or not.
       const AlarmKey key{AlarmKind::gone_gateway, subject};
       const port::Duration leave_after = sources_.gateway.settings().poll.leave_after;
       const FleetReport& fleet = *sources_.gateway.fleet();
       if (!book_.is_on(key) && !is_gone_for_long(fleet, member, leave_after, now)) return;
+      text << (member.left_with_broker ? not_back : " is gone");
       TextLine cure;
       cure << gone_cure << "; if it is gone for good: sudo etcm-gateway ctl dismiss "
            << member.name;
-      return book_.hold(key, member.since, text << " is gone", cure);
+      return book_.hold(key, member.since, text, cure);
     }
     case MemberState::name_taken: {
       const FleetReport& fleet = *sources_.gateway.fleet();

@@ -153,7 +153,8 @@ bool FleetMember::State::take_peer_header(Peer& peer, const port::BrokerMessage&
   }
   peer.header = taken;
   peer.heard_at = message.retained ? heard_before(now) : now;
-  peer.is_proven = peer.is_proven || (!message.retained && taken->is_online);
+  peer.is_back = peer.is_back || (!message.retained && taken->is_online);
+  peer.is_proven = peer.is_proven || peer.is_back;
   peer.is_doubted = false;
   set_peer_state(peer, taken->is_online ? PeerState::online : PeerState::offline, now);
   return true;

@@ -28,6 +28,7 @@ struct PeerReport {
   std::string quarantine{};
   bool is_complete = false;  // all that it says it has published is here
   bool is_proven = false;    // it has spoken in this run: the broker had not just kept it
+  bool is_back = false;      // the same, since this gateway is connected
   // It is the owner of so many that are there. Of peers(); on_peer() is told 0.
   std::uint32_t node_count = 0;
   // What it said last of all nodes that it knows, and of its mesh of them.

@@ -110,7 +110,7 @@ void FleetMember::on_connected(port::Instant now) {
   for (auto& [name, peer] : state.peers) {
     peer.set.clear();
     peer.clashes.clear();
-    peer.is_doubted = false;
+    peer.is_doubted = peer.is_back = false;
     if (peer.state == PeerState::online) peer.heard_at = state.heard_before(now);
   }
 }

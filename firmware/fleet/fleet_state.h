@@ -39,6 +39,7 @@ struct Peer {
   Serial have_next{0};
   bool has_sound_header = true;
   bool is_proven = false;  // a header came in this run that the broker had not kept
+  bool is_back = false;    // in this connection
   std::string quarantine{};
   bool told_complete = false;
   bool has_news = false;  // the gateway is to be told

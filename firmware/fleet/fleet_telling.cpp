@@ -80,7 +80,8 @@ PeerReport FleetMember::State::report(const Peer& peer) const {
                     .since = peer.since,
                     .quarantine = peer.quarantine,
                     .is_complete = peer.set.is_complete(),
-                    .is_proven = peer.is_proven};
+                    .is_proven = peer.is_proven,
+                    .is_back = peer.is_back};
   if (peer.header) {
     report.merged_count = peer.header->merged_count;
     report.merged_hash = peer.header->merged_hash;

@@ -43,6 +43,7 @@ FleetLink::FleetLink(std::shared_ptr<const Settings> settings, const FleetPorts&
       version_(ports.version),
       plane_(settings->site.plane()),
       stale_after_(settings->poll.stale_after),
+      leave_after_(settings->poll.leave_after),
       neighbours_(settings->mesh.vertices_max),
       differences_(2 * fleet_settings_of(*settings, ports.run, ports.version).period),
       site_(settings, ports.projections, ports.log),
@@ -294,6 +295,7 @@ void FleetLink::update_settings(std::shared_ptr<const Settings> settings, port::
   plane_ = settings->site.plane();
   member_.set_apart_min(apart_min_of(*settings));
   stale_after_ = settings->poll.stale_after;
+  leave_after_ = settings->poll.leave_after;
   site_.update_settings(std::move(settings), member_, now);
   has_begun_ = true;
   report_due_ = {};

@@ -127,6 +127,10 @@ class FleetLink final : private FleetListener {
   void dismiss_long_gone(port::Instant now);
   bool misses_nodes_of(const std::string& gateway) const;
   void note_apart(const FleetStatus& status, port::Instant now);
+  bool has_left_with_broker(const PeerReport& peer) const;
+  bool may_come_back(const PeerReport& peer, const FleetStatus& status, port::Instant now) const;
+  MemberState shown_state(const PeerReport& peer, const FleetStatus& status,
+                          port::Instant now) const;
   void tell_presence(const PeerReport& peer, const FleetStatus& status, port::Instant now);
   void tell_twin(const PeerReport& peer);
   void tell_difference(const ReportedMember& row);
@@ -152,14 +156,17 @@ class FleetLink final : private FleetListener {
   const std::string version_;
   SitePlane plane_;
   port::Duration stale_after_;
+  port::Duration leave_after_;
   NeighbourList neighbours_;
   std::vector<std::string> gateways_;
   FleetReport report_;
   port::Instant report_due_{};
   std::optional<port::Instant> connected_at_{};  // of the connection there is
   std::uint32_t short_connections_ = 0;          // in a row
-  std::uint32_t generation_ = 0;                 // the next one
-  std::uint32_t own_generation_ = 0;             // published last
+  // Since when there was no connection, before this one and those that ended before all were back.
+  std::optional<port::Instant> away_since_{};
+  std::uint32_t generation_ = 0;      // the next one
+  std::uint32_t own_generation_ = 0;  // published last
   std::uint64_t mesh_hash_ = 0;
   std::uint32_t mesh_nodes_ = 0;
   std::string mesh_lack_;  // why something is not in the mesh for want of room, or empty

@@ -16,8 +16,9 @@ namespace etcm::firmware {
 
 enum class MemberState : std::uint8_t {
   here,
-  waiting,     // not all that it tells has come yet
-  gone,        // its connection to the broker has ended
+  waiting,  // not all that it tells has come yet
+  gone,     // its connection to the broker has ended
+  unknown,  // this gateway has no connection itself, or that one may still come back to the broker
   name_taken,  // another gateway has the same name
   rejected,    // what it says is nonsense
 };
@@ -31,6 +32,8 @@ constexpr std::string_view to_string(MemberState state) {
       return "waiting";
     case MemberState::gone:
       return "gone";
+    case MemberState::unknown:
+      return "unknown";
     case MemberState::name_taken:
       return "name_taken";
     case MemberState::rejected:
@@ -39,22 +42,33 @@ constexpr std::string_view to_string(MemberState state) {
   return "";
 }
 
+// Where a broker was away its gateways come back one after the other; so long after its own
+// connection is back a gateway waits for the others.
+inline constexpr port::Duration gone_grace = std::chrono::seconds(10);
+inline constexpr port::Duration return_time = port::broker_pause_max + 2 * gone_grace;
+
 // What to do about a gateway that is gone.
 inline constexpr std::string_view gone_cure =
     "look at its machine, its power, its network and its log: the broker may refuse it";
 
+// Of one that was there before the broker was away.
+inline constexpr std::string_view not_back = " has not come back since the broker was away";
+
 struct ReportedMember {
   std::string name{};
   MemberState state = MemberState::waiting;
-  port::Instant since{};         // it has been in this state
-  std::uint32_t node_count = 0;  // that it hears
-  std::uint32_t generation = 0;  // that it published last
-  std::uint64_t mesh_hash = 0;   // of that
-  bool agrees = false;           // it has the mesh that this gateway has
-  bool is_proven = false;        // it has spoken in this run: the broker had not just kept it
-  std::string version{};         // of its program
-  bool differs = false;          // it does not, and that is no news on their way
-  std::string why{};             // what is wrong, for a person; or empty
+  port::Instant since{};                     // it has been in this state
+  std::uint32_t node_count = 0;              // that it hears
+  std::uint32_t generation = 0;              // that it published last
+  std::optional<std::uint64_t> mesh_hash{};  // of that; none: nobody knows
+  bool agrees = false;                       // it has the mesh that this gateway has
+  bool is_proven = false;  // it has spoken in this run: the broker had not just kept it
+  std::string version{};   // of its program
+  bool differs = false;    // it does not, and that is no news on their way
+  std::string why{};       // what is wrong, for a person; or empty
+  bool has_left = false;   // what came of it last is that it is gone, or nothing came
+  // It was there before the broker was away, and is not since.
+  bool left_with_broker = false;
 };
 
 // By name, this gateway among them.
@@ -93,7 +107,6 @@ inline port::Duration time_apart(const FleetReport& fleet, port::Instant now) {
 
 // It has been gone for longer than a restart of its program or of its connection takes: what the
 // list says at once is then a trouble. Who was apart itself knows nothing of the others yet.
-inline constexpr port::Duration gone_grace = std::chrono::seconds(10);
 inline bool is_gone_for_long(const FleetReport& fleet, const ReportedMember& member,
                              port::Duration leave_after, port::Instant now) {
   if (member.state != MemberState::gone || !fleet.is_connected) return false;

@@ -23,19 +23,8 @@ constexpr port::Duration gone_for_good = 24h;
 constexpr port::Duration lasting_after_short = 60s;
 constexpr std::uint32_t short_connections_max = 1;
 
-MemberState shown_state(const PeerReport& peer) {
-  if (!peer.quarantine.empty()) return MemberState::rejected;
-  if (peer.has_name_conflict) return MemberState::name_taken;
-  switch (peer.state) {
-    case PeerState::online:
-      return peer.is_complete ? MemberState::here : MemberState::waiting;
-    case PeerState::unknown:
-      return MemberState::waiting;
-    case PeerState::offline:
-    case PeerState::silent:
-      break;
-  }
-  return MemberState::gone;
+bool has_left(const PeerReport& peer) {
+  return peer.state == PeerState::offline || peer.state == PeerState::silent;
 }
 
 constexpr const char* two_of_one_name =
@@ -67,6 +56,27 @@ std::string why_of(const PeerReport& peer, const OwnStand& own, bool differs,
 
 }  // namespace
 
+MemberState FleetLink::shown_state(const PeerReport& peer, const FleetStatus& status,
+                                   port::Instant now) const {
+  if (!peer.quarantine.empty()) return MemberState::rejected;
+  if (!status.is_connected) return MemberState::unknown;
+  if (peer.has_name_conflict) return MemberState::name_taken;
+  if (may_come_back(peer, status, now)) return MemberState::unknown;
+  if (has_left(peer)) return MemberState::gone;
+  const bool is_here = peer.state == PeerState::online && peer.is_complete;
+  return is_here ? MemberState::here : MemberState::waiting;
+}
+
+// A broker that is ended tells the last wills of some to others, just before these lose it too.
+bool FleetLink::has_left_with_broker(const PeerReport& peer) const {
+  return has_left(peer) && !peer.is_back && away_since_ && peer.since >= *away_since_ - gone_grace;
+}
+
+bool FleetLink::may_come_back(const PeerReport& peer, const FleetStatus& status,
+                              port::Instant now) const {
+  return has_left_with_broker(peer) && now - status.since < std::min(return_time, leave_after_);
+}
+
 void FleetLink::make_report(port::Instant now) {
   report_due_ = now + report_pause;
   const FleetStatus status = member_.status();
@@ -80,7 +90,7 @@ void FleetLink::make_report(port::Instant now) {
   report_.connected_or_not_since = status.since;
   note_refusal(status);
   report_.broker = broker_.counters();
-  report_.agreeing = agreement.agreeing;
+  report_.agreeing = status.is_connected ? agreement.agreeing : 1;
   const SiteDocument* const site = member_.site();
   report_.site_number = status.site.number;
   report_.site_gateway = site == nullptr ? "" : site->gateway;
@@ -92,7 +102,7 @@ void FleetLink::make_report(port::Instant now) {
   for (const PeerReport& peer : member_.peers()) {
     const bool is_other = std::find(agreement.differing.begin(), agreement.differing.end(),
                                     peer.name) != agreement.differing.end();
-    const bool agrees = peer.state == PeerState::online && !is_other;
+    const bool agrees = status.is_connected && peer.state == PeerState::online && !is_other;
     tell_presence(peer, status, now);
     tell_twin(peer);
     report_.members.push_back(peer_row(peer, own, status, agrees, now));
@@ -110,10 +120,16 @@ void FleetLink::tell_presence(const PeerReport& peer, const FleetStatus& status,
   const bool is_sure =
       status.is_connected && std::min(now - status.since, now - peer.since) >= gone_grace;
   if (peer.state == PeerState::unknown || (!is_here && !is_sure)) return;
+  if (may_come_back(peer, status, now)) return;
   const auto [known, is_new] = here_.try_emplace(peer.name, is_here);
   if (is_new || std::exchange(known->second, is_here) == is_here) return;
   if (is_here) {
     log_.write(port::Level::info, TextLine() << "gateway " << peer.name << " is here again");
+    return;
+  }
+  if (has_left_with_broker(peer)) {
+    log_.write(port::Level::warning,
+               TextLine() << "gateway " << peer.name << not_back << "; " << gone_cure);
     return;
   }
   log_.write(port::Level::warning,
@@ -147,9 +163,8 @@ void FleetLink::tell_difference(const ReportedMember& row) {
 }
 
 bool FleetLink::is_gone(std::string_view gateway) const {
-  return std::any_of(report_.members.begin(), report_.members.end(), [&](const auto& member) {
-    return member.name == gateway && member.state == MemberState::gone;
-  });
+  return std::any_of(report_.members.begin(), report_.members.end(),
+                     [&](const auto& member) { return member.name == gateway && member.has_left; });
 }
 
 bool FleetLink::is_dismissed(const PeerReport& peer, const char* why) {
@@ -196,6 +211,8 @@ void FleetLink::note_apart(const FleetStatus& status, port::Instant now) {
   if (has_ended) {
     const bool was_short = status.since - *connected_at_ < lasting_after_short;
     short_connections_ = was_short ? short_connections_ + 1 : 0;
+    const bool were_all_back = status.since - *connected_at_ >= return_time;
+    if (!away_since_ || were_all_back) away_since_ = status.since;
     connected_at_.reset();
   }
   // One may come and go between two reports.
@@ -232,19 +249,24 @@ ReportedMember FleetLink::peer_row(const PeerReport& peer, const OwnStand& own,
   const bool can_tell = status.is_connected && peer.state == PeerState::online;
   if (agrees || !can_tell) differences_.end(peer.name);
   const bool differs = !agrees && can_tell && differences_.last(peer, own, now);
+  const bool left_with_broker = has_left_with_broker(peer);
+  port::Instant since = left_with_broker ? *away_since_ : peer.since;
+  if (!status.is_connected) since = status.since;
   return {.name = peer.name,
-          .state = shown_state(peer),
-          .since = peer.since,
+          .state = shown_state(peer, status, now),
+          .since = since,
           .node_count = peer.node_count,
           .generation = peer.generation,
-          .mesh_hash = peer.mesh_hash,
+          .mesh_hash = can_tell ? std::optional(peer.mesh_hash) : std::nullopt,
           .agrees = agrees,
           .is_proven = peer.is_proven,
           .version = peer.version,
           .differs = differs,
-          .why = agrees && peer.is_complete && !peer.has_name_conflict
+          .why = !status.is_connected || (agrees && peer.is_complete && !peer.has_name_conflict)
                      ? peer.quarantine
-                     : why_of(peer, own, differs, status.since, now)};
+                     : why_of(peer, own, differs, status.since, now),
+          .has_left = has_left(peer),
+          .left_with_broker = left_with_broker};
 }
 
 OwnStand FleetLink::own_stand(const FleetStatus& status) const {

@@ -18,8 +18,9 @@ bool has_asked_all(const Poller& poller) {
 bool knows_others(const FleetReport* fleet) {
   if (fleet == nullptr) return true;
   return fleet->is_connected &&
-         std::none_of(fleet->members.begin(), fleet->members.end(),
-                      [](const auto& member) { return member.state == MemberState::waiting; });
+         std::none_of(fleet->members.begin(), fleet->members.end(), [](const auto& member) {
+           return member.state == MemberState::waiting || member.state == MemberState::unknown;
+         });
 }
 
 }  // namespace

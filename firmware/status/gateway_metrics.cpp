@@ -109,8 +109,9 @@ void write_site_trouble(const MetricContext& context, std::uint32_t, TextWriter&
 void write_members(const MetricContext& context, std::uint32_t, TextWriter& piece) {
   const FleetReport* const fleet = context.sources.gateway.fleet();
   if (fleet == nullptr) return;
-  for (const MemberState state : {MemberState::here, MemberState::waiting, MemberState::gone,
-                                  MemberState::name_taken, MemberState::rejected}) {
+  for (const MemberState state :
+       {MemberState::here, MemberState::waiting, MemberState::gone, MemberState::unknown,
+        MemberState::name_taken, MemberState::rejected}) {
     const auto count =
         std::count_if(fleet->members.begin(), fleet->members.end(),
                       [&](const ReportedMember& member) { return member.state == state; });

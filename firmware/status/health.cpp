@@ -211,8 +211,9 @@ void look_at_gone(const StatusSources& sources, port::Instant now, Reasons& reas
   }
   if (first == nullptr) return;
   TextWriter& reason = reasons.add();
-  reason << "fleet: gateway " << first->name << " is gone for "
-         << whole_seconds(age_of(first->since, now)) << " s: " << gone_cure
+  reason << "fleet: gateway " << first->name;
+  if (first->left_with_broker) reason << not_back << ", and";
+  reason << " is gone for " << whole_seconds(age_of(first->since, now)) << " s: " << gone_cure
          << "; if it is gone for good: sudo etcm-gateway ctl dismiss " << first->name;
   if (count > 1) reason << "; and " << count - 1 << " more gone";
 }

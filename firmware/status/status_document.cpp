@@ -235,8 +235,14 @@ void StatusDocument::write_member(const ReportedMember& member, port::Instant as
   piece.json(to_string(member.state))
       << ",\"since_ms\":" << age_of(member.since, asked_at) / 1ms
       << ",\"nodes\":" << member.node_count << ",\"generation\":" << member.generation
-      << ",\"mesh_hash\":\"";
-  piece.hash(member.mesh_hash) << "\",\"agrees\":";
+      << ",\"mesh_hash\":";
+  if (member.mesh_hash) {
+    piece << "\"";
+    piece.hash(*member.mesh_hash) << "\"";
+  } else {
+    piece << "null";
+  }
+  piece << ",\"agrees\":";
   piece.yes_or_no(member.agrees) << ",\"version\":";
   piece.json(member.version);
   if (!member.why.empty()) {

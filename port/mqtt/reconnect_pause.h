@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "etcm/port/clock.h"
+#include "etcm/port/message_broker.h"
 
 namespace etcm::port {
 
@@ -17,7 +18,7 @@ class ReconnectPause {
  public:
   static constexpr Duration first = std::chrono::seconds(1);
   // And half as much again:
-  static constexpr Duration longest = std::chrono::seconds(60);
+  static constexpr Duration longest = broker_pause_max * 2 / 3;
   static constexpr Duration longest_at_first = std::chrono::seconds(5);
 
   explicit ReconnectPause(std::string_view name) {

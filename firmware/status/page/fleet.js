@@ -7,6 +7,7 @@ export const memberColours = ["member-0", "member-1", "member-2", "member-3", "m
 
 const states = {
   here: "", gone: "gone", name_taken: "its name is taken", rejected: "rejected", waiting: "not complete yet",
+  unknown: "unknown",
 };
 
 // The number of the colour of each gateway that hears nodes; our own, which is not named at its nodes,

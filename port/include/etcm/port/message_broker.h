@@ -6,6 +6,7 @@
 // brought back by step(), for ever, with pauses between the attempts.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -21,6 +22,10 @@ namespace etcm::port {
 inline constexpr std::size_t broker_message_bytes_max = std::size_t{256} * 1024;
 // The most bytes, of topics and payloads, that may be sent and not yet delivered.
 inline constexpr std::size_t broker_held_bytes_max = 2 * broker_message_bytes_max;
+
+// Who has no connection tries again after no more than this: so long after a broker has come back
+// all are there again whose programs run.
+inline constexpr Duration broker_pause_max = std::chrono::seconds(90);
 
 struct BrokerMessage {
   std::string_view topic;
