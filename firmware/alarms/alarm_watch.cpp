@@ -256,8 +256,7 @@ void AlarmWatch::look_at_member(const ReportedMember& member, port::Instant now)
       if (!book_.is_on(key) && !is_gone_for_long(fleet, member, leave_after, now)) return;
       text << (member.left_with_broker ? not_back : " is gone");
       TextLine cure;
-      cure << gone_cure << "; if it is gone for good: sudo etcm-gateway ctl dismiss "
-           << member.name;
+      cure << gone_cure << how_to_dismiss(member) << member.name;
       return book_.hold(key, member.since, text, cure);
     }
     case MemberState::name_taken: {

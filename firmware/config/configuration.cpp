@@ -71,13 +71,14 @@ void check_room(const std::string& path, const Settings& settings,
   if (settings.features.size() > settings.mesh.features_max) {
     mistakes.push_back(path + ": the site has " + std::to_string(settings.features.size()) +
                        " segments of features, and features_max in [mesh] is " +
-                       std::to_string(settings.mesh.features_max) + "; set it to twice as many");
+                       std::to_string(settings.mesh.features_max) +
+                       "; set features_max to twice as many");
   }
   if (settings.anchors.size() >= settings.mesh.vertices_max) {
     mistakes.push_back(path + ": the site has " + std::to_string(settings.anchors.size()) +
                        " anchors, and vertices_max in [mesh] is " +
                        std::to_string(settings.mesh.vertices_max) +
-                       "; set it to three times as many, and twice the nodes");
+                       "; set vertices_max to three times as many, and twice the nodes");
   }
 }
 

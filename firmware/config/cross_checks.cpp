@@ -160,7 +160,9 @@ class CrossCheck {
     add(warnings_, find("mesh", {"vertices_max"}),
         "the buses have " + std::to_string(units) + " units, and vertices_max is " +
             std::to_string(settings_.mesh.vertices_max) +
-            ", so nodes may find no room in the mesh; set it to twice as many as there are nodes");
+            ", so nodes may find no room in the mesh; set vertices_max to twice as many as there "
+            "are "
+            "nodes");
   }
 
   // Who listens for others means to let some of them in. `node`: the key that says so; null: it is

@@ -32,6 +32,7 @@ FleetSettings fleet_settings_of(const Settings& settings, std::uint64_t run,
   member.period = std::min(mqtt.period_max, period_most);
   member.silent_after = periods_of_silence * member.period + 10s;
   member.leave_after = settings.poll.leave_after;
+  member.return_time = return_time;
   member.report_min = mqtt.period_min;
   member.report_max = mqtt.period_max;
   member.apart_min = apart_min_of(settings);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <optional>
 
 #include "firmware/alarms/alarm_subject.h"
@@ -116,6 +117,12 @@ void Control::dismiss(std::string_view what, TextWriter& answer) {
   if (gateway_.dismiss_gateway(what, now_)) {
     alarms_.dismiss({AlarmKind::gone_gateway, subject_of(what)});
     answer << "ok\ngateway " << what << " is no longer in the list\n";
+    return;
+  }
+  if (const auto wait = gateway_.nodes_leave_in(what, now_)) {
+    answer << "error gateway " << what << " is gone, and its nodes are waited for until "
+           << "leave_after is over; dismiss it then, in "
+           << std::chrono::ceil<std::chrono::seconds>(*wait).count() + 1 << " s at the soonest\n";
     return;
   }
   Serial called;

@@ -29,6 +29,10 @@
 
 namespace etcm::firmware {
 
+// Where a broker was away its members come back one after the other: so long after its own
+// connection is back a gateway waits for the others.
+inline constexpr port::Duration return_time = port::broker_pause_max + std::chrono::seconds(20);
+
 struct FleetSettings {
   std::string site;     // is_fleet_name()
   std::string gateway;  // the same; no two of a site have one
@@ -43,6 +47,8 @@ struct FleetSettings {
   port::Duration silent_after = std::chrono::seconds(100);
   // A member that has not been online for so long: its nodes leave.
   port::Duration leave_after = std::chrono::hours(1);
+  // Nor does it leave sooner than so long after a broker that was away is back.
+  port::Duration return_time{};
   // A node is told of no sooner than this after the last time, and no later than that.
   port::Duration report_min = std::chrono::seconds(10);
   port::Duration report_max = std::chrono::minutes(10);

@@ -175,8 +175,11 @@ void FleetMember::State::forget_tombstones(port::Instant now) {
 // One of those who are there says of the nodes of a member that is gone that they have left.
 void FleetMember::State::bury_nodes_of_the_gone(port::Instant now) {
   const auto is_gone = [&](const Peer& peer) {
-    return peer.state != PeerState::online &&
-           now - std::max(peer.since, since) >= settings.leave_after && rank_for(peer.name) == 0;
+    const port::Duration patience = was_apart && !peer.is_back
+                                        ? std::max(settings.leave_after, settings.return_time)
+                                        : settings.leave_after;
+    return peer.state != PeerState::online && now - std::max(peer.since, since) >= patience &&
+           rank_for(peer.name) == 0;
   };
   if (std::none_of(peers.begin(), peers.end(),
                    [&](const auto& entry) { return is_gone(entry.second); })) {

@@ -87,6 +87,9 @@ class FleetLink final : private FleetListener {
 
   // The gateway is in the list, and not there.
   bool is_gone(std::string_view gateway) const;
+  // In so much time at the soonest the nodes of one that is gone leave; none: it is not gone, or
+  // has none, or this gateway does not know.
+  std::optional<port::Duration> nodes_leave_in(std::string_view gateway, port::Instant now) const;
   // It is left out of the list until it is there again. False: it is there, or hears nodes by what
   // is known.
   bool dismiss_gone(std::string_view gateway, port::Instant now);
@@ -134,7 +137,7 @@ class FleetLink final : private FleetListener {
   void tell_presence(const PeerReport& peer, const FleetStatus& status, port::Instant now);
   void tell_twin(const PeerReport& peer);
   void tell_difference(const ReportedMember& row);
-  void note_refusal(const FleetStatus& status);
+  void note_refusal(const FleetStatus& status, port::Instant now);
   ReportedMember peer_row(const PeerReport& peer, const OwnStand& own, const FleetStatus& status,
                           bool agrees, port::Instant now);
   OwnStand own_stand(const FleetStatus& status) const;

@@ -42,11 +42,6 @@ constexpr std::string_view to_string(MemberState state) {
   return "";
 }
 
-// Where a broker was away its gateways come back one after the other; so long after its own
-// connection is back a gateway waits for the others.
-inline constexpr port::Duration gone_grace = std::chrono::seconds(10);
-inline constexpr port::Duration return_time = port::broker_pause_max + 2 * gone_grace;
-
 // What to do about a gateway that is gone.
 inline constexpr std::string_view gone_cure =
     "look at its machine, its power, its network and its log: the broker may refuse it";
@@ -70,6 +65,14 @@ struct ReportedMember {
   // It was there before the broker was away, and is not since.
   bool left_with_broker = false;
 };
+
+// How one that is gone is dismissed; its name follows.
+constexpr std::string_view how_to_dismiss(const ReportedMember& member) {
+  return member.node_count == 0
+             ? "; if it is gone for good: sudo etcm-gateway ctl dismiss "
+             : "; if it is gone for good, once its nodes have left, after leave_after: sudo "
+               "etcm-gateway ctl dismiss ";
+}
 
 // By name, this gateway among them.
 struct FleetReport {
@@ -107,6 +110,7 @@ inline port::Duration time_apart(const FleetReport& fleet, port::Instant now) {
 
 // It has been gone for longer than a restart of its program or of its connection takes: what the
 // list says at once is then a trouble. Who was apart itself knows nothing of the others yet.
+inline constexpr port::Duration gone_grace = std::chrono::seconds(10);
 inline bool is_gone_for_long(const FleetReport& fleet, const ReportedMember& member,
                              port::Duration leave_after, port::Instant now) {
   if (member.state != MemberState::gone || !fleet.is_connected) return false;

@@ -74,7 +74,7 @@ bool FleetLink::has_left_with_broker(const PeerReport& peer) const {
 
 bool FleetLink::may_come_back(const PeerReport& peer, const FleetStatus& status,
                               port::Instant now) const {
-  return has_left_with_broker(peer) && now - status.since < std::min(return_time, leave_after_);
+  return has_left_with_broker(peer) && now - status.since < return_time;
 }
 
 void FleetLink::make_report(port::Instant now) {
@@ -88,7 +88,7 @@ void FleetLink::make_report(port::Instant now) {
   report_.is_told = report_.is_settled && status.is_header_taken;
   report_.is_site_known = report_.is_settled && status.is_site_known;
   report_.connected_or_not_since = status.since;
-  note_refusal(status);
+  note_refusal(status, now);
   report_.broker = broker_.counters();
   report_.agreeing = status.is_connected ? agreement.agreeing : 1;
   const SiteDocument* const site = member_.site();
@@ -167,6 +167,20 @@ bool FleetLink::is_gone(std::string_view gateway) const {
                      [&](const auto& member) { return member.name == gateway && member.has_left; });
 }
 
+// Another one says of them that they have left, all of it connected.
+std::optional<port::Duration> FleetLink::nodes_leave_in(std::string_view gateway,
+                                                        port::Instant now) const {
+  const FleetStatus status = member_.status();
+  for (const PeerReport& peer : member_.peers()) {
+    if (peer.name != gateway || !has_left(peer) || peer.node_count == 0) continue;
+    const port::Instant from = status.is_connected ? std::max(peer.since, status.since) : now;
+    const port::Duration wait =
+        has_left_with_broker(peer) ? std::max(leave_after_, return_time) : leave_after_;
+    return std::max<port::Duration>(from + wait - now, {});
+  }
+  return std::nullopt;
+}
+
 bool FleetLink::is_dismissed(const PeerReport& peer, const char* why) {
   if (peer.state == PeerState::online || peer.node_count > 0) return false;
   if (!member_.dismiss(peer.name)) return false;
@@ -235,13 +249,21 @@ void FleetLink::note_apart(const FleetStatus& status, port::Instant now) {
   if (!why.empty()) report_.trouble = why;
 }
 
-void FleetLink::note_refusal(const FleetStatus& status) {
+void FleetLink::note_refusal(const FleetStatus& status, port::Instant now) {
   report_.refusal.clear();
-  if (!status.is_connected || !status.is_refused) return;
+  // Some brokers hang up after a refusal, again and again.
+  const bool has_just_ended = !status.is_connected && now - status.since < port::broker_pause_max;
+  if (!status.is_refused || !(status.is_connected || has_just_ended)) return;
+  std::string others;
+  for (const PeerReport& peer : member_.peers()) {
+    others += (others.empty() ? " are " : ", ") + peer.name;
+  }
   report_.refusal =
       "the broker does not let this gateway tell what it hears, so the others know nothing of it; "
       "allow it to write etcm/v1/" +
-      report_.site + "/" + report_.name + "/# there";
+      report_.site + "/" + report_.name +
+      "/# there, or correct `site` in [mqtt]: others of site '" + report_.site + "'" +
+      (others.empty() ? " there are none" : others);
 }
 
 ReportedMember FleetLink::peer_row(const PeerReport& peer, const OwnStand& own,

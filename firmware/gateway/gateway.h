@@ -109,6 +109,10 @@ class Gateway final : private ReadingListener, private RequestSource {
   // The gateway is left out of the list, and its nodes that are missing are waited for no longer.
   // False: none of this name is gone.
   bool dismiss_gateway(std::string_view name, port::Instant now);
+  // Where its nodes are still waited for: in so much time at the soonest they leave.
+  std::optional<port::Duration> nodes_leave_in(std::string_view name, port::Instant now) const {
+    return fleet_ ? fleet_->nodes_leave_in(name, now) : std::nullopt;
+  }
 
   // Those who read along over the broker are given this message, where there is one
   // (alarm_teller.h).

@@ -214,7 +214,7 @@ void look_at_gone(const StatusSources& sources, port::Instant now, Reasons& reas
   reason << "fleet: gateway " << first->name;
   if (first->left_with_broker) reason << not_back << ", and";
   reason << " is gone for " << whole_seconds(age_of(first->since, now)) << " s: " << gone_cure
-         << "; if it is gone for good: sudo etcm-gateway ctl dismiss " << first->name;
+         << how_to_dismiss(*first) << first->name;
   if (count > 1) reason << "; and " << count - 1 << " more gone";
 }
 

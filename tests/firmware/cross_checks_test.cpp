@@ -143,7 +143,7 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"more_units_than_vertices",
             bus("127.0.0.1:502", "units = \"1-6\"\n") +
                 bus("127.0.0.1:503", "units = \"1-3\"\nassign = \"10-11\"\n"),
-            3, "the buses have 11 units", "set it to twice as many"},
+            3, "the buses have 11 units", "set vertices_max to twice as many"},
         Row{"listens_for_others_and_lets_in_none",
             bus("127.0.0.1:502") + "[http]\nlisten = \"0.0.0.0:8080\"\n", 8,
             "'listen' of [http] is for other machines, but 'allow' lets in this one alone",

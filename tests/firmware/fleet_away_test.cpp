@@ -1,9 +1,11 @@
 // Gateways of one fleet whose broker goes and comes back: who is called gone, when, and since when.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <chrono>
 #include <string>
 
+#include "firmware/control/control.h"
 #include "fleet_members.h"
 #include "page_reader.h"
 
@@ -14,7 +16,7 @@ using namespace std::chrono_literals;
 
 class FleetAway : public WestAndEast {
  protected:
-  // Nodes do not leave meanwhile.
+  // A gateway that is gone is told before its nodes leave.
   void settle_for_long() {
     for (Member* const member : {&west_, &east_}) member->rig.settings.poll.leave_after = 1h;
     settle();
@@ -32,6 +34,30 @@ class FleetAway : public WestAndEast {
       if (member.name == name) return member;
     }
     return {.name = "nobody"};
+  }
+  // What west answers to a person there.
+  std::string tell(const std::string& line) {
+    const RecentEvents events(west_.rig.clock, west_.rig.log);
+    const FollowingWallClock wall_clock(west_.rig.clock);
+    const port::ServiceCounters nobody;
+    Control control(*west_.rig.gateway, west_.desk->watch.book(),
+                    {.gateway = *west_.rig.gateway,
+                     .events = events,
+                     .alarms = west_.desk->watch.book(),
+                     .wall_clock = wall_clock,
+                     .masters = nobody,
+                     .readers = nobody,
+                     .version = "1"},
+                    west_.rig.log);
+    control.advance(west_.rig.clock.now());
+    control.begin(0, line);
+    std::string answer;
+    std::array<char, 64> out;
+    while (const std::size_t size = control.read(0, out)) answer.append(out.data(), size);
+    return answer;
+  }
+  std::string cure_of_first_alarm() const {
+    return std::string(west_.desk->watch.book().open(0).cure());
   }
   std::string alarms() const {
     std::string lines;
@@ -65,6 +91,21 @@ TEST_F(FleetAway, NobodyIsCalledGoneBeforeItMustHaveComeBackToABrokerThatWasAway
   EXPECT_EQ(row("east").state, MemberState::here);
   run_both(2 * gone_grace);
   EXPECT_EQ(alarms() + page_of(west_, "/healthz"), "ok\n");
+}
+
+TEST_F(FleetAway, NoNodesLeaveBeforeTheirGatewayMustHaveComeBack) {
+  for (Member* const member : {&west_, &east_}) member->rig.settings.poll.leave_after = 30s;
+  settle();
+  hub_.go();
+  east_.client.is_cut_off = true;
+  run_both(60s);
+  hub_.come_back();
+  run_both(return_time - 1s);
+  EXPECT_EQ(alarms() + page_of(west_, "/healthz"), "ok\n");
+  EXPECT_EQ(west_.rig.gateway->node_count(), 4u);
+  run_both(12s);
+  EXPECT_EQ(west_.rig.gateway->node_count(), 2u);
+  EXPECT_NE(alarms(), "");
 }
 
 TEST_F(FleetAway, WhoHasNotComeBackSinceTheBrokerWasAwayIsToldSinceThen) {
@@ -114,6 +155,41 @@ TEST_F(FleetAway, WhileItIsApartItKnowsNothingOfTheOthers) {
   const std::string status = page_of(west_, "/status.json");
   EXPECT_NE(status.find("{\"name\":\"east\",\"state\":\"unknown\","), std::string::npos);
   EXPECT_NE(status.find(",\"mesh_hash\":null,\"agrees\":false"), std::string::npos) << status;
+}
+
+TEST_F(FleetAway, OneThatIsGoneIsDismissedOnceItsNodesHaveLeft) {
+  for (Member* const member : {&west_, &east_}) member->rig.settings.poll.leave_after = 60s;
+  settle();
+  east_.client.lose();
+  east_.client.is_cut_off = true;
+  run_both(gone_grace + 2s);
+  EXPECT_EQ(alarms(), "gateway east is gone since 12 s\n");
+  EXPECT_NE(cure_of_first_alarm().find("once its nodes have left, after leave_after: sudo"),
+            std::string::npos)
+      << cure_of_first_alarm();
+  EXPECT_EQ(tell("dismiss east"),
+            "error gateway east is gone, and its nodes are waited for until leave_after is over; "
+            "dismiss it then, in 49 s at the soonest\n");
+  run_both(50s);
+  EXPECT_NE(cure_of_first_alarm().find("; if it is gone for good: sudo"), std::string::npos);
+  EXPECT_EQ(tell("dismiss east"), "ok\ngateway east is no longer in the list\n");
+}
+
+TEST_F(FleetAway, WhoMayNotWriteIsToldThatItsSiteMayBeTheWrongOne) {
+  west_.rig.settings.mqtt->site = "sight";
+  west_.client.is_denied = true;
+  settle_for_long();
+  const std::string cure =
+      "allow it to write etcm/v1/sight/west/# there, or correct `site` in [mqtt]: others of site "
+      "'sight' there are none";
+  EXPECT_EQ(cure_of_first_alarm(), cure);
+  EXPECT_NE(page_of(west_, "/healthz").find(cure), std::string::npos);
+  // A broker that hangs up then.
+  west_.client.lose();
+  west_.client.is_cut_off = true;
+  run_both(20s);
+  EXPECT_EQ(cure_of_first_alarm(), cure);
+  EXPECT_NE(page_of(west_, "/healthz").find(cure), std::string::npos);
 }
 
 }  // namespace

@@ -286,7 +286,8 @@ TEST_F(Site, TooLittleRoomIsSaidBeforeItIsNeeded) {
   for (int i = 1; i <= 51; ++i)
     line += ", [" + std::to_string(i) + ", " + std::to_string(i % 2) + "]";
   draw(geometry("LineString", line + "]"));
-  EXPECT_NE(mistakes().find("51 segments of features, and features_max in [mesh] is 50"),
+  EXPECT_NE(mistakes().find("51 segments of features, and features_max in [mesh] is 50; set "
+                            "features_max to twice as many"),
             std::string::npos)
       << mistakes();
 }
