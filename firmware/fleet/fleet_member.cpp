@@ -118,7 +118,6 @@ void FleetMember::on_connected(port::Instant now) {
 void FleetMember::on_disconnected(std::string_view, port::Instant now) {
   State& state = *state_;
   state.is_connected = state.is_settled = false;
-  state.was_apart = true;
   state.since = now;
   state.out.on_disconnected();
 }

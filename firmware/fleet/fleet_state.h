@@ -226,7 +226,6 @@ struct FleetMember::State {
   port::Log& log;
 
   bool is_connected = false;
-  bool was_apart = false;  // it was connected before this connection
   bool is_settled = false;
   bool is_blocked = false;       // the broker takes no more for now
   port::Instant since{};         // connected, or apart

@@ -175,9 +175,8 @@ void FleetMember::State::forget_tombstones(port::Instant now) {
 // One of those who are there says of the nodes of a member that is gone that they have left.
 void FleetMember::State::bury_nodes_of_the_gone(port::Instant now) {
   const auto is_gone = [&](const Peer& peer) {
-    const port::Duration patience = was_apart && !peer.is_back
-                                        ? std::max(settings.leave_after, settings.return_time)
-                                        : settings.leave_after;
+    const port::Duration patience =
+        peer.is_back ? settings.leave_after : std::max(settings.leave_after, settings.return_time);
     return peer.state != PeerState::online && now - std::max(peer.since, since) >= patience &&
            rank_for(peer.name) == 0;
   };

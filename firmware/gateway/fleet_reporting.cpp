@@ -72,9 +72,11 @@ bool FleetLink::has_left_with_broker(const PeerReport& peer) const {
   return has_left(peer) && !peer.is_back && away_since_ && peer.since >= *away_since_ - gone_grace;
 }
 
+// One that begins may do so together with its broker, and does not know since when another is gone.
 bool FleetLink::may_come_back(const PeerReport& peer, const FleetStatus& status,
                               port::Instant now) const {
-  return has_left_with_broker(peer) && now - status.since < return_time;
+  const bool went_long_before = away_since_ && peer.since < *away_since_ - gone_grace;
+  return has_left(peer) && !peer.is_back && !went_long_before && now - status.since < return_time;
 }
 
 void FleetLink::make_report(port::Instant now) {
@@ -174,8 +176,7 @@ std::optional<port::Duration> FleetLink::nodes_leave_in(std::string_view gateway
   for (const PeerReport& peer : member_.peers()) {
     if (peer.name != gateway || !has_left(peer) || peer.node_count == 0) continue;
     const port::Instant from = status.is_connected ? std::max(peer.since, status.since) : now;
-    const port::Duration wait =
-        has_left_with_broker(peer) ? std::max(leave_after_, return_time) : leave_after_;
+    const port::Duration wait = peer.is_back ? leave_after_ : std::max(leave_after_, return_time);
     return std::max<port::Duration>(from + wait - now, {});
   }
   return std::nullopt;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <chrono>
+#include <memory>
 #include <string>
 
 #include "firmware/control/control.h"
@@ -106,6 +107,18 @@ TEST_F(FleetAway, NoNodesLeaveBeforeTheirGatewayMustHaveComeBack) {
   run_both(12s);
   EXPECT_EQ(west_.rig.gateway->node_count(), 2u);
   EXPECT_NE(alarms(), "");
+}
+
+// Such as on the machine of the broker, when that has had no power.
+TEST_F(FleetAway, OneThatBeginsWaitsForTheOthersAsLong) {
+  settle_for_long();
+  east_.client.lose();
+  east_.client.is_cut_off = true;
+  const std::unique_ptr<Member> again = west_.restarted(hub_, 77);
+  run({again.get()}, return_time - 1s);
+  EXPECT_EQ(page_of(*again, "/healthz"), "ok\n");
+  run({again.get()}, 12s);
+  EXPECT_EQ(page_of(*again, "/healthz").find("fleet: gateway east is gone for "), 0u);
 }
 
 TEST_F(FleetAway, WhoHasNotComeBackSinceTheBrokerWasAwayIsToldSinceThen) {
