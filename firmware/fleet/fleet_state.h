@@ -151,6 +151,7 @@ struct FleetMember::State {
   bool has_older(Serial serial, const FleetRecord& record) const;
   bool is_anywhere(Serial serial) const;
   std::uint32_t rank_for(const std::string& key) const;
+  void withdraw(Serial serial, port::Instant now);
   void offer_what_is_said(Serial serial, port::Instant now);
   void offer_what_is_held_for(const std::string& owner, port::Instant now);
   void drop_needless(port::Instant now);

@@ -100,11 +100,22 @@ void FleetMember::State::keep_covered(port::Instant now) {
       node.uncovered_since = port::never;
     }
   }
-  for (const Serial serial : withdrawn) {
-    forget(serial, now);
-    offer_what_is_said(serial, now);
-    reconcile(serial, now);
-  }
+  for (const Serial serial : withdrawn) withdraw(serial, now);
+}
+
+// What others say of the node holds then: the gateway is told what comes of both, and not that the
+// node left and is there again.
+void FleetMember::State::withdraw(Serial serial, port::Instant now) {
+  const auto at = merged.nodes().find(serial);
+  if (at == merged.nodes().end()) return;
+  const bool was_foreign = at->second.told == MergedNode::Told::foreign;
+  merged.forget(at);
+  has_news_to_save = true;
+  offer_what_is_said(serial, now);
+  reconcile(serial, now);
+  const MergedNode* const known = merged.find(serial);
+  if (!was_foreign || (known != nullptr && known->told == MergedNode::Told::foreign)) return;
+  listener.on_node_gone(serial, known == nullptr ? LeftReason::removed : known->record->left, now);
 }
 
 // A version may have come to say less than it did: then what is forgotten hid what is said now. A

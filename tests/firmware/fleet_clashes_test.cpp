@@ -117,6 +117,21 @@ TEST_P(OneName, WhatTheFirstHearsIsNotTheSecondOnesAfterARestart) {
   EXPECT_EQ(again->rig.log.count("is missing"), 0u);
 }
 
+// While it had the name it had taken the nodes of the other one for its own.
+TEST_P(OneName, WhoHasANameOfItsOwnThenSeesNoNodeOfTheOtherLeaveAndReturn) {
+  settle();
+  run_all(8s);
+  const std::unique_ptr<Member> again = twin_.restarted(hub_, GetParam() ^ 2);
+  run({&west_, &east_, again.get()}, 20s);
+  again->client.lose();
+  again->rig.settings.mqtt->name = "north";
+  const std::unique_ptr<Member> renamed = again->restarted(hub_, GetParam() ^ 4);
+  run({&west_, &east_, renamed.get()}, 10s);
+  EXPECT_FALSE(renamed->find(1)->stale);
+  EXPECT_EQ(renamed->mesh_hash(), west_.mesh_hash());
+  EXPECT_EQ(renamed->rig.log.count(" left ("), 0u);
+}
+
 INSTANTIATE_TEST_SUITE_P(FleetClashes, OneName, testing::Values(1u, ~std::uint64_t{0}),
                          [](const auto& test) {
                            return std::string(test.param == 1
