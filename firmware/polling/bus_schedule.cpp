@@ -73,7 +73,7 @@ port::Instant BusSchedule::update_settings(const PollSettings& poll, const BusSe
   cost_max_ = cost_max_of(settings_);
   const port::Instant asked_by = now + poll_.interval;
   for (Turns* const turns : all_turns()) {
-    for (Turn& turn : *turns) turn.due = std::min(turn.due, now + pause_of(turn.address));
+    for (Turn& turn : *turns) turn.due = std::min(turn.due, now + pause_of(turn.address, true));
     std::make_heap(turns->begin(), turns->end(), Later{});
   }
   discovery_due_ = std::min(discovery_due_, asked_by);
@@ -299,6 +299,7 @@ void BusSchedule::note_success(ModbusAddress address, port::Instant now) {
 
 // The first unit answers again: whatever was broken is mended.
 void BusSchedule::bring_back_all(port::Instant now) {
+  mended_at_ = now;
   for (Turns* const turns : {&repeats_, &retries_}) {
     for (Turn& turn : *turns) {
       turn.due = std::min(turn.due, now);
@@ -316,12 +317,17 @@ void BusSchedule::note_failure(ModbusAddress address, bool is_miss, port::Instan
   UnitSchedule& unit = units_[address.value];
   const bool was_sound = is_sound(address);
   if (was_sound) --sound_;
+  if (!was_sound && unit.asked_at < mended_at_ && unit.failures > failures_free) {
+    // It was asked while all were silent, so it comes back with the others.
+    unit.failures = failures_free;
+    return ask_again(address, now);
+  }
   ++unit.failures;
   const bool is_lost = unit.failures >= failures_of_the_lost && sound_ > 0;
   if (!unit.is_listed && (!unit.has_answered || is_lost)) return rest(address);
   // Networks lose no frame; what is behind them does, but not of all at once.
   const bool is_at_once = is_miss && was_sound && (takes_one() || sound_ > 0);
-  const port::Instant due = std::max(now, due_after(unit, pause_of(address)));
+  const port::Instant due = std::max(now, due_after(unit, pause_of(address, is_miss)));
   ask_again(address, is_at_once ? unit.due : due);
 }
 
@@ -361,9 +367,9 @@ void BusSchedule::charge_retry(port::Duration cost, port::Instant now) {
                       now);
 }
 
-port::Duration BusSchedule::pause_of(ModbusAddress address) const {
+port::Duration BusSchedule::pause_of(ModbusAddress address, bool is_miss) const {
   const std::uint32_t failures = units_[address.value].failures;
-  if (failures <= failures_free) return poll_.interval;
+  if (failures <= failures_free || (sound_ == 0 && !is_miss)) return poll_.interval;
   const std::uint32_t doublings =
       sound_ == 0 ? 0 : std::min(failures - failures_free, doublings_max);
   const port::Duration pause =

@@ -159,7 +159,7 @@ class BusSchedule {
   bool takes_one() const { return settings_.outstanding_max == 1 || bus_.is_one_line(); }
   bool is_repeated(const UnitSchedule& unit) const;
   port::Duration retry_cost(const UnitSchedule& unit) const;
-  port::Duration pause_of(ModbusAddress address) const;
+  port::Duration pause_of(ModbusAddress address, bool is_miss) const;
   port::Duration discovery_pause(port::Duration cost) const;
   port::Instant due_after(const UnitSchedule& unit, port::Duration pause) const;
   void charge_retry(port::Duration cost, port::Instant now);
@@ -197,6 +197,7 @@ class BusSchedule {
   Turns repeats_;                          // of those that have failed once
   Turns retries_;                          // of other failing ones
   std::uint32_t sound_ = 0;                // units that answered when last asked
+  port::Instant mended_at_{};              // when the first of all silent ones answered again
   std::uint32_t unsure_under_way_ = 0;     // questions to units that failed or are not heard yet
   std::optional<port::Instant> begun_at_;  // the first question
 
