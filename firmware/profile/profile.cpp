@@ -12,37 +12,37 @@ constexpr std::int64_t latitude_max = 90 * nano_per_one;
 
 bool is_within(std::int64_t nano, std::int64_t most) { return nano >= -most && nano <= most; }
 
-using State = DevicePosition::State;
+using PositionState = DevicePosition::State;
 
-State state_on_earth(std::int64_t longitude, std::int64_t latitude) {
-  if (longitude == 0 && latitude == 0) return State::zero;
-  if (!is_within(longitude, longitude_max)) return State::beyond_longitude;
-  return is_within(latitude, latitude_max) ? State::value : State::beyond_latitude;
+PositionState state_on_earth(std::int64_t longitude, std::int64_t latitude) {
+  if (longitude == 0 && latitude == 0) return PositionState::zero;
+  if (!is_within(longitude, longitude_max)) return PositionState::beyond_longitude;
+  return is_within(latitude, latitude_max) ? PositionState::value : PositionState::beyond_latitude;
 }
 
-State state_of(const FieldValue& coordinate) {
+PositionState state_of(const FieldValue& coordinate) {
   switch (coordinate.state) {
     case FieldValue::State::value:
-      return State::value;
+      return PositionState::value;
     case FieldValue::State::none:
-      return State::none;
+      return PositionState::none;
     case FieldValue::State::malformed:
-      return State::malformed;
+      return PositionState::malformed;
     case FieldValue::State::out_of_range:
-      return State::out_of_range;
+      return PositionState::out_of_range;
     case FieldValue::State::other_axis:
       switch (coordinate.letter) {
         case 'N':
-          return State::north_in_longitude;
+          return PositionState::north_in_longitude;
         case 'S':
-          return State::south_in_longitude;
+          return PositionState::south_in_longitude;
         case 'E':
-          return State::east_in_latitude;
+          return PositionState::east_in_latitude;
         default:
-          return State::west_in_latitude;
+          return PositionState::west_in_latitude;
       }
   }
-  return State::none;
+  return PositionState::none;
 }
 
 constexpr const char* look_at_sky = "look at the sky above its antenna, and its cable";
@@ -98,50 +98,50 @@ bool hold_all(std::span<const Condition> conditions, const Sweep& sweep) {
 
 DevicePosition position_of(const Profile& profile, const Sweep& sweep) {
   if (profile.positioning == Profile::Positioning::surveyed) return {};
-  if (!hold_all(profile.valid, sweep)) return {.state = State::invalid};
+  if (!hold_all(profile.valid, sweep)) return {.state = PositionState::invalid};
   const FieldValue east = decode(profile.east, sweep);
   const FieldValue north = decode(profile.north, sweep);
-  State state = state_of(east);
-  if (state == State::value) state = state_of(north);
-  if (state == State::value && profile.positioning == Profile::Positioning::degrees) {
+  PositionState state = state_of(east);
+  if (state == PositionState::value) state = state_of(north);
+  if (state == PositionState::value && profile.positioning == Profile::Positioning::degrees) {
     state = state_on_earth(east.nano, north.nano);
   }
-  if (state != State::value) return {.state = state};
-  return {.state = State::value, .east_nano = east.nano, .north_nano = north.nano};
+  if (state != PositionState::value) return {.state = state};
+  return {.state = PositionState::value, .east_nano = east.nano, .north_nano = north.nano};
 }
 
 NoPosition explain(DevicePosition::State state) {
   switch (state) {
-    case State::value:
-    case State::invalid:
+    case PositionState::value:
+    case PositionState::invalid:
       return {"says that its position is not valid", look_at_sky};
-    case State::unknown:
+    case PositionState::unknown:
       return {"has a profile without a position, and the settings do not say where it stands",
               "give it a [[node]] with its bus, its unit and x, y or longitude, latitude"};
-    case State::none:
+    case PositionState::none:
       return {"says that a coordinate has no value", look_at_sky};
-    case State::malformed:
+    case PositionState::malformed:
       return {
           "has a coordinate that is not written as its type and format say (60 minutes or "
           "more, or no number)",
           correct_field};
-    case State::out_of_range:
+    case PositionState::out_of_range:
       return {"has a coordinate outside its 'range', or too large to be counted",
               "correct 'range' in the profile, or its other keys (etcm-bus probe shows what each "
               "coordinate is)"};
-    case State::zero:
+    case PositionState::zero:
       return {"says that it is at 0, 0 degrees, as devices do that know no place", look_at_sky};
-    case State::beyond_longitude:
+    case PositionState::beyond_longitude:
       return {"has a longitude beyond 180 degrees", correct_field};
-    case State::beyond_latitude:
+    case PositionState::beyond_latitude:
       return {"has a latitude beyond 90 degrees", correct_field};
-    case State::north_in_longitude:
+    case PositionState::north_in_longitude:
       return {"has the letter N in its longitude, where only E and W belong", exchange_axes};
-    case State::south_in_longitude:
+    case PositionState::south_in_longitude:
       return {"has the letter S in its longitude, where only E and W belong", exchange_axes};
-    case State::east_in_latitude:
+    case PositionState::east_in_latitude:
       return {"has the letter E in its latitude, where only N and S belong", exchange_axes};
-    case State::west_in_latitude:
+    case PositionState::west_in_latitude:
       return {"has the letter W in its latitude, where only N and S belong", exchange_axes};
   }
   return {"", ""};
