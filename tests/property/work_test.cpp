@@ -230,6 +230,27 @@ TEST_P(WorkOf, ACallStaysWithinTheLimit) {
   EXPECT_GT(units, 16u);
 }
 
+// One that sees all of a feature, from far: what it may touch is not looked at again unless it
+// does.
+TEST(WorkOfARefusedCall, IsWithinEachLimit) {
+  Graph graph{"", {{0, 0}, {4000, 0}, {2000, 3000}}, {between_nodes(0, 1)}};
+  for (std::int32_t i = 0; i < 40; ++i) graph.nodes.push_back({50 + 100 * i, -15});
+  const auto mesh = built(graph);
+  const VertexId far = vertex_of(2);
+  ASSERT_GT((*mesh)->neighbours(far, {}), 8u);
+  const Picture before = picture_of(**mesh);
+  Status refused = Status::work_limit;
+  for (std::uint64_t units = 1; refused == Status::work_limit; ++units) {
+    ASSERT_LT(units, 100'000u) << "no limit is enough";
+    refused = (*mesh)->move(far, {2000, 3001}, Work{units});
+    ASSERT_LE((*mesh)->work_needed().units, units);
+    if (refused == Status::work_limit) {
+      ASSERT_TRUE(picture_of(**mesh) == before) << units;
+    }
+  }
+  EXPECT_EQ(refused, Status::ok);
+}
+
 TEST_P(WorkOf, ACallNeedsWhatItSays) {
   const auto unlimited = prepared();
   const Status answer = call(**unlimited);

@@ -26,15 +26,21 @@ bool may_remove_touching(Change& change, VertexId v, unsigned& degree) noexcept 
   MeshState& m = change.mesh;
   degree = 0;
   if (m.topology.triangle_count() == 0) return m.work.spend(1);
-  Spokes spokes(m.topology, v, m.work.left());
+  // Nothing is touched before it is known that all of it may be: what is touched is looked at again
+  // when the call goes back.
+  Spokes counted(m.topology, v, m.work.left());
+  while (counted.turn()) {
+  }
+  degree = counted.turns();
+  if (!may_remove(change, degree)) return false;
+  Spokes spokes(m.topology, v);
   do {
     const VertexId w = spokes.target();
     if (w != infinite_vertex && m.owner(w).role() != Role::node) {
       touch(change, m.owner(w).segment(), w, w);
     }
   } while (spokes.turn());
-  degree = spokes.turns();
-  return may_remove(change, degree);
+  return true;
 }
 
 bool detach(Change& change, VertexId steiner) noexcept {
