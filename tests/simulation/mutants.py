@@ -17,7 +17,7 @@ from pathlib import Path
 
 DAYS = "60"
 # Those that want a rare meeting of two faults.
-DAYS_OF = {"nothing_is_cleared_at_the_start": "400", "a_standstill_is_a_cost": "400"}
+DAYS_OF = {"a_standstill_is_a_cost": "400"}
 
 # Name: the file, a text that stands in it once, what stands there instead.
 MUTANTS = {
@@ -30,9 +30,6 @@ MUTANTS = {
     "a_cut_line_is_not_opened_again": (
         "port/modbus/rtu_bus.cpp", "next_attempt_ = now + options_.reopen_interval;",
         "next_attempt_ = never;"),
-    "nothing_is_cleared_at_the_start": (
-        "port/modbus/rtu_bus.cpp", "clear_at_ = options_.clearing > Duration{} ? now + clearing : now;",
-        "clear_at_ = now;"),
     # Behind a converter.
     "answers_of_any_transaction": (
         "port/modbus/transaction_queue.cpp",
@@ -118,7 +115,7 @@ MUTANTS = {
         "generation_ = saved->generation;"),
     "restored_positions_are_fresh": (
         "firmware/persist/state_transfer.cpp",
-        "record->positioned_at = now - std::chrono::milliseconds(node.age_ms);\n  record->stale = true;",
+        "record->positioned_at = saved_at - std::chrono::milliseconds(node.age_ms);\n  record->stale = true;",
         "record->positioned_at = now;"),
 }
 
