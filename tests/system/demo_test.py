@@ -24,11 +24,21 @@ class Live(Looking, ProgramCase):
             program.stop(signal.SIGTERM)
         super().tearDown()
 
-    def test_the_map_is_where_it_says_until_it_is_interrupted(self):
-        # A name of its own: its folder is not that of somebody's demo.
-        poly = self.folder / "demo_test.poly"
+    def site(self, name):
+        """A name of its own: its folder is not that of somebody's demo."""
+        poly = self.folder / f"{name}.poly"
         poly.write_text("24 2 0 0\n" + "".join(f"{n} {n * 37 % 101} {n * n % 97}\n"
                                               for n in range(1, 25)) + "1 0\n1 1 2\n0\n")
+        return poly
+
+    def test_it_ends_with_what_came_of_it(self):
+        demo = self.start("demo", [DEMO, "--poly", self.site("demo_end_test")])
+        self.assertEqual(demo.process.wait(PATIENCE_S), 0, demo.log())
+        self.assertRegex(demo.log(), r"(?m)^nodes +24\nfeatures +1 of 1\nproposed relays +\d+\ntriangles +\d+\n"
+                                     r"generations +\d+\nconforming +yes \(audited\)\nmedian join +[\d.]+ us$")
+
+    def test_the_map_is_where_it_says_until_it_is_interrupted(self):
+        poly = self.site("demo_test")
         demo = self.start("demo", [DEMO, "--live", "--poly", poly])
         url = demo.wait_for_line(r"(?m)^live map +(.+)$").group(1)
         self.assertRegex(url, r"^http://127\.0\.0\.1:\d+$")
