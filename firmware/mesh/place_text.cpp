@@ -22,9 +22,9 @@ TextLine& write_angle(TextLine& text, std::int64_t nanodegrees) {
 
 // To a thousandth, without zeros at the end.
 void write_coordinate(TextLine& text, std::int64_t origin, std::int64_t unit, std::int32_t value) {
-  const double nano = static_cast<double>(origin) + static_cast<double>(unit) * value;
+  const double place = static_cast<double>(origin) + static_cast<double>(unit) * value;
   std::array<char, 400> room;  // for any double
-  const auto written = std::to_chars(room.data(), room.data() + room.size(), nano / site_nano,
+  const auto written = std::to_chars(room.data(), room.data() + room.size(), place / site_nano,
                                      std::chars_format::fixed, 3);
   std::string_view digits(room.data(), static_cast<std::size_t>(written.ptr - room.data()));
   while (digits.ends_with('0')) digits.remove_suffix(1);

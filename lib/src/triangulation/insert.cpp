@@ -49,7 +49,7 @@ Units work_back(Units flips) noexcept {
 constexpr std::uint32_t flips_between = 16;
 
 Units counted_meanwhile(std::uint32_t flips) noexcept {
-  return Units{flips / flips_between * flips_between} * work_of_flip;
+  return Units{flips} / flips_between * flips_between * work_of_flip;
 }
 
 void count_flips(MeshState& m, bool is_insertion) noexcept {
