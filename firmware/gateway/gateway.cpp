@@ -8,6 +8,7 @@
 #include "etcm/audit.h"
 #include "firmware/config/fleet_settings.h"
 #include "firmware/publish/mesh_registers.h"
+#include "firmware/site/site_plane.h"
 
 namespace etcm::firmware {
 
@@ -22,12 +23,6 @@ constexpr std::int64_t forever_s = std::chrono::seconds(24h * 366 * 100).count()
 
 // The published one, the next, and what a client that reads slowly is pinned to.
 constexpr std::size_t images_ready = 3;
-
-std::int64_t squared_distance(Position a, Position b) {
-  const std::int64_t dx = std::int64_t{a.x} - b.x;
-  const std::int64_t dy = std::int64_t{a.y} - b.y;
-  return dx * dx + dy * dy;
-}
 
 }  // namespace
 

@@ -10,13 +10,6 @@ bool is_node(const SnapshotVertex& vertex) {
   return vertex.kind == VertexKind::node && !vertex.is_anchor;
 }
 
-// At most 2^52: position_max is 2^24.
-std::int64_t squared_between(Position a, Position b) {
-  const std::int64_t x = std::int64_t{a.x} - b.x;
-  const std::int64_t y = std::int64_t{a.y} - b.y;
-  return x * x + y * y;
-}
-
 Position place_of(const SnapshotVertex& vertex) {
   return {.x = static_cast<std::int32_t>(vertex.point.x / subunits_per_unit),
           .y = static_cast<std::int32_t>(vertex.point.y / subunits_per_unit)};
@@ -54,11 +47,11 @@ void FarNodes::mark(Snapshot& snapshot) {
   snapshot.middle.x = static_cast<std::int32_t>(pick((count - 1) / 2));
   each_node([](Position place) { return place.y; });
   snapshot.middle.y = static_cast<std::int32_t>(pick((count - 1) / 2));
-  each_node([&](Position place) { return squared_between(place, snapshot.middle); });
+  each_node([&](Position place) { return squared_distance(place, snapshot.middle); });
   const std::int64_t limit =
       std::max(far_times * far_times * pick((3 * count - 1) / 4), least_ * least_);
   for (SnapshotVertex& vertex : snapshot.vertices) {
-    vertex.is_far = is_node(vertex) && squared_between(place_of(vertex), snapshot.middle) > limit;
+    vertex.is_far = is_node(vertex) && squared_distance(place_of(vertex), snapshot.middle) > limit;
     if (vertex.is_far) ++snapshot.far_count;
   }
 }

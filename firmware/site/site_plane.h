@@ -23,6 +23,13 @@ struct SitePlane {
   friend bool operator==(const SitePlane&, const SitePlane&) = default;
 };
 
+// At most 2^51: position_max is 2^24.
+constexpr std::int64_t squared_distance(Position a, Position b) {
+  const std::int64_t x = std::int64_t{a.x} - b.x;
+  const std::int64_t y = std::int64_t{a.y} - b.y;
+  return x * x + y * y;
+}
+
 // The whole number nearest to offset / unit; halves go away from zero. REQUIRES: unit > 0.
 std::int64_t nearest_unit(std::int64_t offset, std::int64_t unit);
 
