@@ -15,9 +15,10 @@
 etcm_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 etcm_log_dir=$etcm_root/build/log
 
-# Presets share most of what they compile.
+# Presets share most of what they compile, and so do clones.
 if command -v ccache >/dev/null; then
   export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
+  export CCACHE_BASEDIR=$etcm_root CCACHE_NOHASHDIR=1
 fi
 
 etcm_fail() {

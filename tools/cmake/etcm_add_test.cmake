@@ -1,7 +1,9 @@
 # etcm_add_test(NAME SOURCES file... [LIBRARIES target...] [TIMEOUT seconds] [LABELS label...]
 #               [COMPUTES])
 #
-# One GoogleTest program; each of its cases becomes a test named "<folder>/<suite>.<case>".
+# One GoogleTest program; each of its cases becomes a test named "<folder>/<suite>.<case>". Under an
+# emulator or sanitizers, where a program takes longer to start than most cases do, its cases are
+# dealt out to a few tests named "<folder>/<program>.<part>" instead.
 # A source of its own with main() is welcome: it takes precedence over GoogleTest's.
 # TIMEOUT is per case; without it a case has 60 seconds. An emulator gets ten times that, a build under
 # sanitizers three times.
@@ -42,7 +44,22 @@ function(etcm_add_test name)
     # GoogleTest's headers take longer to compile than most tests.
     UNITY_BUILD ON
   )
-  # PRE_TEST: a cross build must not run the program while it builds.
+  if(CMAKE_CROSSCOMPILING_EMULATOR OR CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+    # Of the longest program each part runs for a minute or two.
+    set(parts 4)
+    math(EXPR last_part "${parts} - 1")
+    math(EXPR arg_TIMEOUT "4 * ${arg_TIMEOUT}")
+    foreach(part RANGE ${last_part})
+      add_test(NAME "${folder}/${name}.${part}" COMMAND ${name})
+      set_tests_properties("${folder}/${name}.${part}" PROPERTIES
+        ENVIRONMENT "GTEST_TOTAL_SHARDS=${parts};GTEST_SHARD_INDEX=${part}"
+        TIMEOUT ${arg_TIMEOUT}
+        LABELS "${arg_LABELS}"
+      )
+    endforeach()
+    return()
+  endif()
+  # PRE_TEST: the program is not run while it is built.
   gtest_discover_tests(${name}
     TEST_PREFIX "${folder}/"
     NO_PRETTY_VALUES
