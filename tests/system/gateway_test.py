@@ -540,6 +540,8 @@ class CommandLine(GatewayCase):
         self.assertIn("warning: site.toml:2: the buses have 10 units", done.stderr)
         gateway = self.start("gateway", [PROGRAMS / "etcm-gateway", "--config", "site.toml"])
         gateway.wait_for_line(r"warning: site.toml:2: the buses have 10 units")
+        # From here on it ends when it is told to, and not by the signal itself.
+        gateway.wait_for_line(r"serves the mesh on 127\.0\.0\.1:")
         self.assertEqual(gateway.stop(), 0, gateway.log())
 
     def test_what_systemd_gives_to_the_service_alone_is_not_missed_by_a_check(self):
