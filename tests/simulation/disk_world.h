@@ -51,7 +51,6 @@ class DiskWorld final : public port::Store {
   // published by the next one too.
   void lose_power() {
     is_behind_ = is_behind_ || !has_taken_in_ || (is_under_way_ && (hangs || is_full));
-    has_taken_in_ = false;
     // In the middle of putting the new one in its place only the old one is left, as the one
     // before.
     if (is_under_way_ && !is_full && !last_.empty() && random_.below(4) == 0) {
@@ -60,6 +59,7 @@ class DiskWorld final : public port::Store {
     } else if (is_under_way_ && !is_full && random_.below(2) == 0) {
       take_in();
     }
+    has_taken_in_ = false;
     is_under_way_ = false;
   }
   void lose_all() {

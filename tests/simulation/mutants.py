@@ -92,9 +92,6 @@ MUTANTS = {
         "firmware/polling/bus_schedule.cpp",
         "ask_again(address, is_at_once ? unit.due : due);",
         "if (unit.failures < 6) ask_again(address, is_at_once ? unit.due : due);"),
-    "who_is_not_heard_is_asked_evenly": (
-        "firmware/polling/bus_schedule.cpp",
-        "return pause - pause / 8 / 1024 * (mix(address.value, failures) % 1024);", "return pause;"),
     "a_dead_bus_lets_its_nodes_go": (
         "firmware/nodes/silence_clock.cpp",
         "return clock.shown - std::max(heard, clock.counts_from);",
