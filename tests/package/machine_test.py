@@ -105,8 +105,8 @@ class OnAMachine(ProgramCase):
         self.wait_for_mesh(nodes=3, state=0)
         wait_for("3 nodes in what systemd shows", lambda: re.search(
             "3 nodes, 0 stale, 0 missing, 0 refused", self.property_of_service("StatusText")))
-        # Exposure at most 2.0, in tenths.
-        self.run_there("systemd-analyze", "security", "--no-pager", "--threshold=20", SERVICE)
+        # Exposure at most 1.5, in tenths.
+        self.run_there("systemd-analyze", "security", "--no-pager", "--threshold=15", SERVICE)
         status = self.run_there("cat", f"/proc/{self.process()}/status")
         self.assertRegex(status, r"(?s)Uid:\s+[1-9].*CapEff:\s+0+\n.*NoNewPrivs:\s+1.*Seccomp:\s+2")
         self.assertIn("mesh.svg", self.run_there("ls", "/var/lib/etcm/mesh"))

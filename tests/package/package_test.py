@@ -140,8 +140,8 @@ class Content(ProgramCase):
                       unit.read_text())
         if shutil.which("systemd-analyze") is None:
             self.skipTest("systemd is not installed")
-        # Exposure at most 2.0, in tenths.
-        run("systemd-analyze", "security", "--offline=true", "--no-pager", "--threshold=20", unit)
+        # Exposure at most 1.5, in tenths.
+        run("systemd-analyze", "security", "--offline=true", "--no-pager", "--threshold=15", unit)
 
     def test_systemd_understands_every_line_of_the_service(self):
         if shutil.which("systemd-analyze") is None:
