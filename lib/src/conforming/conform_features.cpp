@@ -55,8 +55,9 @@ constexpr Units work_of_linking = 32;
   for (PendingSegments::Cursor at(m, pending); !at.segment().is_none();) {
     Subsegment whole;
     const Status status = survey_segment(m, at.segment(), whole);
-    m.work.keep(2 * Units{whole.steps});
+    const bool is_kept = m.work.may_keep(2 * Units{whole.steps});
     if (status != Status::ok) return status;
+    if (!is_kept) return Status::work_limit;
     if (can_be_edge(m, whole)) {
       constrain_subsegment(m, whole);
       at.take();

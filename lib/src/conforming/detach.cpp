@@ -11,6 +11,18 @@
 
 namespace etcm::internal {
 
+// Of a node with more neighbours the way along a subsegment is found from its other end.
+constexpr std::uint32_t turns_few = 24;
+
+bool keep_for_mark(MeshState& m, const Subsegment& subsegment) noexcept {
+  const std::uint32_t left = m.work.left();
+  const bool is_node = m.owner(subsegment.head).role() == Role::node;
+  const std::uint32_t degree =
+      m.topology.degree(subsegment.head, is_node && turns_few < left ? turns_few : left);
+  return m.work.spend(degree) &&
+         m.work.may_keep(2 * Units{degree} + 2 * Units{subsegment.steps} + 8);
+}
+
 // Around the vertex four turns are made beside the removal; it is found by a short walk and put
 // back, which turns an edge less than its degree, and its edges are looked at twice.
 bool may_remove(Change& change, std::uint32_t degree) noexcept {
@@ -75,19 +87,36 @@ bool keep_for_marks(MeshState& m, SegmentId s) noexcept {
   const VertexId to = m.segment(s).to;
   for (VertexId v = m.segment(s).from; v != to;) {
     const Subsegment subsegment = march(m, v, to, m.work.left());
-    if (!m.work.spend(subsegment.steps)) return false;
-    m.work.keep(4 * Units{subsegment.steps} + 16);
+    if (!m.work.spend(subsegment.steps) || !keep_for_mark(m, subsegment)) return false;
     v = subsegment.tail;
-    if (v != to && !stands_on(m, v, s)) return true;
+    if (v != to && !stands_on(m, v, s)) break;
   }
-  return true;
+  return m.work.fits(0);
+}
+
+// The edge between a segment's ends, if any, as it is found around the one with fewer neighbours.
+struct Turns {
+  Edge edge{};
+  std::uint32_t turns = 0;
+};
+Turns turns_to_subsegment(const MeshState& m, SegmentId s, std::uint32_t most) noexcept {
+  const VertexId from = m.segment(s).from, to = m.segment(s).to;
+  Turns found;
+  if (m.topology.triangle_count() == 0) return found;
+  Spokes there(m.topology, from, most), back(m.topology, to, most);
+  do {
+    found.turns += 2;
+    if (there.target() == to) found.edge = there.edge();
+    if (back.target() == from) found.edge = m.topology.twin(back.edge());
+  } while (found.edge.is_none() && found.turns <= most && there.turn() && back.turn());
+  return found;
 }
 
 }  // namespace
 
 bool strip_segment(Change& change, SegmentId s) noexcept {
   MeshState& m = change.mesh;
-  if (!keep_for_marks(m, s)) return false;
+  if (!m.work.is_going_back() && !keep_for_marks(m, s)) return false;
   touch(change, s);
   const VertexId to = m.segment(s).to;
   Subsegment subsegment = march(m, m.segment(s).from, to, m.work.left());
@@ -103,6 +132,21 @@ bool strip_segment(Change& change, SegmentId s) noexcept {
     if (!m.work.spend(subsegment.steps) || !detach(change, v)) return false;
   }
   return !m.work.is_over();
+}
+
+bool keep_for_unmarking(MeshState& m, SegmentId s) noexcept {
+  const std::uint32_t turns = turns_to_subsegment(m, s, m.work.left()).turns;
+  return m.work.spend(turns) && m.work.may_keep(Units{turns} + 8);
+}
+
+void unmark_segment(Change& change, SegmentId s) noexcept {
+  MeshState& m = change.mesh;
+  touch(change, s);
+  const Turns found = turns_to_subsegment(m, s, any_steps);
+  m.work.add(found.turns);
+  if (found.edge.is_none() || !m.topology.is_constrained(found.edge)) return;
+  note_mark(change, found.edge);
+  release_constraint(m, found.edge);
 }
 
 namespace {
@@ -140,7 +184,8 @@ void drop_fresh_of(Change& change, SegmentId s) noexcept {
 
 void drop_fresh(Change& change) noexcept {
   const MeshState& m = change.mesh;
-  for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched) {
+  for (SegmentId s = change.touched; !s.is_none() && change.fresh_count != 0;
+       s = m.segment(s).next_touched) {
     if (is_linked(m, s) && m.segment(s).first != infinite_vertex) drop_fresh_of(change, s);
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "triangulation/change.h"
+#include "triangulation/march.h"
 
 namespace etcm::internal {
 
@@ -14,8 +15,15 @@ namespace etcm::internal {
 // Takes a Steiner vertex out of the mesh, to be put back by restore_detached(). False: the limit of
 // the work does not allow it; so with the others.
 [[nodiscard]] bool detach(Change& change, VertexId steiner) noexcept;
+// Room to look for a subsegment again and to mark it, where its head may have more neighbours to
+// look at by then than were looked at now. False: there is none, and nothing must be touched.
+[[nodiscard]] bool keep_for_mark(MeshState& m, const Subsegment& subsegment) noexcept;
 // Detaches all Steiner vertices of a segment (drops the fresh) and takes the marks off its edges.
 [[nodiscard]] bool strip_segment(Change& change, SegmentId s) noexcept;
+// Takes the mark off a segment that has no Steiner vertices left, if it is marked, without walking
+// along it: when a change is taken back. Beforehand there must have been room for that.
+[[nodiscard]] bool keep_for_unmarking(MeshState& m, SegmentId s) noexcept;
+void unmark_segment(Change& change, SegmentId s) noexcept;
 // Drops the fresh Steiner vertices of all touched segments, when the change is taken back.
 void drop_fresh(Change& change) noexcept;
 

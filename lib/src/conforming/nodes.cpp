@@ -73,6 +73,7 @@ Status insert_node(Change& change, VertexId v, SegmentId& cut, SegmentId& rest) 
     }
   }
   m.owner(v) = Owner(Role::node, SegmentId::none());
+  change.node = v;
   if (m.work.is_over() || !insert_vertex(change, v, found)) {
     return report(m, Status::work_limit, VertexId::none());
   }
@@ -90,8 +91,8 @@ Status insert_node(Change& change, VertexId v, SegmentId& cut, SegmentId& rest) 
 void remove_node(Change& change, VertexId v, SegmentId cut, SegmentId rest) noexcept {
   MeshState& m = change.mesh;
   if (!cut.is_none()) {
-    static_cast<void>(strip_segment(change, cut));
-    static_cast<void>(strip_segment(change, rest));
+    unmark_segment(change, cut);
+    unmark_segment(change, rest);
     rejoin_segments(m, cut, rest);
     m.segment(rest).from = VertexId::none();
   }
@@ -114,6 +115,7 @@ bool strip_segments_at(Change& change, VertexId v) noexcept {
     const SegmentId rest = continuation(m, s, v);
     if (rest.is_none()) continue;
     if (!strip_segment(change, s) || !strip_segment(change, rest)) return false;
+    if (!keep_for_unmarking(m, s) || !keep_for_unmarking(m, rest)) return false;
     note_incidence(change, s);
     note_incidence(change, rest);
     m.work.keep(2 * work_of_link);
@@ -142,10 +144,32 @@ SegmentId merge_segments_at(Change& change, VertexId v) noexcept {
   return parts;
 }
 
-void put_node_back(Change& change, VertexId v, SegmentId parts) noexcept {
+bool keep_way_back(Change& change, VertexId v, unsigned degree, VertexId& beside) noexcept {
+  MeshState& m = change.mesh;
+  // Around one with more neighbours the way may be as long as from elsewhere.
+  constexpr std::uint32_t usual = 16;
+  beside = VertexId::none();
+  if (m.topology.triangle_count() == 0) return true;
+  Spokes spokes(m.topology, v);
+  do {
+    const VertexId w = spokes.target();
+    if (w == infinite_vertex || m.owner(w).role() != Role::node) continue;
+    const std::uint32_t around = m.topology.degree(w, usual);
+    if (!m.work.spend(around)) return false;
+    if (around > usual) continue;
+    beside = w;
+    return m.work.may_keep(Units{degree} + 2 * around);
+  } while (spokes.turn());
+  return true;
+}
+
+void put_node_back(Change& change, VertexId v, SegmentId parts, VertexId beside) noexcept {
   MeshState& m = change.mesh;
   for (SegmentId part = parts; !part.is_none(); part = m.segment(part).next) {
-    static_cast<void>(strip_segment(change, joined_section(m, part)));
+    unmark_segment(change, joined_section(m, part));
+  }
+  if (!beside.is_none() && m.topology.triangle_count() != 0) {
+    m.walk_start = m.topology.edge_at(beside);
   }
   put_back(change, v);
 }

@@ -29,7 +29,11 @@ FeatureList unlink_features_of(Change& change, VertexId v) noexcept;
 SegmentId merge_segments_at(Change& change, VertexId v) noexcept;
 // Makes them run through it again.
 void split_segments_at(MeshState& m, VertexId v, SegmentId parts) noexcept;
+// Of a node that is about to go: a node beside it, from which its place is found when it comes
+// back, or none, and room for the way. False: there is no room.
+[[nodiscard]] bool keep_way_back(Change& change, VertexId v, unsigned degree,
+                                 VertexId& beside) noexcept;
 // Puts v back where it stood, the segments that passed it by stripped.
-void put_node_back(Change& change, VertexId v, SegmentId parts) noexcept;
+void put_node_back(Change& change, VertexId v, SegmentId parts, VertexId beside) noexcept;
 
 }  // namespace etcm::internal

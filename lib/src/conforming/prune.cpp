@@ -96,6 +96,31 @@ void take_out(Change& change, VertexId v) noexcept {
   }
 }
 
+// For each neighbour that a vertex has more: to take it out, and to put it back.
+constexpr Units work_of_neighbour = 20;
+constexpr Units work_of_neighbour_back = 13;
+
+// Room for what comes back with a vertex: its two subsegments are looked for and marked, and one
+// that is in the way of another vertex breaks before. While it is out two others have up to as many
+// more neighbours: what has come in this change and goes before it is back, and a node that has
+// gone and is back before it. False: there is none, and the vertex must stay.
+bool keep_to_come_back(Change& change, VertexId v, VertexId before, Units degree) noexcept {
+  MeshState& m = change.mesh;
+  if (!is_taken_back_whole(change)) return true;
+  const std::uint32_t beside = m.topology.degree(before, m.work.left());
+  if (!m.work.spend(beside)) return false;
+  Units more = 3 * Units{beside} + (2 + work_of_neighbour_back) * degree + 16;
+  Spokes spokes(m.topology, v);
+  do {
+    const VertexId w = spokes.target();
+    if (w != infinite_vertex && (m.owner(w).role() == Role::fresh || w == change.node)) {
+      more += 2 * work_of_neighbour * degree;
+      break;
+    }
+  } while (spokes.turn());
+  return m.work.may_keep(more);
+}
+
 bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
   MeshState& m = change.mesh;
   SegmentRecord& r = m.segment(s);
@@ -124,7 +149,8 @@ bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
       v = after;
       continue;
     }
-    if (!may_remove(change, m.topology.degree(v, m.work.left()))) return false;
+    const std::uint32_t degree = m.topology.degree(v, m.work.left());
+    if (!may_remove(change, degree) || !keep_to_come_back(change, v, before, degree)) return false;
     note_taken_out(change, s, v);
     queue_around(change, queue, v);
     if (m.work.is_over()) return false;
@@ -132,7 +158,6 @@ bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
     if (!is_all && r.first == v) r.first = before;
     if (!is_all && r.last == v) r.last = after;
     const Subsegment subsegment = between(m, before, after, m.work.left());
-    m.work.keep(2 * Units{subsegment.steps});
     if (!m.work.spend(subsegment.steps)) {
       touch(change, s, before, after);
       return false;

@@ -36,6 +36,9 @@ std::span<IdValue> take_out(Change& change, std::span<IdValue> ids) noexcept {
   for (const IdValue id : ids) {
     const OwnEdges own = own_edges(m, VertexId{id}, m.work.left());
     if (!m.work.spend(own.looked)) return {};
+    for (const VertexId head : {m.topology.target(own.back), VertexId{id}}) {
+      if (!keep_for_mark(m, {.head = head})) return {};
+    }
     touch(change, m.owner(VertexId{id}).segment(), m.topology.target(own.back),
           m.topology.target(own.onward));
   }

@@ -80,7 +80,10 @@ Status Mesh::leave(VertexId node, Work limit) noexcept {
   if (is_endpoint(m, node)) return report(m, Status::endpoint_in_use, node);
   if (!m.work.spend_whole(work_least)) return report(m, Status::work_limit, node);
   unsigned degree = 0;
-  const bool is_out = strip_segments_at(change, node) && may_remove_touching(change, node, degree);
+  VertexId beside{};
+  const bool is_out = strip_segments_at(change, node) &&
+                      may_remove_touching(change, node, degree) &&
+                      keep_way_back(change, node, degree, beside);
   Status status = is_out ? Status::ok : report(m, Status::work_limit, node);
   SegmentId parts{};
   if (is_out) {
@@ -98,7 +101,7 @@ Status Mesh::leave(VertexId node, Work limit) noexcept {
   }
   begin_going_back(change, status);
   if (is_out) {
-    put_node_back(change, node, parts);
+    put_node_back(change, node, parts, beside);
     split_segments_at(m, node, parts);
   }
   restore_detached(change);
@@ -115,6 +118,7 @@ struct Moving {
   FeatureList features{};
   SegmentId cut{};  // where it comes onto a feature
   SegmentId rest{};
+  VertexId beside{};  // where it stood
   bool is_out = false;
   bool is_in = false;
 };
@@ -126,7 +130,8 @@ Status take_node_out(Change& change, Moving& moving) noexcept {
   moving.parts = merge_segments_at(change, node);
   moving.features = unlink_features_of(change, node);
   unsigned degree = 0;
-  if (m.work.is_over() || !may_remove_touching(change, node, degree)) {
+  if (m.work.is_over() || !may_remove_touching(change, node, degree) ||
+      !keep_way_back(change, node, degree, moving.beside)) {
     return report(m, Status::work_limit, node);
   }
   note_place(change, m.at(node));
@@ -186,7 +191,7 @@ Status Mesh::move(VertexId node, Position position, Work limit) noexcept {
   }
   m.points[node.value] = before;
   turn_features(m, moving.features);
-  if (moving.is_out) put_node_back(change, node, moving.parts);
+  if (moving.is_out) put_node_back(change, node, moving.parts, moving.beside);
   split_segments_at(m, node, moving.parts);
   FeatureList& features = moving.features;
   for (SegmentId root = features.pop(m); !root.is_none(); root = features.pop(m)) {

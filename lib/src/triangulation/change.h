@@ -33,6 +33,7 @@ struct Change {
   MeshState& mesh;
   DirtySegments dirty;
   SegmentId touched{};            // segments it has touched, linked by next_touched
+  VertexId node{};                // that comes in it, or moves, once it is in
   VertexId detached{};            // vertices it has taken out, linked in place of their edges
   SegmentId recycled_segments{};  // segments that features have left over, linked by next
   std::uint32_t touched_count = 0;

@@ -197,6 +197,8 @@ bool must_flip(const MeshState& m, Edge e, const Point& p) noexcept {
 bool insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
   MeshState& m = change.mesh;
   Topology& topo = m.topology;
+  const bool is_at_end = found.type == LocateType::outside && !found.vertex.is_none();
+  if ((topo.triangle_count() == 0 || is_at_end) && !m.work.may_keep(work_back(0))) return false;
   if (topo.triangle_count() == 0) {
     if (m.only_vertex.is_none()) {
       m.only_vertex = v;
@@ -206,7 +208,7 @@ bool insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
     }
     return true;
   }
-  if (found.type == LocateType::outside && !found.vertex.is_none()) {
+  if (is_at_end) {
     // A collinear mesh grows at its end; found.edge runs from there to infinity.
     topo.split_open(found.edge, v);
     m.walk_start = topo.edge_at(v);

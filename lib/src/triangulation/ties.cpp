@@ -66,8 +66,7 @@ void canonicalize_cocircular(MeshState& m, Edge e) noexcept {
     }
     if (first_round) ++boundary;
     if (!first_round && quiet > boundary) {
-      m.work.add(looked);
-      m.work.keep(2 * Units{looked});
+      m.work.add_ties(looked);
       return;
     }
   }
@@ -85,8 +84,7 @@ Edge flip_in(MeshState& m, const Subsegment& subsegment) noexcept {
     const VertexId apex = topo.apex(topo.twin(e));
     const Edge second = topo.flip(e);
     if (apex == subsegment.tail) {
-      m.work.add(flips);
-      m.work.keep(2 * Units{flips});
+      m.work.add_ties(flips);
       return Topology::prev(second);
     }
     // e now leads from the right to the new corner, `second` from there to the left.
@@ -104,7 +102,7 @@ void constrain(MeshState& m, Edge e) noexcept {
     Spokes spokes(topo, u);
     while (spokes.target() != v) ETCM_CHECK(spokes.turn());
     e = spokes.edge();
-    m.work.add(spokes.turns());
+    m.work.add_ties(spokes.turns());
   }
   canonicalize_cocircular(m, topo.twin(e));
 }
