@@ -1,0 +1,93 @@
+// Calls that came beyond their limit before they were mended, and those that a search found to come
+// nearest to it.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "support/emulated.h"
+#include "work_judge.h"
+
+namespace etcm::test {
+namespace {
+
+// Of small calls each limit.
+constexpr std::uint64_t limits_most = is_emulated ? 24 : 512;
+
+void expect_within_limits(Stage& stage, const std::string& text) {
+  const std::optional<WorkCase> of = case_from(text);
+  ASSERT_TRUE(of) << text;
+  for (const Way way : {Way::change, Way::dry_run}) {
+    if (way == Way::dry_run && !has_dry_run(of->last().verb)) continue;
+    EXPECT_EQ(judge(stage, *of, way, limits_most).fault, "")
+        << (way == Way::dry_run ? "dry run: " : "") << text;
+  }
+}
+
+struct Mended {
+  const char* name;
+  const char* text;
+};
+void PrintTo(const Mended& mended, std::ostream* out) { *out << mended.name; }
+
+constexpr Mended all_mended[] = {
+    {"feature_beside_a_row_goes", "scatter 1 0 1 0 0, row 13 0 0 1 0, line 0 24, unline 0"},
+    {"join_on_a_feature_of_a_hub", "node 0 0, ring 26 0 0 1, line 0 1, node 1 0"},
+    {"second_node", "node 0 0, node -1 0"},
+    {"next_of_a_row", "row 5 0 0 10 0, node 50 0"},
+    {"feature_of_a_hub_goes",
+     "node 0 0, ring 17 0 0 1, line 0 2, line 0 9, line 0 6, node 0 13, unline 0"},
+    {"trial_beside_rows", "row 14 0 0 1 0, row 18 0 -1 5 0, line -1970415 0, optimise 1 0"},
+    {"feature_along_two_rows_goes",
+     "scatter 22 0 58 -2934 -3912, leave 6, row 100 112 -2146857 231 -7, line 0 100, "
+     "row 21 -189 139 246 63, unline 0"},
+    {"node_leaves_that_kept_a_feature_apart",
+     "row 19 0 1 1 0, move 43 0 -17, node 1 0, line 1 5, ring 4 0 0 1, node 0 0, node 0 -8, leave "
+     "0, "
+     "leave 9624"},
+    {"node_comes_where_a_split_goes",
+     "ring 33 0 0 109, ring 26 0 3534 55, row 1 0 0 0 0, line 5 52, move 0 0 1"},
+    {"move_onto_another_node",
+     "node -1 0, node 0 0, node 1 0, ring 1 0 1 485, row 44 304 0 0 1, line 0 3, move 150 0 0"},
+    {"node_comes_back_from_afar",
+     "ring 16 0 217 1, row 61 0 0 0 -61, line 7 75, ring 2 0 -2970 2, "
+     "move 72 -1 0"},
+};
+
+class MendedWork : public testing::TestWithParam<Mended> {
+ public:
+  static std::string name(const testing::TestParamInfo<Mended>& info) { return info.param.name; }
+};
+
+TEST_P(MendedWork, StaysWithinTheLimit) {
+  Stage stage;
+  expect_within_limits(stage, GetParam().text);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, MendedWork, testing::ValuesIn(all_mended), MendedWork::name);
+
+TEST(HardestWork, StaysWithinTheLimit) {
+  Stage stage;
+  std::ifstream file(ETCM_HARDEST_WORK);
+  std::size_t count = 0;
+  for (std::string text; std::getline(file, text); ++count) {
+    if (is_emulated && count % thinning_if_slow != 0) continue;
+    expect_within_limits(stage, text);
+  }
+  EXPECT_GT(count, 100u) << ETCM_HARDEST_WORK;
+}
+
+TEST(WorkCases, AreReadAsTheyAreWritten) {
+  const std::string text = "row 3 0 0 100 -1, line 0 2, canonicalize, leave 1";
+  const std::optional<WorkCase> of = case_from(text);
+  ASSERT_TRUE(of);
+  EXPECT_EQ(to_text(*of), text);
+  EXPECT_FALSE(case_from("row 3 0, leave 1"));
+  EXPECT_FALSE(case_from("stay 1"));
+  EXPECT_FALSE(case_from(""));
+}
+
+}  // namespace
+}  // namespace etcm::test
