@@ -242,7 +242,7 @@ ETCM_MUST_USE etcm_status_t etcm_move(etcm_mesh_t* mesh, etcm_vertex_t node,
 ETCM_MUST_USE etcm_status_t etcm_add_feature(etcm_mesh_t* mesh, etcm_vertex_t from,
                                              etcm_vertex_t to, uint64_t limit,
                                              etcm_feature_t* feature);
-// Removes a feature and its Steiner vertices. Errors: ETCM_UNKNOWN_FEATURE.
+// Removes a feature and its Steiner vertices. Errors: ETCM_UNKNOWN_FEATURE, ETCM_WORK_LIMIT.
 ETCM_MUST_USE etcm_status_t etcm_remove_feature(etcm_mesh_t* mesh, etcm_feature_t feature,
                                                 uint64_t limit);
 
