@@ -35,20 +35,23 @@ constexpr std::size_t flags_at = time_at + 8;
 constexpr std::size_t head_size = flags_at + 4;
 constexpr std::uint32_t oldest_version = 1;
 constexpr std::uint32_t first_version_with_flags = 4;
+constexpr std::uint32_t first_version_with_silences = 5;
 constexpr std::uint32_t flag_canonical = 1;
 constexpr std::uint32_t flag_fleet = 2;
+constexpr std::uint32_t flag_last = 4;
 // How many kinds of records a form has.
 constexpr std::size_t kinds_of(std::uint32_t version) {
   return version == 1 ? missing : version == 2 ? quantities : kinds;
 }
-constexpr std::size_t node_size = 20;
+constexpr std::size_t node_size = 24;
+constexpr std::size_t node_size_without_silence = 20;
 constexpr std::size_t anchor_size = 8;
 constexpr std::size_t feature_size = 8;
 constexpr std::size_t steiner_size = 20;
-constexpr std::size_t missing_size = node_size + 4;
 constexpr std::size_t quantity_size_least = 2;
 constexpr std::size_t quantity_size_max = quantity_size_least + reading_name_max + reading_unit_max;
 constexpr std::size_t sensor_size = 124;
+constexpr std::uint8_t flag_silent = 1;
 constexpr std::uint8_t flag_position = 1;
 constexpr std::uint8_t flag_disagrees = 1;
 constexpr std::uint8_t flag_slow_change = 2;
@@ -79,7 +82,7 @@ Position take_position(port::ByteReader& reader) {
   return position;
 }
 
-SavedNode take_node(port::ByteReader& reader, std::uint8_t& flags) {
+SavedNode take_node(port::ByteReader& reader, bool has_silence, std::uint8_t& flags) {
   SavedNode node;
   node.serial = Serial{reader.take<std::uint32_t>()};
   node.position = take_position(reader);
@@ -87,6 +90,7 @@ SavedNode take_node(port::ByteReader& reader, std::uint8_t& flags) {
   node.bus = reader.take<std::uint16_t>();
   node.address = reader.take<std::uint8_t>();
   flags = reader.take<std::uint8_t>();
+  if (has_silence) node.silence_s = reader.take<std::uint32_t>();
   return node;
 }
 
@@ -181,6 +185,7 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
   const std::uint32_t state_flags =
       version >= first_version_with_flags ? reader.take<std::uint32_t>() : 0;
   state.is_canonical = (state_flags & flag_canonical) != 0;
+  state.is_last = (state_flags & flag_last) != 0;
 
   const auto each = [&](Section section, std::size_t size_least, auto take) {
     if (!reader.has(counts[section], size_least)) {
@@ -190,9 +195,11 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
     for (std::uint32_t i = 0; i < counts[section] && !reader.is_cut_off(); ++i) take();
   };
   each(buses, 1, [&] { state.buses.emplace_back(take_short_text(reader)); });
-  each(nodes, node_size, [&] {
+  const bool has_silences = version >= first_version_with_silences;
+  each(nodes, has_silences ? node_size : node_size_without_silence, [&] {
     std::uint8_t flags = 0;
-    state.nodes.push_back(take_node(reader, flags));
+    state.nodes.push_back(take_node(reader, has_silences, flags));
+    state.nodes.back().is_silent = has_silences && (flags & flag_silent) != 0;
   });
   each(anchors, anchor_size, [&] { state.anchors.push_back(take_position(reader)); });
   each(features, feature_size, [&] {
@@ -208,12 +215,10 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
     place.point.y = reader.take<std::int64_t>();
     state.steiner.push_back(place);
   });
-  each(missing, missing_size, [&] {
+  each(missing, node_size, [&] {
     std::uint8_t flags = 0;
-    const SavedNode node = take_node(reader, flags);
-    state.missing.push_back({.node = node,
-                             .has_position = (flags & flag_position) != 0,
-                             .silence_s = reader.take<std::uint32_t>()});
+    const SavedNode node = take_node(reader, true, flags);
+    state.missing.push_back({.node = node, .has_position = (flags & flag_position) != 0});
   });
   each(quantities, quantity_size_least, [&] {
     Quantity quantity;
@@ -242,8 +247,7 @@ std::size_t saved_state_size_max(const Settings& settings) {
   size += quantities_of(settings).size() * quantity_size_max;
   size += count_readings(settings) * sensor_size;
   if (settings.mqtt) size += save_bytes_max(fleet_settings_of(settings));
-  return size +
-         roster_capacity(std::max(count_units(settings), settings.room.units)) * missing_size;
+  return size + roster_capacity(std::max(count_units(settings), settings.room.units)) * node_size;
 }
 
 StateWriter::StateWriter(std::size_t size_max) { bytes_.reserve(size_max); }
@@ -263,7 +267,7 @@ void StateWriter::begin(std::uint32_t generation, std::uint32_t next_generation,
                         std::uint64_t mesh_hash, std::int64_t time_of_day_s) {
   bytes_.clear();
   content_ = 0;
-  is_canonical_ = has_fleet_ = false;
+  is_canonical_ = is_last_ = has_fleet_ = false;
   std::fill(std::begin(counts_), std::end(counts_), 0u);
   port::put_number(bytes_, saved_state_version);
   port::put_number(bytes_, generation);
@@ -283,7 +287,8 @@ void StateWriter::add_bus(std::string_view name) {
 
 void StateWriter::add(const SavedNode& node) {
   count(nodes);
-  put_node(node, 0);
+  put_node(node, node.is_silent ? flag_silent : std::uint8_t{0});
+  if (node.is_silent) mix(node.silence_s / seconds_per_hour);
 }
 
 void StateWriter::put_node(const SavedNode& node, std::uint8_t flags) {
@@ -294,6 +299,7 @@ void StateWriter::put_node(const SavedNode& node, std::uint8_t flags) {
   put_content(node.bus);
   put_content(node.address);
   put_content(flags);
+  port::put_number(bytes_, node.silence_s);
 }
 
 void StateWriter::add(Position anchor) {
@@ -318,8 +324,7 @@ void StateWriter::add(const SteinerPlace& place) {
 void StateWriter::add(const SavedMissing& each) {
   count(missing);
   put_node(each.node, each.has_position ? flag_position : std::uint8_t{0});
-  port::put_number(bytes_, each.silence_s);
-  mix(each.silence_s / seconds_per_hour);
+  mix(each.node.silence_s / seconds_per_hour);
 }
 
 void StateWriter::add(const Quantity& quantity) {
@@ -365,7 +370,8 @@ std::span<const std::byte> StateWriter::finish() {
     for (std::size_t i = 0; i < 4; ++i) bytes_[at + i] = static_cast<std::byte>(value >> (8 * i));
   };
   for (std::size_t kind = 0; kind < kinds; ++kind) set(counts_at + 4 * kind, counts_[kind]);
-  set(flags_at, (is_canonical_ ? flag_canonical : 0) | (has_fleet_ ? flag_fleet : 0));
+  set(flags_at, (is_canonical_ ? flag_canonical : 0) | (has_fleet_ ? flag_fleet : 0) |
+                    (is_last_ ? flag_last : 0));
   return bytes_;
 }
 

@@ -3,7 +3,7 @@
 // is the store's business.
 //
 // All numbers are little-endian, and everything follows the one before without gaps:
-//   u32 version of this form, 4
+//   u32 version of this form, 5
 //   u32 generation, u32 the first one that a restart may give out
 //   u64 mesh hash
 //   u32 counts of buses, nodes, anchors, features, Steiner vertices, missing nodes, quantities,
@@ -11,13 +11,14 @@
 //   i64 time of day when it was saved, in s since 1970 (UTC); 0: it was not known
 //   u32 flags (1: the mesh is the one that build() makes of the nodes, anchors and features, so no
 //       Steiner vertices follow; 2: what FleetMember::save() gave follows all records, up to the
-//       end)
+//       end; 4: the gateway ended with it, so nobody answered later)
 //   bus:     u8 length, name (at most 255 bytes of it)
-//   node:    u32 serial, i32 x, i32 y, u32 age of the position in ms, u16 bus, u8 unit, u8 0
+//   node:    u32 serial, i32 x, i32 y, u32 age of the position in ms, u16 bus, u8 unit, u8 flags
+//            (1: it was silent), u32 silence in s
 //   anchor:  i32 x, i32 y
 //   feature: u32 from, u32 to; nodes and after them anchors, counted from 0
 //   Steiner: u32 feature, counted from 0, i64 x, i64 y in 2^-28 units
-//   missing: as a node, but the last u8 is 1 where it has a position; u32 silence in s
+//   missing: as a node, but the flags are 1 where it has a position
 //   quantity: u8 length, name, u8 length, unit
 //   sensor:  u32 serial, u16 quantity, counted from 0, u8 flags (1 disagrees, 2 has a slow change,
 //            4 is noisy, 8 and 16 alarms that ended, up to 3), u8 samples, u64 definition, i64 x,
@@ -25,8 +26,9 @@
 //            followed, slow change, slow residual, residual, roughness, step, wander, rise, fall,
 //            u16 samples of the residual, of the roughness, the step, the wander
 //            (records/learned_sensor.h)
-// Forms 1 to 3 are read too: none has flags, and each has all Steiner vertices; forms 1 and 2 have
-// no quantities, sensors, their counts and the time, and form 1 no missing nodes either.
+// Forms 1 to 4 are read too: none has the silence of a node that is not missing. Forms 1 to 3 have
+// no flags of the state, and each has all Steiner vertices; forms 1 and 2 have no quantities,
+// sensors, their counts and the time, and form 1 no missing nodes either.
 #pragma once
 
 #include <cstddef>
@@ -43,7 +45,7 @@
 
 namespace etcm::firmware {
 
-inline constexpr std::uint32_t saved_state_version = 4;
+inline constexpr std::uint32_t saved_state_version = 5;
 // The bus of a node that answers nowhere at the moment.
 inline constexpr std::uint16_t no_saved_bus = 0xffff;
 
@@ -60,12 +62,13 @@ struct SavedNode {
   std::uint32_t age_ms = 0;          // of the position
   std::uint16_t bus = no_saved_bus;  // in the order of SavedState::buses
   std::uint8_t address = 0;          // of the unit
+  bool is_silent = false;            // when it was saved; else it may have answered since
+  std::uint32_t silence_s = 0;       // since its last answer
 };
 
 struct SavedMissing {
   SavedNode node;
   bool has_position = false;
-  std::uint32_t silence_s = 0;  // since its last answer, when it was saved
 };
 
 struct SavedFeature {
@@ -78,6 +81,7 @@ struct SavedState {
   std::uint32_t next_generation = 0;
   std::uint64_t mesh_hash = 0;
   bool is_canonical = false;  // the mesh is the one of build()
+  bool is_last = false;       // the gateway ended with it: nobody answered later
   std::vector<std::string> buses;
   std::vector<SavedNode> nodes;
   std::vector<Position> anchors;
@@ -108,6 +112,8 @@ class StateWriter {
              std::int64_t time_of_day_s = 0);
   // The mesh is the one of build(), so its Steiner vertices need not be added.
   void set_canonical() { is_canonical_ = true; }
+  // The gateway ends: what is said of silences holds until then.
+  void set_last() { is_last_ = true; }
   // More room: takes memory.
   void set_room(std::size_t size_max) { bytes_.reserve(size_max); }
   void add_bus(std::string_view name);
@@ -126,8 +132,8 @@ class StateWriter {
   // Good until begin().
   std::span<const std::byte> finish();
 
-  // The same for the same content; ages, generations and what was learned are left out, of a
-  // silence all but the whole hours. After finish().
+  // The same for the same content; ages, generations and what was learned are left out, of the
+  // silence of who is silent or missing all but the whole hours. After finish().
   std::uint64_t content() const { return content_; }
 
  private:
@@ -140,6 +146,7 @@ class StateWriter {
   std::vector<std::byte> bytes_;
   std::uint32_t counts_[8] = {};
   bool is_canonical_ = false;
+  bool is_last_ = false;
   bool has_fleet_ = false;
   std::uint64_t content_ = 0;
 };

@@ -77,6 +77,7 @@ StateWriter& StateSaver::begin(std::uint32_t generation, std::uint64_t mesh_hash
   written_generation_ = generation;
   written_next_ = generation < last - ahead ? generation + ahead : last;
   writer_.begin(generation, written_next_, mesh_hash, time_of_day_s);
+  if (is_ending_) writer_.set_last();
   return writer_;
 }
 

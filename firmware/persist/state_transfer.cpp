@@ -104,16 +104,17 @@ void StateTransfer::write_missing(StateWriter& writer, port::Instant now) const 
   for (const NodeRecord& node : nodes_.records()) {
     // Who is missing elsewhere is saved with the fleet.
     if (!node.is_missing || node.is_placed() || node.is_foreign()) continue;
-    writer.add(SavedMissing{.node = saved_node(node, now),
-                            .has_position = node.has_position(),
-                            .silence_s = silence_in_s(now - node.heard_at)});
+    writer.add(SavedMissing{.node = saved_node(node, now), .has_position = node.has_position()});
   }
 }
 
 SavedNode StateTransfer::saved_node(const NodeRecord& node, port::Instant now) const {
   SavedNode saved{.serial = node.serial,
                   .position = node.position,
-                  .age_ms = age_in_ms(now - node.positioned_at)};
+                  .age_ms = age_in_ms(now - node.positioned_at),
+                  // Without a fix it is stale too, and answers.
+                  .is_silent = node.stale && !node.lacks_fix,
+                  .silence_s = silence_in_s(now - node.heard_at)};
   const UnitIndex unit = node.is_missing ? node.last_unit : node.unit_index;
   // Of one that another gateway has, the place is that one's word.
   if (!unit.is_none() && !node.is_foreign()) {
@@ -150,6 +151,10 @@ NodeRecord* StateTransfer::restore_node(const SavedState& saved, const SavedNode
   record->positioned_at = saved_at - std::chrono::milliseconds(node.age_ms);
   record->stale = true;
   if (node.bus == no_saved_bus) return record;
+  // Else it answered until some time that nobody knows: its silence counts from here.
+  if (node.is_silent || saved.is_last) {
+    record->heard_at = saved_at - std::chrono::seconds(node.silence_s);
+  }
   const UnitIndex unit = find_unit(poller_, saved.buses[node.bus], ModbusAddress{node.address});
   if (!unit.is_none() && nodes_.at(unit) == nullptr) nodes_.assign_unit(*record, unit);
   return record;
@@ -161,7 +166,7 @@ void StateTransfer::restore_missing(const SavedState& saved, const SavedMissing&
   NodeRecord* const record = nodes_.add(missing.node.serial, now);
   if (record == nullptr) return;
   record->is_missing = record->stale = true;
-  record->heard_at = saved_at - std::chrono::seconds(missing.silence_s);
+  record->heard_at = saved_at - std::chrono::seconds(missing.node.silence_s);
   if (missing.has_position) {
     record->position = missing.node.position;
     record->positioned_at = saved_at - std::chrono::milliseconds(missing.node.age_ms);

@@ -23,12 +23,13 @@ class StateTransfer {
   // Adds everything to a state that was begun.
   void write(StateWriter& writer, port::Instant now);
 
-  // Makes the node table and the mesh what they were; both are empty before. All nodes are stale,
-  // and heard last `now`: whoever does not answer leaves like anybody else. Who was missing is so
-  // still, and since then. `away`: has passed since it was saved. `is_shared`: nodes that other
-  // gateways hear are nodes here; else those are left out that were, for nobody tells of them any
-  // more. Where the mesh cannot be the same (nodes, features or room have changed), the nodes join
-  // one by one. True where it is the same.
+  // Makes the node table and the mesh what they were; both are empty before. All nodes are stale:
+  // whoever does not answer leaves like anybody else, in the time that it has from `now`. When it
+  // was heard last is known of who was silent, and of all where the gateway had ended; else it is
+  // `now`. Who was missing is so still, and since then. `away`: has passed since it was saved.
+  // `is_shared`: nodes that other gateways hear are nodes here; else those are left out that were,
+  // for nobody tells of them any more. Where the mesh cannot be the same (nodes, features or room
+  // have changed), the nodes join one by one. True where it is the same.
   bool restore(const SavedState& saved, port::Duration away, bool is_shared,
                std::uint32_t generation, port::Instant now);
 

@@ -67,7 +67,7 @@ void show_earlier_run(ShownUnit& shown, const StatusSources& sources, UnitIndex 
   shown.has_answered_before = true;
   const NodeRecord& node = *shown.node;
   shown.since = time_of_alarm(sources, key_of_missing(node), asked_at);
-  if (!shown.since && node.is_missing && node.heard_at < node.known_since) {
+  if (!shown.since && node.heard_at < node.known_since) {
     shown.since = age_of(node.heard_at, asked_at);
   }
   if (!shown.since) shown.since = time_of_silence(sources, poller.bus_of(unit), asked_at);

@@ -320,6 +320,64 @@ TEST_F(MissingOverARestart, CountsTheTimeInWhichTheGatewayDidNotRun) {
   EXPECT_GE(after->clock.now() - node->positioned_at, 24h + 99s);
 }
 
+// It fell silent before the restart, and is missing after it.
+class SilentOverARestart : public MissingOverARestart {
+ protected:
+  static constexpr port::Duration leave_after = 1min;
+
+  // By how much the silence is told too long, of one that began before `end` ended the run.
+  template <class End>
+  port::Duration silence_after(End end) {
+    const auto before = make_rig();
+    before->settings.poll.leave_after = leave_after;
+    FollowingWallClock wall(before->clock);
+    before->wall_clock = &wall;
+    before->put_square();
+    before->run(30min);
+    const port::Instant silent_at = before->clock.now();
+    before->bus.silence(1);
+    end(*before);
+    before->clock.pass(3s);
+    const port::Duration passed = before->clock.now() - silent_at;
+    const auto after = make_rig();
+    after->settings.poll.leave_after = leave_after;
+    after->wall_clock = &wall;
+    after->put_square();
+    after->bus.silence(1);
+    after->start();
+    const port::Instant started = after->clock.now();
+    after->gateway->restore(started);
+    const NodeRecord* const node = after->gateway->nodes().find(Serial{1001});
+    EXPECT_NE(node, nullptr);
+    EXPECT_FALSE(node->is_missing);
+    after->run(leave_after + 10s);
+    EXPECT_TRUE(node->is_missing) << logged(*after);
+    return started - node->heard_at - passed;
+  }
+};
+
+TEST_F(SilentOverARestart, IsSoSinceItsLastAnswer) {
+  const port::Duration off = silence_after([](Rig& rig) {
+    rig.run(1s);
+    rig.gateway->finish(rig.clock.now());
+  });
+  EXPECT_LE(abs(off), 2s) << off / 1ms;
+}
+
+// Nothing was saved at the end; that it was silent had been before.
+TEST_F(SilentOverARestart, IsSoAfterAPowerFailureToo) {
+  const port::Duration off =
+      silence_after([](Rig& rig) { rig.run(rig.settings.poll.stale_after + 3s); });
+  EXPECT_LE(abs(off), 2s) << off / 1ms;
+}
+
+// Of what the disk says of half an hour ago nothing follows: it answered long after that.
+TEST_F(SilentOverARestart, CountsFromTheStartWhereNothingWasSavedOfIt) {
+  const port::Duration off = silence_after([](Rig& rig) { rig.run(200ms); });
+  EXPECT_LE(off, 0s) << off / 1ms;
+  EXPECT_GE(off, -4s) << off / 1ms;
+}
+
 // Nothing else changes for hours, and then the power fails.
 TEST_F(MissingOverARestart, IsKnownWithinTheHourSinceWhen) {
   const auto before = make_rig();

@@ -36,17 +36,25 @@ void write_all(StateWriter& writer) {
   writer.add_bus("gate");
   writer.add(SavedNode{
       .serial = Serial{1001}, .position = {-5, 7}, .age_ms = 123456, .bus = 0, .address = 7});
-  writer.add(SavedNode{
-      .serial = Serial{0xfffffffe}, .position = {9, -9}, .age_ms = 0, .bus = 1, .address = 1});
+  writer.add(SavedNode{.serial = Serial{0xfffffffe},
+                       .position = {9, -9},
+                       .age_ms = 0,
+                       .bus = 1,
+                       .address = 1,
+                       .is_silent = true,
+                       .silence_s = 3'000'000});
   writer.add(SavedNode{.serial = Serial{3}, .position = {0, 0}});
   writer.add(Position{position_max, -position_max});
   writer.add(SavedFeature{.from = 0, .to = 3});
   writer.add(SteinerPlace{.feature = 0, .point = {-(std::int64_t{1} << 51), 77}});
-  writer.add(SavedMissing{
-      .node = {.serial = Serial{17}, .position = {4, -4}, .age_ms = 99'000, .bus = 1, .address = 9},
-      .has_position = true,
-      .silence_s = 5'000'000});
-  writer.add(SavedMissing{.node = {.serial = Serial{18}}, .silence_s = 31});
+  writer.add(SavedMissing{.node = {.serial = Serial{17},
+                                   .position = {4, -4},
+                                   .age_ms = 99'000,
+                                   .bus = 1,
+                                   .address = 9,
+                                   .silence_s = 5'000'000},
+                          .has_position = true});
+  writer.add(SavedMissing{.node = {.serial = Serial{18}, .silence_s = 31}});
 }
 
 constexpr std::int64_t saved_at_s = 1'800'000'000;
@@ -109,6 +117,9 @@ TEST(SavedStateForm, SaysAgainWhatWasWritten) {
   EXPECT_EQ(state.nodes[0].age_ms, 123456u);
   EXPECT_EQ(state.nodes[0].address, 7);
   EXPECT_EQ(state.nodes[1].bus, 1);
+  EXPECT_FALSE(state.nodes[0].is_silent);
+  EXPECT_TRUE(state.nodes[1].is_silent);
+  EXPECT_EQ(state.nodes[1].silence_s, 3'000'000u);
   EXPECT_EQ(state.nodes[2].bus, no_saved_bus);
   EXPECT_EQ(state.anchors, (std::vector{Position{position_max, -position_max}}));
   ASSERT_EQ(state.features.size(), 1u);
@@ -122,16 +133,28 @@ TEST(SavedStateForm, SaysAgainWhatWasWritten) {
   EXPECT_EQ(state.missing[0].node.bus, 1);
   EXPECT_EQ(state.missing[0].node.address, 9);
   EXPECT_TRUE(state.missing[0].has_position);
-  EXPECT_EQ(state.missing[0].silence_s, 5'000'000u);
+  EXPECT_EQ(state.missing[0].node.silence_s, 5'000'000u);
   EXPECT_FALSE(state.missing[1].has_position);
   EXPECT_EQ(state.saved_at_s, saved_at_s);
   EXPECT_EQ(state.quantities, (std::vector<Quantity>{{"level", "cm"}, {"wet", ""}}));
   EXPECT_EQ(state.sensors, std::vector{learned_sensor()});
 }
 
-// What a gateway has left on the disk that always saved the Steiner vertices.
-std::vector<std::byte> form_3() {
+// What a gateway has left on the disk that kept silences of missing nodes alone.
+std::vector<std::byte> form_4() {
   auto bytes = example();
+  bytes[0] = std::byte{4};
+  for (std::size_t node = 3; node-- > 0;) {
+    const auto silence = bytes.begin() + 64 + 5 + 5 + static_cast<std::ptrdiff_t>(24 * node) + 20;
+    silence[-1] = std::byte{0};
+    bytes.erase(silence, silence + 4);
+  }
+  return bytes;
+}
+
+// One that always saved the Steiner vertices.
+std::vector<std::byte> form_3() {
+  auto bytes = form_4();
   bytes[0] = std::byte{3};
   bytes.erase(bytes.begin() + 60, bytes.begin() + 64);  // the flags
   return bytes;
@@ -158,6 +181,33 @@ TEST(SavedStateForm, TellsAMeshThatBuildMakesFromAnother) {
   EXPECT_FALSE(state.is_canonical);
 }
 
+TEST(SavedStateForm, TellsTheLastOfARunFromAnother) {
+  StateWriter writer(1000);
+  SavedState state;
+  writer.begin(7, 8, 0);
+  writer.set_last();
+  ASSERT_EQ(decode_state(writer.finish(), state), "");
+  EXPECT_TRUE(state.is_last);
+  writer.begin(7, 8, 0);
+  ASSERT_EQ(decode_state(writer.finish(), state), "");
+  EXPECT_FALSE(state.is_last);
+}
+
+TEST(SavedStateForm, ReadsForm4) {
+  const auto bytes = form_4();
+  SavedState state;
+  ASSERT_EQ(decode_state(bytes, state), "");
+  ASSERT_EQ(state.nodes.size(), 3u);
+  EXPECT_EQ(state.nodes[1].serial, Serial{0xfffffffe});
+  EXPECT_FALSE(state.nodes[1].is_silent);
+  ASSERT_EQ(state.missing.size(), 2u);
+  EXPECT_EQ(state.missing[0].node.silence_s, 5'000'000u);
+  EXPECT_EQ(state.sensors, std::vector{learned_sensor()});
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_EQ(decode_state(std::span(bytes).first(size), state), "it is cut off") << size;
+  }
+}
+
 TEST(SavedStateForm, ReadsForm3) {
   const auto bytes = form_3();
   SavedState state;
@@ -179,7 +229,7 @@ TEST(SavedStateForm, ReadsForm2) {
   ASSERT_EQ(state.nodes.size(), 3u);
   EXPECT_EQ(state.nodes[0].serial, Serial{1001u});
   ASSERT_EQ(state.missing.size(), 2u);
-  EXPECT_EQ(state.missing[0].silence_s, 5'000'000u);
+  EXPECT_EQ(state.missing[0].node.silence_s, 5'000'000u);
   EXPECT_TRUE(state.sensors.empty());
   EXPECT_EQ(state.saved_at_s, 0);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
@@ -209,9 +259,9 @@ TEST(SavedStateForm, ReadsForm1) {
 TEST(SavedStateForm, IsTheOneItsHeaderDescribes) {
   const auto bytes = example();
   EXPECT_EQ(bytes.size(),
-            64u + 5 + 5 + 3 * 20 + 8 + 8 + 20 + 2 * 24 + quantities_size + sensor_size_saved);
+            64u + 5 + 5 + 3 * 24 + 8 + 8 + 20 + 2 * 24 + quantities_size + sensor_size_saved);
   const auto at = [&](std::size_t i) { return std::to_integer<unsigned>(bytes[i]); };
-  EXPECT_EQ(at(0), 4u);
+  EXPECT_EQ(at(0), 5u);
   EXPECT_EQ(at(4), 41u);
   EXPECT_EQ(at(8), 99u);
   EXPECT_EQ(at(12), 0xefu);
@@ -250,10 +300,10 @@ TEST(SavedStateForm, RefusesWhatIsCutOffOrTooLong) {
 TEST(SavedStateForm, RefusesOtherVersions) {
   auto bytes = example();
   SavedState state;
-  bytes[0] = std::byte{5};
-  EXPECT_EQ(decode_state(bytes, state), "it is from a newer gateway (form 5, this one knows 4)");
+  bytes[0] = std::byte{6};
+  EXPECT_EQ(decode_state(bytes, state), "it is from a newer gateway (form 6, this one knows 5)");
   bytes[0] = std::byte{0};
-  EXPECT_EQ(decode_state(bytes, state), "it is from an older gateway (form 0, this one knows 4)");
+  EXPECT_EQ(decode_state(bytes, state), "it is from an older gateway (form 0, this one knows 5)");
 }
 
 TEST(SavedStateForm, TakesNoMemoryForCountsThatCannotBe) {
@@ -539,7 +589,7 @@ TEST_F(StateSaverTest, LoadsTheLastElseThePrevious) {
   EXPECT_EQ(log_.lines,
             (std::vector<std::string>{
                 "state: the last copy is not used, it is from a newer gateway (form 9, this one "
-                "knows 4); it is kept as /state/aside-1",
+                "knows 5); it is kept as /state/aside-1",
                 "state: takes the copy before the last"}));
   EXPECT_EQ(store_.aside.size(), 1u);
 }

@@ -6,6 +6,7 @@ Every wait is for a condition.
 import datetime
 import json
 import re
+import signal
 import time
 import unittest
 
@@ -30,7 +31,10 @@ class Units(BrowserCase):
         gateway = self.start_gateway(buses, '[[bus.device]]\nunits = "9"\n' + names + STATE + self.HTTP, **SOON)
         gateway.wait_for_line(r"node 3 is missing")
         self.assertEqual(gateway.stop(), 0)
+        stopped = time.monotonic()
         self.programs[0].stop()
+        # Else unit 2, which answered until then, is silent since the start as good as before it.
+        wait_for("some seconds", lambda: time.monotonic() - stopped > 3)
         # Unit 2 does not answer after the restart, and unit 4 for a while.
         self.start_nodes(["0,1,join,100,20", "0,4,unit,4,", "0,4,join,400,320", "4000,4,silent,,"], buses[0][0], "later")
         again = self.start("again", [PROGRAMS / "etcm-gateway", "--config", "site.toml"])
@@ -44,8 +48,9 @@ class Units(BrowserCase):
         wait_for("five units", lambda: len(self.rows()) == 5)
         rows = self.rows()
         self.assertRegex(rows[0], rf"^4\s+4\s+silent since {MOMENT} \([\d.]+ s\)")
-        self.assertRegex(rows[1], rf"^3\s+3\s+silent since {MOMENT} \([\d.]+ s\)")
-        self.assertRegex(rows[2], rf"^2\s+2\s+silent, not heard since the start of the gateway, {MOMENT}")
+        # That one answered until the gateway ended.
+        self.assertRegex(rows[1], rf"^2\s+2\s+silent since {MOMENT} \([\d.]+ s\)")
+        self.assertRegex(rows[2], rf"^3\s+3\s+silent since {MOMENT} \([\d.]+ s\)")
         self.assertRegex(rows[3], rf"^9\s+'deep well'\s+has not answered since the start, {MOMENT}")
         self.assertRegex(rows[4], r"^1\s+1\s+answering for")
         self.find("#bus-list").location_once_scrolled_into_view
@@ -79,6 +84,26 @@ class Units(BrowserCase):
         moments = [re.search(MOMENT, self.text(part)).group() for part in ("#alarm-list", "#missed")]
         seconds = [datetime.datetime.strptime(moment.rsplit(" ", 1)[0], "%d %b %Y, %H:%M:%S") for moment in moments]
         self.assertLessEqual(abs(seconds[0] - seconds[1]), datetime.timedelta(seconds=1), moments)
+
+    def test_a_unit_that_fell_silent_before_a_kill_is_so_since_its_last_answer(self):
+        buses = self.start_nodes([f"0,{n},join,{n * 100},{n * n * 20}" for n in (1, 2, 3)] + ["2000,3,silent,,"])
+        gateway = self.start_gateway(buses, STATE + self.HTTP, stale_after="1s", leave_after="15s")
+        wait_for("all that answer", lambda: self.header()["nodes"] == 3)
+        wait_for("a stale node", lambda: self.header()["state"] & 2)
+        heard_at = time.monotonic() - 1
+        wait_for("a save of that", lambda: time.monotonic() - heard_at > 5)
+        gateway.stop(signal.SIGKILL)
+        wait_for("some seconds", lambda: time.monotonic() - heard_at > 9)
+        again = self.start("again", [PROGRAMS / "etcm-gateway", "--config", "site.toml"])
+        self.url = again.wait_for_line(r"status page on (http://\S+)").group(1)
+        again.wait_for_line(r"node 3 is missing")
+        wait_for("the alarm", lambda: json.loads(self.get("/alarms.json"))["alarms"])
+        unit = lambda: next(u for u in json.loads(self.get("/units.json"))["units"] if u["unit"] == 3)["since_ms"]
+        before = unit()
+        [alarm] = json.loads(self.get("/alarms.json"))["alarms"]
+        self.assertLessEqual(before, alarm["since_ms"])
+        self.assertLessEqual(alarm["since_ms"], unit())
+        self.assertLessEqual(abs(before - 1000 * (time.monotonic() - heard_at)), 3000)
 
     def found(self, words):
         """The serials that the search of nodes finds."""
