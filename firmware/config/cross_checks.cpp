@@ -56,6 +56,17 @@ bool reaches(const port::Endpoint& to, const port::SocketAddress& at) {
                     at.host);
 }
 
+// The same, with nothing in it beside the bits that count.
+port::Network without_host(port::Network network) {
+  std::size_t bits = network.prefix + (network.host.is_ipv4() ? 96u : 0u);
+  for (std::uint8_t& byte : network.host.bytes) {
+    const std::size_t here = std::min<std::size_t>(bits, 8);
+    byte = static_cast<std::uint8_t>(byte & (0xff00u >> here));
+    bits -= here;
+  }
+  return network;
+}
+
 // Whether a name with "/dev/" before it or without is the same line.
 std::string_view without_folder(std::string_view line) {
   constexpr std::string_view folder = "/dev/";
@@ -182,8 +193,25 @@ class CrossCheck {
             " = [\"127.0.0.0/8\", \"192.168.1.0/24\"]");
   }
 
+  // `node`: where they are listed; whatever it is where they are not.
+  void check_networks(const toml::node* node, const std::string& key,
+                      const std::vector<port::Network>& networks) {
+    for (const port::Network& network : networks) {
+      const port::Network meant = without_host(network);
+      if (meant == network) continue;
+      add(warnings_, node,
+          key + " has \"" + to_string(network) + "\", which is taken as the network " +
+              to_string(meant) + "; write that, or \"" + port::host_text(network.host) +
+              "\" for this address alone");
+    }
+  }
+
   void check_servers() {
     const ServerSettings& server = settings_.server;
+    check_networks(find("server", {"allow"}), "'allow' of [server]", server.allow);
+    if (settings_.http) {
+      check_networks(find("http", {"allow"}), "'allow' of [http]", settings_.http->allow);
+    }
     check_reach(find("server", {"listen"}), "'listen' of [server]", "allow", server.listen,
                 server.allow);
     if (!settings_.http) return;
@@ -220,6 +248,8 @@ class CrossCheck {
     const ShareSettings& share = settings_.buses[number].share;
     const auto& listen = share.listen;
     if (!listen) return;
+    check_networks(find_in_bus(number, {"share_allow"}),
+                   "'share_allow' of bus '" + settings_.buses[number].name + "'", share.allow);
     check_reach(find_in_bus(number, {"share"}),
                 "'share' of bus '" + settings_.buses[number].name + "'", "share_allow", *listen,
                 share.allow);

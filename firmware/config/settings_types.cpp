@@ -205,10 +205,16 @@ std::optional<port::SocketAddress> read(const AddressType&, const GivenKey& key,
   std::string port = text ? port_in(*text) : "";
   if (port.empty() || port.size() > 5) port = port_in(key.example);
   const auto at = [&port](const char* host) { return "\"" + (host + (':' + port)) + "\""; };
-  return wrong(key, node,
-               quoted(key) + " is no address of this machine; write it as " + at("127.0.0.1") +
-                   ", " + at("localhost") + ", " + at("[::1]") + ", or " + at("[::]") +
-                   " for all of its addresses");
+  // One that leads here today may lead elsewhere at the next start.
+  const bool is_named = end && port::has_name(*end);
+  return wrong(
+      key, node,
+      quoted(key) +
+          (is_named ? " has the name '" + end->host +
+                          "'; it takes addresses of this machine, and of names localhost alone"
+                    : std::string(" is no address of this machine")) +
+          "; write it as " + at("127.0.0.1") + ", " + at("localhost") + ", " + at("[::1]") +
+          ", or " + at("[::]") + " for all of its addresses");
 }
 
 std::optional<std::optional<port::SocketAddress>> read(const OptionalAddressType&,
@@ -254,19 +260,23 @@ std::optional<std::string> read(const NameType&, const GivenKey& key, const toml
 
 std::optional<std::vector<port::Network>> read(const NetworksType&, const GivenKey& key,
                                                const toml::node& node) {
+  constexpr const char* cure = "; write it as [\"127.0.0.0/8\", \"10.0.0.0/8\", \"2001:db8::/32\"]";
   const toml::array* const list = node.as_array();
+  if (list == nullptr) return wrong(key, node, quoted(key) + " must list networks" + cure);
   std::vector<port::Network> networks;
-  for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
-    const auto text = (*list)[i].value_exact<std::string>();
+  for (const toml::node& entry : *list) {
+    const auto text = entry.value_exact<std::string>();
     const auto network = text ? port::parse_network(*text) : std::nullopt;
-    if (!network) break;
+    if (!network) {
+      return wrong(key, entry,
+                   quoted(key) +
+                       (text ? " has \"" + *text + "\", which is no network"
+                             : std::string(" has what is no text, and so no network")) +
+                       cure);
+    }
     networks.push_back(*network);
   }
-  if (list != nullptr && networks.size() == list->size()) return networks;
-  return wrong(key, node,
-               quoted(key) +
-                   " must list networks; write it as [\"127.0.0.0/8\", \"10.0.0.0/8\", "
-                   "\"2001:db8::/32\"]");
+  return networks;
 }
 
 // Empty where the text is no name of a host.

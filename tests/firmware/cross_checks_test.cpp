@@ -135,6 +135,14 @@ TEST_P(CrossWarning, IsNamedWithItsLineAndCure) {
 INSTANTIATE_TEST_SUITE_P(
     Rows, CrossWarning,
     testing::Values(
+        Row{"a_network_with_bits_of_a_host",
+            bus("127.0.0.1:502") + "[http]\nallow = [\"127.0.0.1\", \"10.1.2.3/8\"]\n", 8,
+            "'allow' of [http] has \"10.1.2.3/8\", which is taken as the network 10.0.0.0/8",
+            "write that, or \"10.1.2.3\" for this address alone"},
+        Row{"a_network_of_ipv6_with_bits_of_a_host",
+            bus("127.0.0.1:502") + "[server]\nallow = [\"2001:db8::7/33\"]\n", 8,
+            "which is taken as the network 2001:db8::/33",
+            "write that, or \"2001:db8::7\" for this"},
         Row{"leaves_before_it_is_stale", "[poll]\nstale_after = \"31s\"\n" + bus("127.0.0.1:502"),
             5, "stale_after (31 s) is longer than leave_after (30 s)", "make leave_after"},
         Row{"leaves_before_it_is_stale_by_the_other_line",

@@ -374,7 +374,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "'tcp' is neither an address nor a name with a port", "[2001:db8::1]:502"},
         Mistake{"listens_at_a_name",
                 bus("units = \"1\"\n") + "[server]\nlisten = \"plc.example:502\"\n", 8,
-                "'listen' is no address", "[::1]:502"},
+                "'listen' has the name 'plc.example'", "[::1]:502"},
         Mistake{"one_unit_behind_one_name",
                 "[[bus]]\ntcp = \"PLC.example:502\"\nunits = \"1-9\"\n"
                 "[[bus]]\ntcp = \"plc.example:502\"\nunits = \"4\"\nname = \"b\"\n",
@@ -497,8 +497,18 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"nearly_a_key", "[poll]\nintervall = \"1s\"\n" + bus("units = \"1\"\n"), 5,
                 "'intervall' is unknown in [poll]", "did you mean 'interval'?"},
         Mistake{"bad_network",
-                bus("units = \"1\"\n") + "[server]\nallow = [\"10.0.0.0/8\", \"office\"]\n", 8,
+                bus("units = \"1\"\n") +
+                    "[server]\nallow = [\"10.0.0.0/8\",\n  \"office\", \"127.0.0.1\"]\n",
+                9, "'allow' has \"office\", which is no network", "\"127.0.0.0/8\""},
+        Mistake{"network_as_number", bus("units = \"1\"\n") + "[server]\nallow = [10]\n", 8,
+                "'allow' has what is no text", "\"127.0.0.0/8\""},
+        Mistake{"one_network", bus("units = \"1\"\n") + "[server]\nallow = \"10.0.0.0/8\"\n", 8,
                 "'allow' must list networks", "\"127.0.0.0/8\""},
+        Mistake{"page_at_a_name",
+                bus("units = \"1\"\n") + "[http]\nlisten = \"gate.example:8080\"\n", 8,
+                "has the name 'gate.example'; it takes addresses of this machine, and of names "
+                "localhost alone",
+                "\"[::]:8080\" for all of its addresses"},
         Mistake{"files_without_folder", bus("units = \"1\"\n") + "[files]\n", 7,
                 "'folder' is missing in [files]", "add it"}),
     [](const auto& row) { return std::string(row.param.name); });
