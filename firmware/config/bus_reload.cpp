@@ -86,27 +86,39 @@ class BusReload {
     changed_.push_back(std::move(what));
   }
 
-  template <class Same>
-  bool holds_for_each(const Same& same) const {
-    for (std::size_t i = 0; i < current_.buses.size(); ++i) {
-      if (!same(current_.buses[i], next_.buses[i])) return false;
-    }
-    return true;
-  }
-
-  void note(const KeyTable& table, const Key& key, bool is_waiting) {
-    changed_.push_back(path_of(table, key));
+  // `buses` have it otherwise, by their number: the first is named.
+  void note(const KeyTable& table, const Key& key, bool is_waiting,
+            const std::vector<std::size_t>& buses) {
+    std::string what = path_of(table, key);
+    if (!buses.empty()) what += " of '" + name_of(buses.front()) + "'";
+    if (buses.size() > 1) what += " and " + std::to_string(buses.size() - 1) + " more";
+    changed_.push_back(std::move(what));
     must_wait_ = must_wait_ || is_waiting;
   }
 
+  const std::string& name_of(std::size_t bus) const {
+    return (bus < current_.buses.size() ? current_ : next_).buses[bus].name;
+  }
+
+  // Those of the buses there are for which it does not hold.
+  template <class Same>
+  std::vector<std::size_t> buses_without(const Same& same) const {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < current_.buses.size(); ++i) {
+      if (!same(current_.buses[i], next_.buses[i])) found.push_back(i);
+    }
+    return found;
+  }
+
   void compare_key(const Key& key) {
-    const bool is_same = holds_for_each(
+    const std::vector<std::size_t> changed = buses_without(
         [&](BusSettings& now, BusSettings& then) { return !is_changed(key, now, then); });
-    if (is_same) return;
-    const bool is_more = holds_for_each(
-        [&](BusSettings& now, BusSettings& then) { return only_adds_units(key, now, then); });
+    if (changed.empty()) return;
+    const bool is_more = buses_without([&](BusSettings& now, BusSettings& then) {
+                           return only_adds_units(key, now, then);
+                         }).empty();
     note(key_table("bus"), key,
-         key.effect == Effect::restart || (key.effect == Effect::additions && !is_more));
+         key.effect == Effect::restart || (key.effect == Effect::additions && !is_more), changed);
   }
 
   // Whether the file of `then` says anything else for the key than that of `now`.
@@ -134,13 +146,14 @@ class BusReload {
 
   // Devices at units that were asked before are compared, whichever [[bus.device]] has them.
   void compare_device_key(const Key& key) {
-    const bool is_same = holds_for_each([&](const BusSettings& now, const BusSettings& then) {
+    const auto changed = buses_without([&](const BusSettings& now, const BusSettings& then) {
       return hold_at_each_unit([&](ModbusAddress unit) {
         return asked(now, unit) == Asked::never || asked(then, unit) == Asked::never ||
                is_same_device(key.name, device_at(now, unit), device_at(then, unit));
       });
     });
-    if (!is_same) note(key_table("bus.device"), key, key.effect != Effect::at_once);
+    if (changed.empty()) return;
+    note(key_table("bus.device"), key, key.effect != Effect::at_once, changed);
   }
 
   // One that comes or goes without being anything else but a node was there for its timeout.
@@ -165,7 +178,7 @@ class BusReload {
     for (std::size_t i = known; i < next_.buses.size(); ++i) {
       // The lines of the board are taken at the start.
       if (next_.buses[i].send_enable) {
-        note(key_table("bus"), key_of(key_table("bus"), "rs485_line"), true);
+        note(key_table("bus"), key_of(key_table("bus"), "rs485_line"), true, {i});
       }
     }
     if (next_.buses.size() > current_.room.buses) {

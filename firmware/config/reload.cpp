@@ -10,6 +10,7 @@
 #include "firmware/config/configuration.h"
 #include "firmware/config/settings_keys.h"
 #include "firmware/config/unit_count.h"
+#include "firmware/logging/counted.h"
 
 namespace etcm::firmware {
 
@@ -109,10 +110,13 @@ std::shared_ptr<const Settings> reload(const std::string& path, const Settings& 
   }
   if (waiting != nullptr) *waiting = std::move(fixed);
   const std::uint32_t added = count_units(*settings) - count_units(current);
-  log.write(port::Level::info,
-            path + " is read again: " + std::to_string(settings->features.size()) +
-                " segments of features, " + std::to_string(settings->anchors.size()) + " anchors" +
-                (added == 0 ? "" : ", " + std::to_string(added) + " units more than before"));
+  log.write(
+      port::Level::info,
+      path + " is read again: " +
+          to_string(Counted{settings->features.size(), "segment", "segments"}) + " of features, " +
+          to_string(Counted{settings->anchors.size(), "anchor", "anchors"}) +
+          (added == 0 ? ""
+                      : ", " + to_string(Counted{added, "unit", "units"}) + " more than before"));
   return settings;
 }
 

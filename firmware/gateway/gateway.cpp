@@ -7,6 +7,7 @@
 
 #include "etcm/audit.h"
 #include "firmware/config/fleet_settings.h"
+#include "firmware/logging/counted.h"
 #include "firmware/publish/mesh_registers.h"
 #include "firmware/site/site_plane.h"
 
@@ -102,10 +103,11 @@ void Gateway::log_restored(const SavedState& saved, bool is_same) {
       port::Level::info,
       std::string(is_same ? "restored the mesh" : "restored the nodes, not their mesh,") +
           " of generation " + std::to_string(saved.generation) + ": " +
-          std::to_string(kept_.node_count()) + " of " + std::to_string(saved.nodes.size()) +
-          " nodes, " + std::to_string(kept_.features().active_count()) + " features, " +
-          std::to_string(mesh.steiner_count()) +
-          " proposed relays; all are stale until they answer");
+          std::to_string(kept_.node_count()) + " of " +
+          to_string(Counted{saved.nodes.size(), "node", "nodes"}) + ", " +
+          to_string(Counted{kept_.features().active_count(), "feature", "features"}) + ", " +
+          to_string(Counted{mesh.steiner_count(), "proposed relay", "proposed relays"}) +
+          "; all are stale until they answer");
 }
 
 void Gateway::step(port::Instant now) {
@@ -265,15 +267,16 @@ void Gateway::finish(port::Instant now) {
   }
   const Mesh& mesh = kept_.mesh();
   const Audit audited = audit(mesh);
-  ports_.log.write(audited ? port::Level::info : port::Level::error,
-                   "ends at generation " + std::to_string(generation_) + ": " +
-                       std::to_string(kept_.node_count()) + " nodes, " +
-                       std::to_string(kept_.features().active_count()) + " of " +
-                       std::to_string(kept_.features().records().size()) + " features, " +
-                       std::to_string(mesh.steiner_count()) + " proposed relays, " +
-                       std::to_string(mesh.finite_triangle_count()) + " triangles, " +
-                       (audited ? std::string("audit passed: conforming")
-                                : std::string("audit failed: ") + to_string(audited.broken)));
+  ports_.log.write(
+      audited ? port::Level::info : port::Level::error,
+      "ends at generation " + std::to_string(generation_) + ": " +
+          to_string(Counted{kept_.node_count(), "node", "nodes"}) + ", " +
+          std::to_string(kept_.features().active_count()) + " of " +
+          to_string(Counted{kept_.features().records().size(), "feature", "features"}) + ", " +
+          to_string(Counted{mesh.steiner_count(), "proposed relay", "proposed relays"}) + ", " +
+          to_string(Counted{mesh.finite_triangle_count(), "triangle", "triangles"}) + ", " +
+          (audited ? std::string("audit passed: conforming")
+                   : std::string("audit failed: ") + to_string(audited.broken)));
 }
 
 void Gateway::finish_saving(port::Instant now) {

@@ -3,25 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "firmware/logging/counted.h"
 #include "firmware/mesh/length_text.h"
 #include "firmware/mesh/place_text.h"
 #include "firmware/mesh/rejection_text.h"
 
 namespace etcm::firmware {
-
-namespace {
-
-struct Counted {
-  std::uint32_t count;
-  const char* one;
-  const char* many;
-};
-
-TextLine& operator<<(TextLine& text, const Counted& counted) {
-  return text << counted.count << " " << (counted.count == 1 ? counted.one : counted.many);
-}
-
-}  // namespace
 
 NodePlacement::NodePlacement(KeptMesh& kept, SiteKeeper& site, NodeTable& nodes,
                              const Settings& settings, const port::Clock& clock, port::Log& log)
@@ -289,7 +276,7 @@ port::Duration NodePlacement::note_time(const Before& start) {
 void NodePlacement::tell_mesh(TextLine& text, const Before& start) const {
   const Mesh& mesh = std::as_const(kept_).mesh();
   const std::uint32_t active = kept_.features().active_count();
-  text << ": " << Counted{mesh.node_count(), "node", "nodes"};
+  text << ": " << Counted{std::as_const(kept_).node_count(), "node", "nodes"};
   const std::uint32_t steiner = mesh.steiner_count();
   if (steiner > 0) text << ", " << Counted{steiner, "proposed relay", "proposed relays"};
   if (active > start.features_active) {

@@ -111,7 +111,7 @@ TEST_F(AddedReadings, AUnitOfAKnownProfileMeasuresAtOnce) {
   ASSERT_TRUE(reload_with(with("units = \"2-3\"", "units = \"2-4\"") +
                           "[[node]]\nunit = 4\nx = 100\ny = 100\n"));
   EXPECT_EQ(rig_.log.count("needs a restart"), 0u) << testing::PrintToString(rig_.log.lines);
-  EXPECT_EQ(rig_.log.count("1 units more than before"), 1u);
+  EXPECT_EQ(rig_.log.count("1 unit more than before"), 1u);
   EXPECT_EQ(nano(1002), 1'500'000'000) << "nothing is forgotten";
   rig_.run(1s);
   EXPECT_EQ(nano(1004), 2'500'000'000);

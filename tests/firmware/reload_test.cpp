@@ -100,14 +100,15 @@ TEST_F(Reload, WhatCannotIsSaid) {
   for (const auto& [from, to, key] :
        {std::tuple{"vertices_max = 50", "vertices_max = 60", "[mesh] vertices_max"},
         {"features_max = 9", "features_max = 10", "[mesh] features_max"},
-        {"127.0.0.1:502", "127.0.0.1:503", "[[bus]] tcp"},
-        {"1-3", "1-2,4", "[[bus]] units"},
-        {"units = \"1-3\"", "units = \"1-2\"\nscan = \"3\"", "[[bus]] units"},
-        {"tcp = \"127.0.0.1:502\"", "rtu = \"/dev/ttyS0\"", "[[bus]] rtu"},
-        {"[[bus]]", "[[bus]]\ntcp = \"127.0.0.1:503\"\nunits = \"1-3\"\n[[bus]]", "[[bus]] tcp"},
+        {"127.0.0.1:502", "127.0.0.1:503", "[[bus]] tcp of '127.0.0.1:502'"},
+        {"1-3", "1-2,4", "[[bus]] units of '127.0.0.1:502'"},
+        {"units = \"1-3\"", "units = \"1-2\"\nscan = \"3\"", "[[bus]] units of '127.0.0.1:502'"},
+        {"tcp = \"127.0.0.1:502\"", "rtu = \"/dev/ttyS0\"", "[[bus]] rtu of '127.0.0.1:502'"},
+        {"[[bus]]", "[[bus]]\ntcp = \"127.0.0.1:503\"\nunits = \"1-3\"\n[[bus]]",
+         "[[bus]] tcp of '127.0.0.1:502'"},
         {"[[feature]]",
          "[[bus]]\nrtu = \"/dev/ttyS9\"\nunits = \"1\"\nrs485_line = \"DE\"\n[[feature]]",
-         "[[bus]] rs485_line"},
+         "[[bus]] rs485_line of '/dev/ttyS9'"},
         {"[[feature]]", "[[bus.device]]\nunits = \"2\"\npause = \"9ms\"\n[[feature]]",
          "[[bus.device]] units"},
         {"units = \"1-3\"", "units = \"1-60\"",
@@ -246,7 +247,7 @@ TEST_F(Reload, SurveyedNodesStandInTheNewPlaneWhereBusesWaitToo) {
   current.nodes = next.nodes = {{.bus = "a", .address = 1, .x = 5, .y = 6, .position = {{5, 6}}}};
   next.nodes[0].position = {{50, 60}};
   next.buses[0].units = {{.first = 3, .last = 3}};
-  EXPECT_EQ(take_over(current, next), std::vector<std::string>{"[[bus]] units"});
+  EXPECT_EQ(take_over(current, next), std::vector<std::string>{"[[bus]] units of '127.0.0.1:502'"});
   EXPECT_EQ(current.buses[0].units[0].first, 1);
   ASSERT_TRUE(current.nodes[0].position);
   EXPECT_EQ(current.nodes[0].position->x, 50);

@@ -41,7 +41,7 @@ class Restart(GatewayCase):
         nodes = self.programs[0].process
         nodes.send_signal(signal.SIGSTOP)
         gateway = self.start_gateway(buses, STATE + FENCE)
-        gateway.wait_for_line(r"restored the mesh of generation \d+: 12 of 12 nodes, 1 features")
+        gateway.wait_for_line(r"restored the mesh of generation \d+: 12 of 12 nodes, 1 feature,")
         after = self.header()
         self.assertEqual(after["nodes"], 12)
         # All are stale; soon it also says that the bus is silent.
