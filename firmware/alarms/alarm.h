@@ -49,6 +49,10 @@ enum class AlarmKind : std::uint8_t {
 inline constexpr std::uint8_t alarm_kinds_end = 27;
 std::string_view to_string(AlarmKind kind);
 Severity severity_of(AlarmKind kind);
+// Of what somebody has drawn, which the mesh refuses.
+constexpr bool is_of_drawing(AlarmKind kind) {
+  return kind == AlarmKind::refused_feature || kind == AlarmKind::refused_anchor;
+}
 
 // Why an alarm is on no longer. Numbers on the disk, too.
 enum class AlarmEnd : std::uint8_t {

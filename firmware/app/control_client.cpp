@@ -3,6 +3,7 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
@@ -13,11 +14,16 @@
 #include <vector>
 
 #include "firmware/app/support_bundle.h"
+#include "firmware/control/shown_names.h"
+#include "firmware/toml/likeliest_word.h"
 #include "posix/file_descriptor.h"
 
 namespace etcm::firmware {
 
 namespace {
+
+constexpr std::array<std::string_view, 5> commands = {"list", "dismiss", "acknowledge", "show",
+                                                      "bundle"};
 
 // A gateway that does not answer for longer hangs.
 constexpr timeval answer_patience{.tv_sec = 10, .tv_usec = 0};
@@ -106,6 +112,46 @@ struct ControlOptions {
   BundleOptions bundle;
 };
 
+template <class Words>
+std::string list_of(const Words& words) {
+  std::string list;
+  for (const std::string_view word : words) list += (list.empty() ? "" : ", ") + std::string(word);
+  return list;
+}
+
+template <class Words>
+std::string unknown_word(const std::string& command, const std::string& typed, const Words& words) {
+  const std::string_view meant = likeliest_word({words.begin(), words.end()}, typed);
+  return command + ": there is no '" + typed + "'; " +
+         (meant.empty() ? "there are " : "did you mean '" + std::string(meant) + "'? There are ") +
+         list_of(words);
+}
+
+// Says which word of the line means nothing, and which was meant.
+void check_command(const CLI::App& ctl) {
+  const std::vector<std::string> unknown = ctl.remaining(true);
+  const std::vector<CLI::App*> given = ctl.get_subcommands();
+  if (given.size() == 1 && unknown.empty()) return;
+  const auto fail = [](const std::string& what) {
+    throw CLI::ParseError(what, CLI::ExitCodes::ExtrasError);
+  };
+  if (given.empty() && unknown.empty()) {
+    fail("ctl: it is not said what to do; add one of " + list_of(commands));
+  }
+  if (given.empty()) fail(unknown_word("ctl", unknown.front(), commands));
+  if (unknown.empty()) fail("ctl: one command at a time; give them one by one");
+  fail("ctl " + given.front()->get_name() + ": '" + unknown.front() +
+       "' means nothing here; take it out");
+}
+
+void check_shown(const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    if (std::find(shown_names.begin(), shown_names.end(), word) != shown_names.end()) continue;
+    throw CLI::ParseError(unknown_word("ctl show", word, shown_names),
+                          CLI::ExitCodes::ValidationError);
+  }
+}
+
 // Where what can be named is seen.
 std::string which_hint(std::string_view command) {
   if (command == "show") return "";
@@ -150,7 +196,9 @@ void add_control_command(CLI::App& app, std::function<int()>& run) {
   const auto options = std::make_shared<ControlOptions>();
   CLI::App* const ctl = app.add_subcommand(
       "ctl", "tell the gateway that runs on this machine something (sudo etcm-gateway ctl list)");
-  ctl->require_subcommand(1);
+  // What is wrong with the line is said here, by the words that are wrong.
+  ctl->allow_extras();
+  ctl->parse_complete_callback([ctl] { check_command(*ctl); });
   ctl->add_option("--socket", options->socket, "where it listens")->capture_default_str();
 
   CLI::App* const list = ctl->add_subcommand("list", "the alarms: what is wrong, since when");
@@ -163,7 +211,7 @@ void add_control_command(CLI::App& app, std::function<int()>& run) {
     };
   });
 
-  const auto add_words = [&](const char* name, const char* what, const char* words) {
+  const auto add_words = [&](const char* name, const char* what, const std::string& words) {
     CLI::App* const command = ctl->add_subcommand(name, what);
     command->add_option("what", options->words, words)->check(check_word);
     command->callback([options, &run, name, words] {
@@ -172,14 +220,14 @@ void add_control_command(CLI::App& app, std::function<int()>& run) {
             std::string("ctl ") + name + ": it is not said which; add " + words + which_hint(name),
             CLI::ExitCodes::RequiredError);
       }
+      if (std::string_view(name) == "show") check_shown(options->words);
       run = [options, name] { return tell(options->socket, lines_of(name, options->words)); };
     });
   };
   add_words("dismiss", "wait no longer for nodes that are missing, or gateways that are gone",
             "serials, names of nodes or gateways, or all");
   add_words("acknowledge", "say that somebody knows of alarms", "their numbers, or all");
-  add_words("show", "print what the gateway says of itself",
-            "alarms.json, history.json, status.json, units.json, metrics, health or config");
+  add_words("show", "print what the gateway says of itself", "one of " + list_of(shown_names));
 
   CLI::App* const bundle = ctl->add_subcommand(
       "bundle", "pack what helps to find a fault: settings, state, log, figures, versions");

@@ -158,7 +158,8 @@ int make_bundle(const std::string& socket, const BundleOptions& options) {
   const fs::path folder = fs::path(place) / name;
   fs::create_directory(folder);
   Bundle bundle(folder);
-  for (const char* what : {"history.json", "status.json", "units.json", "metrics", "health"}) {
+  for (const char* what :
+       {"history.json", "status.json", "units.json", "features.json", "metrics", "health"}) {
     bundle.ask(socket, what, what);
   }
   bundle.ask(socket, "history", "alarms");

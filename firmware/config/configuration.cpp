@@ -60,8 +60,13 @@ void check_repeated(const Settings& settings, std::vector<std::string>& mistakes
     const auto [entry, is_new] =
         seen.emplace(std::minmax(feature.from.key(), feature.to.key()), &feature);
     if (!is_new) {
-      mistakes.push_back(feature.source + ": " + text_of(feature) + " repeats " +
-                         entry->second->source + "; take one of them out");
+      const FeatureSettings& before = *entry->second;
+      const bool is_mixed = is_drawn(feature) != is_drawn(before);
+      const std::string& listed = is_drawn(feature) ? before.source : feature.source;
+      mistakes.push_back(feature.source + ": " + text_of(feature) + " repeats " + before.source +
+                         (is_mixed ? "; take the [[feature]] of " + listed +
+                                         " out, the site file has its line already"
+                                   : "; take one of them out"));
     }
   }
 }

@@ -142,6 +142,9 @@ struct FeatureSettings {
   std::string source;  // where it was configured: "file:line"
 };
 
+// In a site file, where a line may have vertices that are no nodes; else by [[feature]].
+bool is_drawn(const FeatureSettings& feature);
+
 // What is known of the device at a unit that it does not tell itself.
 struct NodeSettings {
   std::string bus;

@@ -12,6 +12,13 @@
 
 namespace etcm::firmware {
 
+bool is_drawn(const FeatureSettings& feature) {
+  const std::string_view source = feature.source;
+  const std::string_view file = source.substr(0, source.rfind(':'));
+  return file.ends_with(".geojson") || file.ends_with(".json") || file.ends_with(".poly") ||
+         file.ends_with(".node");
+}
+
 namespace {
 
 using files::Decimal;

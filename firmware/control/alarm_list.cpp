@@ -9,7 +9,7 @@ namespace etcm::firmware {
 
 namespace {
 
-enum ListSection : std::uint32_t { list_head, list_open, list_ended };
+enum ListSection : std::uint32_t { list_head, list_on, list_ended_lately, list_ended };
 
 // "3 d 4 h", "12 min", "7 s": its two greatest units.
 void write_duration(TextWriter& piece, port::Duration duration) {
@@ -25,8 +25,10 @@ void write_duration(TextWriter& piece, port::Duration duration) {
   }
 }
 
-std::string_view ending_of(AlarmEnd end) {
-  switch (end) {
+std::string_view ending_of(const Alarm& alarm) {
+  // Who draws it otherwise, or takes it out, has done what its cure says.
+  if (is_of_drawing(alarm.key.kind) && alarm.end != AlarmEnd::unknown) return ", cured";
+  switch (alarm.end) {
     case AlarmEnd::unknown:
       return "";
     case AlarmEnd::by_itself:
@@ -48,17 +50,39 @@ bool AlarmList::write_next(Cursor& cursor, port::Instant asked_at, TextWriter& p
     cursor.next_section();
     return true;
   }
-  if (cursor.section > (wants_ended_ ? list_ended : list_open)) return false;
-  const Alarm* const alarm = AlarmWalk::next(book_, cursor, cursor.section == list_ended);
+  if (cursor.section > (wants_ended_ ? list_ended : list_on)) return false;
+  const bool is_lately = cursor.section == list_ended_lately;
+  const Alarm* const alarm = is_lately
+                                 ? next_ended_lately(cursor)
+                                 : AlarmWalk::next(book_, cursor, cursor.section == list_ended);
   if (alarm == nullptr) {
     cursor.next_section();
-  } else if (alarm->is_on || wants_ended_) {
+  } else if (cursor.section != list_on || alarm->is_on) {
     write_alarm(*alarm, asked_at, piece);
   }
   return true;
 }
 
+// `item` has the number before, 0 at the beginning: all stay what they are while the book changes.
+const Alarm* AlarmList::next_ended_lately(Cursor& cursor) const {
+  const Alarm* found = nullptr;
+  for (std::uint32_t i = 0; i < book_.open_count(); ++i) {
+    const Alarm& alarm = book_.open(i);
+    if (alarm.is_on || (cursor.item != 0 && alarm.number >= cursor.item)) continue;
+    if (found == nullptr || alarm.number > found->number) found = &alarm;
+  }
+  if (found != nullptr) cursor.item = found->number;
+  return found;
+}
+
 void AlarmList::write_head(TextWriter& piece) const {
+  write_counts(piece);
+  if (!wants_ended_) return;
+  piece << "first those that are on, the worst before others; then what has ended, the newest "
+           "before older\n";
+}
+
+void AlarmList::write_counts(TextWriter& piece) const {
   if (book_.on_count() == 0) {
     piece << "nothing is wrong\n";
     return;
@@ -95,7 +119,7 @@ void AlarmList::write_alarm(const Alarm& alarm, port::Instant asked_at, TextWrit
     piece << ")";
   } else {
     piece << " until ";
-    piece.utc(alarm.until.time_of_day_ms(asked_at, unix_now_ms)) << ending_of(alarm.end);
+    piece.utc(alarm.until.time_of_day_ms(asked_at, unix_now_ms)) << ending_of(alarm);
   }
   if (alarm.times > 1) piece << ", " << alarm.times << " times";
   if (alarm.is_acknowledged) piece << ", acknowledged";

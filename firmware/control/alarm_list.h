@@ -19,7 +19,10 @@ class AlarmList final : public Document {
   bool write_next(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const override;
 
  private:
+  // Null behind the last.
+  const Alarm* next_ended_lately(Cursor& cursor) const;
   void write_head(TextWriter& piece) const;
+  void write_counts(TextWriter& piece) const;
   void write_needs_restart(TextWriter& piece) const;
   void write_alarm(const Alarm& alarm, port::Instant asked_at, TextWriter& piece) const;
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "firmware/alarms/alarm_subject.h"
+#include "firmware/control/shown_names.h"
 #include "firmware/logging/text_line.h"
 #include "firmware/status/health.h"
 
@@ -43,6 +44,7 @@ Control::Control(Gateway& gateway, AlarmBook& alarms, const StatusSources& sourc
       status_(sources_, meter_),
       metrics_(sources_, meter_),
       units_(sources_),
+      features_(sources_),
       now_(sources.started_at) {}
 
 void Control::advance(port::Instant now) {
@@ -74,8 +76,13 @@ void Control::begin(std::size_t number, std::string_view line) {
       if (is_healthy(sources_, now_, answer)) answer << "ok";
       answer << "\n";
     } else {
-      answer << "error there is nothing of this name to show; there are alarms, history, health, "
-                "config, metrics, status.json, units.json, alarms.json and history.json\n";
+      answer << "error there is nothing of this name to show; there are ";
+      std::string_view before;
+      for (const std::string_view name : shown_names) {
+        answer << before << name;
+        before = ", ";
+      }
+      answer << "\n";
     }
   } else if (command == "acknowledge") {
     acknowledge(what, answer);
@@ -92,6 +99,7 @@ const Document* Control::document(std::string_view name) const {
   if (name == "history.json") return &history_document_;
   if (name == "status.json") return &status_;
   if (name == "units.json") return &units_;
+  if (name == "features.json") return &features_;
   if (name == "metrics") return &metrics_;
   return nullptr;
 }

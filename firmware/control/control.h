@@ -12,6 +12,7 @@
 #include "firmware/status/alarms_document.h"
 #include "firmware/status/bus_meter.h"
 #include "firmware/status/document_reader.h"
+#include "firmware/status/features_document.h"
 #include "firmware/status/metrics_document.h"
 #include "firmware/status/status_document.h"
 #include "firmware/status/status_sources.h"
@@ -53,6 +54,7 @@ class Control final : public port::CommandHandler {
   const StatusDocument status_;
   const MetricsDocument metrics_;
   const UnitsDocument units_;
+  const FeaturesDocument features_;
   std::array<DocumentReader, port::command_clients_max> clients_;
   port::Instant now_{};
 };

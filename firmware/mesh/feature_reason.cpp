@@ -1,5 +1,6 @@
 #include "firmware/mesh/feature_reason.h"
 
+#include <algorithm>
 #include <string_view>
 
 #include "firmware/mesh/place_text.h"
@@ -11,12 +12,42 @@ namespace {
 // The page leads there.
 constexpr std::string_view more = "; how: /guide/site.html#where-lines-meet";
 
-// Drawn in a site file, where a line may have vertices that are no nodes; else by [[feature]].
-bool is_drawn(const FeatureSettings& feature) {
-  const std::string_view source = feature.source;
-  const std::string_view file = source.substr(0, source.rfind(':'));
-  return file.ends_with(".geojson") || file.ends_with(".json") || file.ends_with(".poly") ||
-         file.ends_with(".node");
+// Lines of the site file end where this [[feature]] does, at both of its ends.
+bool is_drawn_too(const FeatureSettings& listed, std::span<const FeatureRecord> features) {
+  const auto is_end = [features](const FeatureEnd& end) {
+    return std::any_of(features.begin(), features.end(), [&end](const FeatureRecord& each) {
+      const FeatureSettings& line = each.settings;
+      return is_drawn(line) && (line.from == end || line.to == end);
+    });
+  };
+  return is_end(listed.from) && is_end(listed.to);
+}
+
+// Of two that are drawn in a site file, or of two [[feature]].
+void write_cure_of_crossing(TextLine& cure, bool are_drawn) {
+  cure << (are_drawn
+               ? "in the site file give both lines a vertex there, at the same coordinates, or let "
+                 "one end there, or take one out"
+               : "let both end at a node that is near there, each as two [[feature]], or draw both "
+                 "in a site file with a vertex there and take both [[feature]] out, or take one "
+                 "out");
+}
+
+// Of a line of the site file and a [[feature]] that are in each other's way. Most often somebody
+// has drawn the [[feature]] and left it where it was: to change the drawing would lead in a circle.
+void write_cure_of_drawn(TextLine& cure, Status status, const FeatureSettings& listed,
+                         std::span<const FeatureRecord> features) {
+  cure << "take the [[feature]] of " << listed.source << " out";
+  const bool is_along = status != Status::crossing_features;
+  if (is_along && is_drawn_too(listed, features)) {
+    cure << ", the site file has its line already";
+  } else if (is_along) {
+    cure
+        << " where the site file has its line already; else let one begin where the other one ends";
+  } else {
+    cure << " where the site file has its line already; else draw it there, give both lines a "
+            "vertex at that place, and take the [[feature]] out";
+  }
 }
 
 }  // namespace
@@ -32,25 +63,23 @@ std::optional<FeatureReason> reason_of(const FeatureSettings& feature, Status st
   switch (status) {
     case Status::repeated_feature:
       reason.what << "it has the same ends as " << named;
-      reason.cure << "take one of the two out" << more;
-      return reason;
+      reason.cure << "take one of the two out";
+      break;
     case Status::overlapping_features:
       reason.what << "it runs along a part of " << named;
-      reason.cure << "let it begin where the other one ends, or take one of the two out" << more;
-      return reason;
+      reason.cure << "let it begin where the other one ends, or take one of the two out";
+      break;
     case Status::crossing_features:
+      reason.what << "it crosses " << named;
+      if (blocker->near) write_site_place(reason.what << " at ", plane, *blocker->near);
+      write_cure_of_crossing(reason.cure, is_drawn(feature));
       break;
     default:
       return std::nullopt;
   }
-  reason.what << "it crosses " << named;
-  if (blocker->near) write_site_place(reason.what << " at ", plane, *blocker->near);
-  if (is_drawn(feature) && is_drawn(other)) {
-    reason.cure << "in the site file give both lines a vertex there, at the same coordinates, or "
-                   "let one end there, or take one out";
-  } else {
-    reason.cure << "let both end at a node that is near there, each as two [[feature]], or draw "
-                   "both in a site file with a vertex there, or take one out";
+  if (is_drawn(feature) != is_drawn(other)) {
+    reason.cure = {};
+    write_cure_of_drawn(reason.cure, status, is_drawn(feature) ? other : feature, features);
   }
   reason.cure << more;
   return reason;

@@ -72,11 +72,20 @@ void Presence::hear_node(NodeRecord& node, const NodeReading& reading, port::Ins
   node.heard_at = now;
   node.heard = clock_.shown(bus_of(node));
   node.status = reading.status;
+  note_leaving(node, now);
   if ((reading.status & node_status::fix_valid) == 0) return;
   if (std::exchange(node.lacks_fix, false)) tell_fix(node, now);
   node.position = reading.position;
   node.positioned_at = now;
   if (std::exchange(node.stale, false)) changed_ = true;
+}
+
+// It is told apart from who has no fix yet, and from who is missing.
+void Presence::note_leaving(NodeRecord& node, port::Instant now) {
+  const bool has_left = node.left_at != port::Instant{};
+  if (has_left == node.has_asked_to_leave()) return;
+  node.left_at = has_left ? port::Instant{} : now;
+  changed_ = true;
 }
 
 void Presence::sweep(port::Instant now, std::uint32_t generation) {

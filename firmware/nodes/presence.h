@@ -75,6 +75,7 @@ class Presence {
   }
   void check_node(NodeRecord& node, port::Instant now, std::uint32_t generation);
   void lose(NodeRecord& node, port::Instant now, std::uint32_t generation);
+  void note_leaving(NodeRecord& node, port::Instant now);
   void check_freshness(NodeRecord& node, port::Instant now);
   void tell_no_fix(const NodeRecord& node, port::Instant now);
   void tell_fix(const NodeRecord& node, port::Instant now);

@@ -60,6 +60,7 @@ struct SnapshotUnplacedNode {
   NameIndex name{};         // as above
   bool is_missing = false;  // its unit is then where it answered last
   bool is_absent = false;   // it was surveyed, and its unit has never answered (absent_units.h)
+  bool has_left = false;    // it has said so
   bool has_position = false;
   Position position;
   Rejection rejection;  // none: it is missing, absent, has not told where it is, or asked to leave

@@ -167,6 +167,7 @@ void SnapshotTaker::look_at_outsider(const NodeRecord& node, NameIndex name) {
        .owner = node.owner,
        .name = name,
        .is_missing = node.is_missing,
+       .has_left = node.has_asked_to_leave(),
        .has_position = node.has_position(),
        .position = node.position,
        .rejection = node.rejection});

@@ -30,6 +30,7 @@ struct NodeRecord {
   port::Instant answered_at{};  // here, at its unit; the origin: not in this run
   port::Duration heard{};       // the same, as the clock of its bus showed it (silence_clock.h)
   port::Instant positioned_at{};
+  port::Instant left_at{};   // it has said since then that it leaves; the origin: it does not
   Position position;         // last reported with a valid fix
   std::uint16_t status = 0;  // bits of node_status, last reported
   std::uint16_t boot_count = 0;

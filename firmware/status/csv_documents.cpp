@@ -21,7 +21,7 @@ void write_age(port::Instant since, port::Instant asked_at, TextWriter& piece) {
 const char* word_of_state(const NodeRecord& node) {
   if (node.is_missing) return "missing";
   if (node.is_quarantined()) return "quarantined";
-  if (!node.is_placed()) return "waiting";
+  if (!node.is_placed()) return node.has_asked_to_leave() ? "left" : "waiting";
   return node.stale ? "stale" : "fresh";
 }
 

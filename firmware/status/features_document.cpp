@@ -47,9 +47,15 @@ void explain_end(const Gateway& gateway, const FeatureSettings& feature, const F
     const Sentence why = parts_of(explain(node->rejection));
     reason.what << ", where it ends, is not in the mesh: " << why.what;
     reason.cure << why.cure;
+  } else if (node->has_asked_to_leave()) {
+    reason.what << ", where it ends, has said that it leaves";
+    reason.cure << "let it join again, or take the feature out of " << feature.source;
   } else {
+    const DevicePosition::State told = told_at(gateway.poller(), node->last_unit);
+    const NoPosition why = explain(told);
     reason.what << ", where it ends, has told no position yet";
-    reason.cure << "wait, or look at the sky above its antenna, and its cable";
+    if (told != DevicePosition::State::value) reason.what << ": it " << why.what;
+    reason.cure << why.cure;
   }
 }
 

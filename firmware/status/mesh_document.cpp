@@ -332,6 +332,7 @@ void MeshDocument::write_unplaced_head(const SnapshotUnplacedNode& node, TextWri
   piece << ",\"in_mesh\":false";
   if (node.is_missing || node.is_absent) piece << ",\"missing\":true";
   if (node.is_absent) piece << ",\"never_heard\":true";
+  if (node.has_left) piece << ",\"left\":true";
   write_rejection(node.rejection, piece);
 }
 

@@ -108,6 +108,7 @@ ShownUnit shown_unit(const StatusSources& sources, UnitIndex unit, port::Instant
   if (shown.node == nullptr || shown.node->answered_at == port::Instant{}) return shown;
   const std::uint16_t status = shown.node->status;
   shown.is_moving = (status & node_status::moving) != 0;
+  shown.has_left = shown.node->has_asked_to_leave();
   shown.has_low_battery = (status & node_status::low_battery) != 0;
   shown.lacks_fix = (status & node_status::fix_valid) == 0;
   return shown;

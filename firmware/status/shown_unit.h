@@ -33,6 +33,7 @@ struct ShownUnit {
   std::string_view name;  // of that node, or of the unit; empty: nobody has named it
   bool is_moving = false;
   bool has_low_battery = false;
+  bool has_left = false;  // it has said so
   bool lacks_fix = false;
 };
 

@@ -23,6 +23,7 @@ enum : std::uint32_t {
   counts,
   fleet,
   missing,
+  left_nodes,
   quarantine,
   unheard,
   buses,
@@ -65,6 +66,9 @@ bool StatusDocument::write_next(Cursor& cursor, port::Instant asked_at, TextWrit
       return true;
     case missing:
       write_missing(cursor, asked_at, piece);
+      return true;
+    case left_nodes:
+      write_left(cursor, asked_at, piece);
       return true;
     case quarantine:
       write_quarantine(cursor, asked_at, piece);
@@ -258,7 +262,7 @@ void StatusDocument::write_missing(Cursor& cursor, port::Instant asked_at,
   const std::span<const NodeRecord> nodes = sources_.gateway.nodes().records();
   for (std::uint32_t look = 0; look < missing_looks_max; ++look) {
     if (cursor.item >= nodes.size()) {
-      piece << "],\n\"quarantine\":[";
+      piece << "],\n\"left\":[";
       return cursor.next_section();
     }
     const NodeRecord& node = nodes[cursor.item++];
@@ -273,6 +277,23 @@ void StatusDocument::write_missing(Cursor& cursor, port::Instant asked_at,
       piece.json(gateway);
     }
     piece << "}";
+    return;
+  }
+}
+
+// The same: who has said that it leaves, how long ago.
+void StatusDocument::write_left(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const {
+  const std::span<const NodeRecord> nodes = sources_.gateway.nodes().records();
+  for (std::uint32_t look = 0; look < missing_looks_max; ++look) {
+    if (cursor.item >= nodes.size()) {
+      piece << "],\n\"quarantine\":[";
+      return cursor.next_section();
+    }
+    const NodeRecord& node = nodes[cursor.item++];
+    if (node.left_at == port::Instant{} || node.is_placed()) continue;
+    piece << cursor.separator() << "{\"serial\":" << node.serial.value;
+    write_name(node.serial, piece);
+    piece << ",\"since_ms\":" << age_of(node.left_at, asked_at) / 1ms << "}";
     return;
   }
 }

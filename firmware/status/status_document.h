@@ -27,6 +27,7 @@ class StatusDocument final : public Document {
   void write_member(const ReportedMember& member, port::Instant asked_at,
                     std::string_view separator, TextWriter& piece) const;
   void write_missing(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
+  void write_left(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const;
   // Of a node that has one, here and below.
   void write_name(Serial serial, TextWriter& piece) const;
   void write_unit(UnitIndex unit, TextWriter& piece) const;

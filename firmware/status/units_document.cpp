@@ -90,6 +90,7 @@ void UnitsDocument::write_unit(UnitIndex unit, port::Instant asked_at, TextWrite
     piece << ",\"said_ms\":" << age_of(shown.node->answered_at, asked_at) / 1ms;
   }
   if (shown.is_moving) piece << ",\"moving\":true";
+  if (shown.has_left) piece << ",\"left\":true";
   if (shown.has_low_battery) piece << ",\"low_battery\":true";
   if (shown.lacks_fix) piece << ",\"no_fix\":true";
   if (shown.lacks_fix && counters.told != DevicePosition::State::value) {

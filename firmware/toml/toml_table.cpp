@@ -1,9 +1,9 @@
 #include "firmware/toml/toml_table.h"
 
-#include <algorithm>
 #include <charconv>
-#include <numeric>
 #include <string_view>
+
+#include "firmware/toml/likeliest_word.h"
 
 namespace etcm::firmware {
 
@@ -29,35 +29,6 @@ std::optional<port::Duration> parse_duration(const std::string& text) {
 
 std::string place_of(const std::string& file, const toml::node& node) {
   return file + ":" + std::to_string(node.source().begin.line);
-}
-
-// How many letters must be put in, taken out or exchanged to make one word of the other.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-// The word that was most likely meant, or an empty one.
-std::string likeliest(const std::set<std::string>& words, std::string_view typed) {
-  std::string best;
-  std::size_t best_distance = std::max<std::size_t>(typed.size() / 3, 1) + 1;
-  for (const std::string& word : words) {
-    const std::size_t distance = edit_distance(word, typed);
-    if (distance < best_distance) {
-      best = word;
-      best_distance = distance;
-    }
-  }
-  return best;
 }
 
 }  // namespace
@@ -138,7 +109,7 @@ void TomlTable::finish() {
     if (known_.contains(typed)) continue;
     std::string list;
     for (const std::string& name : known_) list += (list.empty() ? "" : ", ") + name;
-    const std::string meant = likeliest(known_, typed);
+    const std::string meant(likeliest_word({known_.begin(), known_.end()}, typed));
     mistakes_.push_back(file_ + ":" + std::to_string(key.source().begin.line) + ": " +
                         in_toml_table("'" + typed + "' is unknown") + "; " +
                         (meant.empty() ? "" : "did you mean '" + meant + "'? ") +

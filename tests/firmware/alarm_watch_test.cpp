@@ -307,10 +307,11 @@ TEST_F(AlarmWatchOfACrossing, TheOtherFeatureIsNamed) {
   run(10s);
   EXPECT_EQ(
       wrong(),
-      (Lines{"major: feature 2 (1002-1004, site.toml:1) is not in the mesh: it crosses feature 1 "
-             "'north fence' (site.toml:1) at (50, 50) -> let both end at a node that is near "
-             "there, each as two [[feature]], or draw both in a site file with a vertex there, or "
-             "take one out; how: /guide/site.html#where-lines-meet"}));
+      (Lines{
+          "major: feature 2 (1002-1004, site.toml:1) is not in the mesh: it crosses feature 1 "
+          "'north fence' (site.toml:1) at (50, 50) -> let both end at a node that is near "
+          "there, each as two [[feature]], or draw both in a site file with a vertex there and "
+          "take both [[feature]] out, or take one out; how: /guide/site.html#where-lines-meet"}));
 }
 
 TEST_F(AlarmWatchOfACrossing, HealthNamesAFeatureThatIsRefused) {
@@ -320,7 +321,8 @@ TEST_F(AlarmWatchOfACrossing, HealthNamesAFeatureThatIsRefused) {
       tell("show health"),
       "ok\nfeature 2 (1002-1004, site.toml:1) is not in the mesh: it crosses feature 1 'north "
       "fence' (site.toml:1) at (50, 50); let both end at a node that is near there, each as "
-      "two [[feature]], or draw both in a site file with a vertex there, or take one out; "
+      "two [[feature]], or draw both in a site file with a vertex there and take both [[feature]] "
+      "out, or take one out; "
       "how: /guide/site.html#where-lines-meet\n");
   rig_.settings.features.pop_back();
   rig_.update_settings();
@@ -431,7 +433,7 @@ TEST_F(AlarmWatchOfACrossing, WhyItEndedIsTold) {
       << list;
   EXPECT_TRUE(is_told("node 1004, unit 4 of yard, has a low battery", " s)")) << list;
   EXPECT_TRUE(is_told("node 1005, unit 5 of yard, is missing", "Z, dismissed")) << list;
-  EXPECT_TRUE(is_told("feature 2", "Z, what it was about is no longer there")) << list;
+  EXPECT_TRUE(is_told("feature 2", "Z, cured")) << list;
   const std::string json = tell("show history.json");
   for (const std::string end : {"by_itself", "dismissed", "removed"}) {
     EXPECT_NE(json.find("\"end\":\"" + end + "\",\"text\""), std::string::npos) << end << json;

@@ -570,6 +570,42 @@ class DevicesInDegrees : public DeviceTest {
   std::optional<AlarmWatch> watch_;
 };
 
+class PageOfDevicesInDegrees : public DevicesInDegrees, protected PageReader {
+ protected:
+  PageOfDevicesInDegrees() : PageReader(rig_) {}
+};
+
+// What its alarm says, and not that every node looks at the sky.
+TEST_F(PageOfDevicesInDegrees, AFeatureThatWaitsForOneSaysWhyItTellsNoPosition) {
+  bus_.put(7, 3, {1234});
+  std::string text = R"(
+[[profile]]
+name = "meter"
+[[profile.reading]]
+name = "level"
+value = { register = 3 }
+)" + device_line + R"([[bus.device]]
+units = "7"
+profile = "meter"
+[[feature]]
+from = 1007
+to = 1008
+[site]
+origin = ["8", "47"]
+)";
+  start(text.insert(text.find("vertices_max"), "features_max = 5\n"), &proj_);
+  make_page();
+  rig_.run(2s);
+  const std::string told = get("/features.json");
+  EXPECT_NE(
+      told.find("node 1007, where it ends, has told no position yet: it has a profile without a "
+                "position, and the settings do not say where it stands"),
+      std::string::npos)
+      << told;
+  EXPECT_NE(told.find("\"cure\":\"give it a [[node]] with its bus"), std::string::npos) << told;
+  EXPECT_EQ(told.find("sky"), std::string::npos) << told;
+}
+
 // A swapped place is one on the other side of the world, and as good as any.
 TEST_F(DevicesInDegrees, ALetterOfTheOtherAxisIsNotBelievedAndSaysSo) {
   bus_.put(4, 0, {8, 'N', 47, 'E'});

@@ -194,6 +194,71 @@ TEST_F(StatusPageTest, AFeatureThatIsNotInTheMeshSaysWhyAndWhatToDo) {
       << told;
 }
 
+TEST_F(StatusPageTest, WhoHasSaidThatItLeavesIsTold) {
+  rig_.settings.features = {feature(1001, 1002)};
+  open_page();
+  rig_.put_square();
+  run(1s);
+  EXPECT_NE(get("/status.json").find("\"left\":[]"), std::string::npos);
+  rig_.put(1, 0, 0, node_status::fix_valid | node_status::leaving);
+  run(5s);
+  const std::string status = get("/status.json");
+  EXPECT_TRUE(is_sound_json(status)) << status;
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(status, found,
+                                std::regex(R"re("left":\[\{"serial":1001,"since_ms":(\d+)\}\])re")))
+      << status;
+  EXPECT_NEAR(std::stod(found[1]), 5000, 600);
+  EXPECT_NE(get("/mesh.json").find("\"in_mesh\":false,\"left\":true"), std::string::npos);
+  EXPECT_NE(get("/nodes.csv").find("1001,,left,0,0"), std::string::npos) << get("/nodes.csv");
+  EXPECT_NE(get("/features.json")
+                .find("node 1001, where it ends, has said that it leaves\",\"cure\":\"let it join "
+                      "again, or take the feature out of site.toml:1\""),
+            std::string::npos)
+      << get("/features.json");
+  rig_.put(1, 0, 0);
+  run(1s);
+  EXPECT_NE(get("/status.json").find("\"left\":[]"), std::string::npos);
+}
+
+// Drawn in a site file, in two parts, with the [[feature]] left where it was.
+TEST_F(StatusPageTest, AFeatureThatIsDrawnTooIsTakenOut) {
+  rig_.settings.features = {
+      {.from = Serial{1001}, .to = Serial{1003}, .name = {}, .source = "gateway.toml:4"},
+      {.from = Serial{1001},
+       .to = FeatureEnd::anchor({50, 50}),
+       .name = {},
+       .source = "site.geojson:3"},
+      {.from = FeatureEnd::anchor({50, 50}),
+       .to = Serial{1003},
+       .name = {},
+       .source = "site.geojson:3"},
+      {.from = FeatureEnd::anchor({20, 30}),
+       .to = FeatureEnd::anchor({30, 20}),
+       .name = {},
+       .source = "site.geojson:9"}};
+  for (const Position place : {Position{50, 50}, Position{20, 30}, Position{30, 20}}) {
+    rig_.settings.anchors.push_back({.position = place, .source = "site.geojson:1"});
+  }
+  open_page();
+  rig_.put_square();
+  run(1s);
+  const std::string told = get("/features.json");
+  EXPECT_TRUE(is_sound_json(told)) << told;
+  EXPECT_EQ(count(told,
+                  "\"why\":\"it runs along a part of feature 1 (1001-1003, gateway.toml:4)\","
+                  "\"cure\":\"take the [[feature]] of gateway.toml:4 out, the site file has "
+                  "its line already; how: /guide/site.html#where-lines-meet\""),
+            2u)
+      << told;
+  EXPECT_EQ(count(told,
+                  "\"cure\":\"take the [[feature]] of gateway.toml:4 out where the site file "
+                  "has its line already; else draw it there, give both lines a vertex at that "
+                  "place, and take the [[feature]] out; how: "),
+            1u)
+      << told;
+}
+
 TEST_F(StatusPageTest, WhatWaitsForARestartIsTold) {
   const std::vector<std::string> keys = {"[mesh] vertices_max", "[http] listen"};
   open_page();
@@ -907,17 +972,18 @@ TEST_F(StatusPageTest, TheGuideLeadsOnlyToWhatIsThere) {
   open_page();
   std::map<std::string, std::string> pages;
   for (const PageFile& file : page_files()) pages.emplace(file.path, file.content);
-  EXPECT_EQ(count(pages.at("/"), "href=\"guide\""), pages.contains("/guide") ? 1u : 0u);
+  EXPECT_EQ(count(pages.at("/"), "href=\"guide") > 0, pages.contains("/guide"));
   if (!pages.contains("/guide")) return;
   EXPECT_TRUE(pages.contains("/guide/settings.html"));
   ASSERT_TRUE(pages.contains("/guide/")) << "with a slash at its end";
   std::size_t links = 0;
   const std::regex link("(href|src)=\"([^\"#:]*)(#?)([^\":]*)\"");
   for (const auto& [path, text] : pages) {
-    if (!path.starts_with("/guide") || text.find("<!doctype html>") != 0) continue;
+    if (!(path == "/" || path.starts_with("/guide")) || text.find("<!doctype html>") != 0) continue;
     for (std::sregex_iterator at(text.begin(), text.end(), link), end; at != end; ++at, ++links) {
       const std::string where = (*at)[2];
       if (where == "./" || where == "../") continue;
+      if (path == "/" && !where.starts_with("guide")) continue;
       std::string to = where.empty() ? path : path.substr(0, path.rfind('/') + 1) + where;
       if (where.starts_with("../")) to = "/" + where.substr(3);
       ASSERT_TRUE(pages.contains(to)) << path << ": " << at->str();

@@ -86,7 +86,6 @@ class OnTheMachine(GatewayCase):
         self.assertIn("node 3 answers, so there is nothing to dismiss", self.refused("dismiss", "3"))
         self.assertIn("no gateway of this name is gone", self.refused("dismiss", "north"))
         self.assertIn("no alarm that is on has the number 77", self.refused("acknowledge", "77"))
-        self.assertIn("nothing of this name", self.refused("show", "../state"))
         self.assertIn("no node of this name", self.refused("dismiss", "1 2"))
         self.assertEqual(self.ctl("dismiss", "1\n2").returncode, 2)
         for command, hint in (("dismiss", "serials, names of nodes or gateways, or all"),
@@ -95,13 +94,43 @@ class OnTheMachine(GatewayCase):
             self.assertEqual(without.returncode, 2)
             self.assertIn(f"ctl {command}: it is not said which; add {hint}, as sudo etcm-gateway ctl list",
                           without.stderr)
-        self.assertEqual(self.ctl("nonsense").returncode, 2)
         self.assertEqual(len(self.on()), 2)
         self.assertEqual(self.ctl("dismiss", "1").returncode, 0)
         self.assertIn("node 1 is not known here: it was dismissed already", self.refused("dismiss", "1"))
         wait_for("one alarm less", lambda: len(self.on()) == 1)
         self.gateway.stop()
         self.assertIn("no gateway listens there: start it", self.refused("list"))
+
+    def misread(self, *words):
+        done = self.ctl(*words)
+        self.assertEqual((done.returncode, done.stdout), (2, ""), done.stderr)
+        self.assertRegex(done.stderr, r"\Aetcm-gateway: [^\n]+\n\Z")
+        return done.stderr
+
+    def test_a_word_that_means_nothing_is_named_with_what_was_meant(self):
+        commands = "list, dismiss, acknowledge, show, bundle"
+        self.assertIn(f"ctl: there is no 'lsit'; did you mean 'list'? There are {commands}", self.misread("lsit"))
+        self.assertIn(f"ctl: there is no 'nonsense'; there are {commands}", self.misread("nonsense"))
+        self.assertIn(f"ctl: it is not said what to do; add one of {commands}", self.misread())
+        self.assertIn("ctl list: 'foo' means nothing here; take it out", self.misread("list", "foo"))
+        shown = "alarms, history, health, config, metrics, features.json, status.json, units.json, " \
+            "alarms.json, history.json"
+        self.assertIn(f"ctl show: there is no 'helth'; did you mean 'health'? There are {shown}",
+                      self.misread("show", "helth"))
+        self.assertIn(f"ctl show: there is no '../state'; there are {shown}", self.misread("show", "../state"))
+
+    def test_what_has_ended_is_listed_behind_the_rest_and_the_newest_first(self):
+        self.start_with_two_silent()
+        self.tell("dismiss", "1")
+        wait_for("one alarm", lambda: len(self.on()) == 1)
+        self.tell("dismiss", "2")
+        wait_for("no alarm", lambda: self.on() == {})
+        said = self.tell("list", "--all")
+        self.assertRegex(said, r"\Anothing is wrong\nfirst those that are on, the worst before others; then what has "
+                               r"ended, the newest before older\n")
+        numbers = [int(number) for number in re.findall(r"(?m)^(\d+)  ", said)]
+        self.assertEqual(numbers, sorted(numbers, reverse=True))
+        self.assertEqual(len(numbers), 2)
 
     def test_a_gateway_that_was_killed_leaves_no_socket_in_the_way(self):
         gateway = self.start_gateway(self.start_nodes(["0,1,join,0,0"]))
