@@ -6,7 +6,6 @@
 #include "firmware/alarms/alarm_subject.h"
 #include "firmware/alarms/refusal_text.h"
 #include "firmware/logging/text_line.h"
-#include "firmware/mesh/length_text.h"
 #include "firmware/nodes/faulty_units.h"
 #include "firmware/nodes/silence_cause.h"
 
@@ -167,27 +166,12 @@ void AlarmWatch::look_at_faulty(port::Instant now) {
 
 void AlarmWatch::look_at_far() {
   const Gateway& gateway = sources_.gateway;
-  const Snapshot& snapshot = gateway.snapshot();
-  if (snapshot.far_count == 0) return;
-  for (const SnapshotVertex& vertex : snapshot.vertices) {
-    if (!vertex.is_far || !vertex.owner.is_none()) continue;
-    const NodeRecord* const node = gateway.nodes().find(vertex.serial);
-    if (node == nullptr) continue;
+  for (const FarNode& node : gateway.far_nodes().list()) {
+    if (!node.is_told) continue;
     TextLine text;
-    write_node(text, gateway, *node);
-    text << " stands ";
-    const std::size_t before = text.view().size();
-    write_distance(text, gateway.settings().site.plane(), snapshot.middle, node->position,
-                   " from the others");
-    if (text.view().size() == before) text << "far from all others";
-    const bool is_surveyed =
-        !node->last_unit.is_none() && gateway.poller().is_surveyed(node->last_unit);
-    book_.hold({AlarmKind::far_node, vertex.serial.value}, {}, text,
-               is_surveyed ? "correct where its [[node]] says that it stands; if it does stand "
-                             "there, acknowledge this"
-                           : "look for a coordinate that is 0, longitude and latitude exchanged, "
-                             "or another coordinate system, in the device and its profile "
-                             "(etcm-bus probe); if it does stand there, acknowledge this");
+    gateway.far_nodes().explain(node, gateway.snapshot(), gateway.settings(), text);
+    book_.hold({AlarmKind::far_node, node.serial.value}, node.since, text,
+               gateway.far_nodes().cure_of(node));
   }
 }
 

@@ -44,6 +44,7 @@ Gateway::Gateway(std::shared_ptr<const Settings> settings, Mesh& mesh, const Gat
       assigner_(settings_->poll, poller_, nodes_, ports.log),
       is_assigning_(poller_.bus_count()),
       unheard_ends_(kept_.features(), ports.log),
+      far_nodes_(nodes_, poller_, ports.log),
       snapshots_(*settings_,
                  roster_capacity(std::max(poller_.unit_count(), settings_->room.units)) +
                      foreign_room(*settings_)),
@@ -156,6 +157,7 @@ void Gateway::sweep(port::Instant now) {
   changed_ = changed_ || presence_.waiting_count() != snapshot().waiting_count;
   changed_ = absent_units_.look(*settings_, poller_, presence_, nodes_, now) || changed_;
   unheard_ends_.look(nodes_, poller_, fleet(), settings_->poll.leave_after, now);
+  far_nodes_.look(snapshot(), *settings_, now);
 }
 
 void Gateway::update_settings(std::shared_ptr<const Settings> settings,
@@ -417,6 +419,7 @@ void Gateway::publish(port::Instant now) {
   if (fleet_) snapshots_.set_gateways(fleet_->gateways());
   const Snapshot& snapshot = snapshots_.take(generation_, kept_, nodes_, poller_, presence_,
                                              absent_units_.list(), quarantine_, now);
+  far_nodes_.look(snapshot, *settings_, now);
   if (file_publisher_) file_publisher_->mark_dirty(snapshot);
   distributor_.take_snapshot();
   if (fleet_) fleet_->take(snapshot, quarantine_);

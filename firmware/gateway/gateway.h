@@ -23,6 +23,7 @@
 #include "etcm/port/store.h"
 #include "etcm/port/wall_clock.h"
 #include "firmware/config/settings.h"
+#include "firmware/gateway/far_node_watch.h"
 #include "firmware/gateway/fleet_link.h"
 #include "firmware/gateway/fleet_report.h"
 #include "firmware/gateway/serial_clashes.h"
@@ -149,6 +150,7 @@ class Gateway final : private ReadingListener, private RequestSource {
   const NodeTable& nodes() const { return nodes_; }
   std::span<const FeatureRecord> features() const { return kept_.features().records(); }
   const UnheardEnds& unheard_ends() const { return unheard_ends_; }
+  const FarNodeWatch& far_nodes() const { return far_nodes_; }
   const Presence& presence() const { return presence_; }
   const AbsentUnits& absent_units() const { return absent_units_; }
   const MeshTimes& mesh_times() const { return placement_.times(); }
@@ -202,6 +204,7 @@ class Gateway final : private ReadingListener, private RequestSource {
   std::vector<bool> is_assigning_;  // by bus: whose request is under way
   std::vector<QuarantineEntry> quarantine_;
   UnheardEnds unheard_ends_;
+  FarNodeWatch far_nodes_;
   SnapshotTaker snapshots_;
   ReadingTaker reading_taker_;
   SensorWatch sensors_;

@@ -58,17 +58,20 @@ constexpr Axes plane{Profile::Positioning::plane, "x", "y"};
 constexpr Axes earth{Profile::Positioning::degrees, "longitude", "latitude"};
 
 // A letter there tells the hemisphere, and only two of them are of this axis.
-void take_axis(TomlTable& table, const char* key, Axis axis, Field& field) {
+void take_axis(TomlTable& table, const char* key, Axis axis, std::uint32_t counts_from,
+               Field& field) {
   field.axis = axis;
   if (!field.negative_if) return;
+  const std::string letter_register =
+      std::to_string(counts_from + field.negative_if->number.span.first);
   for (const char letter : hemispheres_of(*field.negative_if)) {
     if (belongs_to(letter, axis)) continue;
     table.mistake(*table.find(key), std::string("'") + key + "' is negative by the letter " +
                                         letter + ", and has " +
                                         (axis == Axis::longitude ? "E and W" : "N and S") +
-                                        "; write negative_if = { " + "register = 207, equals = \"" +
-                                        (axis == Axis::longitude ? "W" : "S") +
-                                        "\" } with the register of its letter");
+                                        "; write negative_if = { register = " + letter_register +
+                                        ", equals = \"" + (axis == Axis::longitude ? "W" : "S") +
+                                        "\" }, with the register of its letter");
   }
 }
 
@@ -92,8 +95,8 @@ void read_axes(TomlTable& table, const FieldReader& fields, const Axes& axes, Pr
   if (east) profile.east = *east;
   if (north) profile.north = *north;
   if (axes.positioning != Profile::Positioning::degrees) return;
-  if (east) take_axis(table, axes.east, Axis::longitude, profile.east);
-  if (north) take_axis(table, axes.north, Axis::latitude, profile.north);
+  if (east) take_axis(table, axes.east, Axis::longitude, profile.counts_from, profile.east);
+  if (north) take_axis(table, axes.north, Axis::latitude, profile.counts_from, profile.north);
 }
 
 void read_position(TomlTable& table, const FieldReader& fields, Profile& profile) {

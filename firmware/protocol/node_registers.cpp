@@ -150,8 +150,10 @@ const char* explain(ReadingFault fault) {
     case ReadingFault::no_serial:
       return "no serial in the registers of `serial`: correct its profile, or take `serial` out";
     case ReadingFault::off_the_plane:
-      return "its place is beyond the plane of the mesh: set `origin` in [site] to a corner of the "
-             "site, or correct its profile";
+      return "its place is beyond the plane of the mesh: correct 'order', 'scale' or 'format' in "
+             "its profile, or exchange its longitude and latitude there (etcm-bus probe shows what "
+             "each is); if it does stand there, set `origin` in [site] to a corner of the site, or "
+             "a greater `unit`";
     case ReadingFault::other_axis:
       return "the letter of a hemisphere is not one of its coordinate: exchange the registers of "
              "'longitude' and 'latitude' in the profile, or their letters";

@@ -1,6 +1,7 @@
 // One generation of the mesh as others may see it; never changed once it is taken.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -27,12 +28,20 @@ inline constexpr std::uint16_t missing = 1u << 3;     // a node fell silent and 
 inline constexpr std::uint16_t bus_silent = 1u << 4;  // no node of a bus answers
 }  // namespace snapshot_state
 
+// What a node stands so far from that a mistake is likelier than the place (far_nodes.h).
+enum class FarFrom : std::uint8_t {
+  nothing,
+  site,     // of which the settings say where it is
+  others,   // of which most are in one place
+  another,  // and nobody can say which of them is wrong
+};
+
 // Row i is vertex id i + 1, so a node keeps its row for as long as it is in the mesh.
 struct SnapshotVertex {
   VertexKind kind = VertexKind::none;
   bool stale = false;
   bool lacks_fix = false;     // stale although its node answers
-  bool is_far = false;        // of a node: from all others (far_nodes.h)
+  FarFrom far_from{};         // of a node
   bool is_anchor = false;     // a fixed point of the site; to the mesh it is a node
   Rejection rejection{};      // of a node: why the mesh does not have it where it is now
   Serial serial{};            // of a node that is no anchor
@@ -102,9 +111,12 @@ struct Snapshot {
   std::uint32_t stale_count = 0;
   std::uint32_t waiting_count = 0;  // nodes that answer and have not told where they are
   std::uint32_t missing_count = 0;  // nodes
-  std::uint32_t far_count = 0;      // nodes that stand far from all others
-  Position middle{};                // the median place of the nodes, where there are some of these
-  std::uint32_t absent_count = 0;   // units that the settings name and that have never answered
+  std::uint32_t far_count = 0;      // nodes that are far from something
+  Position middle{};                // of the others, where nodes are far from these
+  Position site_middle{};           // of the site, where nodes are far from that
+  // Rows of the nodes at the left, right, bottom and top, where some are far from another.
+  std::array<std::uint32_t, 4> outermost{};
+  std::uint32_t absent_count = 0;  // units that the settings name and that have never answered
   std::uint32_t silent_bus_count = 0;
   std::uint32_t oldest_age_ms = 0;  // of the position of a node in the mesh, at this generation
   std::uint64_t mesh_hash = 0;

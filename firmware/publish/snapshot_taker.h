@@ -38,7 +38,7 @@ class SnapshotTaker {
   // The settings have another site.
   void update_site(const Settings& settings) {
     analyst_.take_site(settings.domain);
-    far_nodes_.set_plane(settings.site.plane());
+    far_nodes_.set_site(settings);
   }
 
   // The names of the gateways that other owners of nodes are, for the next snapshots.

@@ -112,6 +112,26 @@ void look_at_faulty(const StatusSources& sources, port::Instant now, Reasons& re
   reason << "; " << text.cure;
 }
 
+// The first of them is named. One that was acknowledged does stand there.
+void look_at_far(const StatusSources& sources, Reasons& reasons) {
+  const FarNodeWatch& far = sources.gateway.far_nodes();
+  const FarNode* first = nullptr;
+  std::uint32_t count = 0;
+  for (const FarNode& node : far.list()) {
+    if (!node.is_told) continue;
+    const Alarm* const alarm = sources.alarms.find_on({AlarmKind::far_node, node.serial.value});
+    if (alarm != nullptr && alarm->is_acknowledged) continue;
+    if (count++ == 0) first = &node;
+  }
+  if (first == nullptr) return;
+  TextLine text;
+  far.explain(*first, sources.gateway.snapshot(), sources.gateway.settings(), text);
+  TextWriter& reason = reasons.add();
+  reason << text.view();
+  if (count > 1) reason << ", and " << count - 1 << " more";
+  reason << "; " << far.cure_of(*first);
+}
+
 // The first feature or anchor of the site that the mesh has refused is named.
 void look_at_refused(const StatusSources& sources, Reasons& reasons) {
   std::optional<RefusalText> first;
@@ -243,6 +263,7 @@ bool is_healthy(const StatusSources& sources, port::Instant now, TextWriter& wri
   look_at_missing(sources, reasons);
   look_at_absent(sources, reasons);
   look_at_faulty(sources, now, reasons);
+  look_at_far(sources, reasons);
   look_at_refused(sources, reasons);
   look_at_fleet(sources, now, reasons);
   if (sources.gateway.is_late(now, publish_patience)) {

@@ -299,7 +299,9 @@ void MeshDocument::write_vertex_head(const SnapshotVertex& vertex, std::uint32_t
     piece << ",\"in_mesh\":true,\"stale\":";
     piece.yes_or_no(vertex.stale);
     if (vertex.lacks_fix) piece << ",\"no_fix\":true";
-    if (vertex.is_far) piece << ",\"far\":true";
+    // Where nobody can say which of them is wrong all are shown.
+    const bool is_apart = vertex.far_from == FarFrom::site || vertex.far_from == FarFrom::others;
+    if (is_apart) piece << ",\"far\":true";
     write_rejection(vertex.rejection, piece);
   } else {
     piece << "\"kind\":\"steiner\"";

@@ -245,16 +245,49 @@ TEST_F(AlarmWatchTest, ANodeFarFromAllOthersIsOne) {
   rig_.put_square();
   rig_.put(5, 900'000, 0);
   run(3s);
-  EXPECT_EQ(
-      wrong(),
-      (Lines{"major: node 1005, unit 5 of yard, stands 900 km from the others -> look for a "
-             "coordinate that is 0, longitude and latitude exchanged, or another coordinate "
-             "system, in the device and its profile (etcm-bus probe); if it does stand there, "
-             "acknowledge this"}));
+  const std::string what = "node 1005, unit 5 of yard, stands 900 km from the others";
+  const std::string cure =
+      "correct the place that it tells: a coordinate that is 0, two that are exchanged, or those "
+      "of another coordinate system; if it does stand there, acknowledge this";
+  EXPECT_EQ(wrong(), Lines{"major: " + what + " -> " + cure});
+  EXPECT_EQ(rig_.log.count(what + "; " + cure), 1u);
   EXPECT_NE(tell("show alarms.json").find("\"about\":{\"node\":1005}"), std::string::npos);
+  EXPECT_EQ(tell("show health"), "ok\n" + what + "; " + cure + "\n");
+  EXPECT_EQ(tell("acknowledge 1"), "ok\nalarm 1 is acknowledged\n");
+  EXPECT_EQ(tell("show health"), "ok\nok\n") << "it does stand there";
+  run(60s);
+  EXPECT_EQ(rig_.log.count("stands 900 km from the others"), 1u) << "once";
   rig_.put(5, 90, 0);
   run(3s);
   EXPECT_EQ(wrong(), Lines{});
+  EXPECT_EQ(rig_.log.count("node 1005 is far off no longer"), 1u);
+}
+
+TEST_F(AlarmWatchTest, OfTwoNodesThatNoSiteHasBothAreTold) {
+  rig_.settings.site.metres = site_nano;
+  rig_.put(1, 0, 0);
+  rig_.put(2, 6'000'000, 0);
+  run(3s);
+  ASSERT_EQ(wrong().size(), 2u);
+  EXPECT_TRUE(wrong()[0].starts_with(
+      "major: node 1001, unit 1 of yard, stands 6000 km from node 1002, farther than a site "
+      "reaches: one of them is wrong -> correct the place that it tells"))
+      << wrong()[0];
+  EXPECT_NE(tell("show health").find("one of them is wrong, and 1 more; correct"),
+            std::string::npos);
+}
+
+TEST_F(AlarmWatchTest, ANodeIsNotFarWhileTheOthersAreStillToCome) {
+  rig_.settings.site.metres = site_nano;
+  rig_.put(1, 0, 0);
+  rig_.put(2, 6'000'000, 0);
+  run(500ms);
+  rig_.put_square();
+  rig_.put(5, 6'000'000, 0);
+  run(3s);
+  ASSERT_EQ(wrong().size(), 1u);
+  EXPECT_TRUE(wrong()[0].starts_with("major: node 1005, ")) << wrong()[0];
+  EXPECT_EQ(rig_.log.count("one of them is wrong"), 0u);
 }
 
 TEST_F(AlarmWatchTest, AnExceptionNowAndThenIsNone) {

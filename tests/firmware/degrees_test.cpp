@@ -707,5 +707,46 @@ origin = ["8", "47"]
             "bus, its unit and x, y or longitude, latitude");
 }
 
+// Longitude and latitude exchanged are a place as good as any.
+TEST_F(DevicesInDegrees, AReceiverFarFromWhatWasSurveyedIsToldAtOnceOfTwo) {
+  bus_.put(4, 0, {63, 10});
+  bus_.put(7, 3, {1234});
+  start(R"(
+[[profile]]
+name = "rover"
+longitude = { register = 0 }
+latitude = { register = 1 }
+[[profile]]
+name = "meter"
+[[profile.reading]]
+name = "level"
+value = { register = 3 }
+)" + device_line +
+            R"([[bus.device]]
+units = "4"
+profile = "rover"
+[[bus.device]]
+units = "7"
+profile = "meter"
+[[node]]
+unit = 7
+longitude = "10"
+latitude = "63"
+)",
+        &proj_);
+  rig_.run(3s);
+  look();
+  EXPECT_EQ(rig_.gateway->snapshot().far_count, 1u);
+  const std::string words = words_of({AlarmKind::far_node, 1004});
+  EXPECT_TRUE(words.starts_with("node 1004, unit 4 of yard, stands 8")) << words;
+  EXPECT_TRUE(words.ends_with(
+      " km from where the site is by its settings -> correct 'order', 'scale' or 'format' in its "
+      "profile, or exchange its longitude and latitude there (etcm-bus probe shows what each is); "
+      "if it does stand there, acknowledge this"))
+      << words;
+  EXPECT_EQ(words_of({AlarmKind::far_node, 1007}), "");
+  EXPECT_EQ(rig_.log.count("km from where the site is by its settings; correct 'order'"), 1u);
+}
+
 }  // namespace
 }  // namespace etcm::firmware

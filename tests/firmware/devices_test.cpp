@@ -179,7 +179,7 @@ TEST_F(Devices, APlaceBeyondThePlaneIsNamedWithItsCure) {
   start("[site]\nunit = \"0.0001\"\n");
   put_rover(2, 2'000'000, 0);
   rig_.run(500ms);
-  EXPECT_EQ(rig_.log.count("beyond the plane of the mesh: set `origin` in [site]"), 1u);
+  EXPECT_EQ(rig_.log.count("beyond the plane of the mesh: correct 'order', 'scale' or 'format' in its profile"), 1u);
 }
 
 TEST_F(Devices, ASurveyedOneIsThereWhileItsUnitAnswers) {

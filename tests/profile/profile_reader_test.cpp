@@ -101,11 +101,12 @@ TEST(ProfileMistakes, OfALetterOfTheOtherAxis) {
   const auto found = mistakes_in(
       "longitude = { register = 0, negative_if = { register = 1, equals = 'S' } }\n"
       "latitude = { register = 2, negative_if = { register = 3, equals = 0x57 } }");
-  EXPECT_THAT(found,
-              ElementsAre(HasSubstr("p.toml:3: 'longitude' is negative by the letter S, and has E "
-                                    "and W; write negative_if = "),
-                          HasSubstr("p.toml:4: 'latitude' is negative by the letter W, and has N "
-                                    "and S; write negative_if = ")));
+  EXPECT_THAT(
+      found,
+      ElementsAre(HasSubstr("p.toml:3: 'longitude' is negative by the letter S, and has E "
+                            "and W; write negative_if = { register = 1, equals = \"W\" }, "),
+                  HasSubstr("p.toml:4: 'latitude' is negative by the letter W, and has N "
+                            "and S; write negative_if = { register = 3, equals = \"S\" }, ")));
 }
 
 TEST(ProfileMistakes, OfAField) {
