@@ -76,31 +76,56 @@ std::optional<std::int64_t> formatted(FieldFormat format, std::int64_t nano) {
   return nano;
 }
 
-// The letter of a hemisphere whose code the registers have that the number has in its mask; else
-// '\0'.
-char hemisphere_of(const Number& number, std::int64_t nano) {
+// What the registers have in the mask of the number, as the code of a letter; nothing where that
+// can be none.
+std::optional<std::int64_t> code_of(const Number& number, std::int64_t nano) {
   const bool is_plain = (number.type == NumberType::u16 || number.type == NumberType::i16) &&
                         number.scale == Fraction::of(1) && number.offset_nano == 0;
-  if (!is_plain || nano < 0 || nano % nano_per_one != 0) return '\0';
-  const std::int64_t code = nano / nano_per_one >> std::countr_zero(number.mask);
-  const char letter = code < 128 ? static_cast<char>(code) : '\0';
-  return is_hemisphere(letter) ? letter : '\0';
+  if (!is_plain || nano < 0 || nano % nano_per_one != 0) return std::nullopt;
+  return nano / nano_per_one >> std::countr_zero(number.mask);
 }
 
-bool asks_for_hemisphere(const Condition& condition) {
+bool is_small(char letter) { return letter >= 'a' && letter <= 'z'; }
+char large(char letter) {
+  return is_small(letter) ? static_cast<char>(letter - 'a' + 'A') : letter;
+}
+
+// The letter of a hemisphere whose code that is, small or not; else '\0'.
+char hemisphere_of(const Number& number, std::int64_t nano) {
+  const std::optional<std::int64_t> code = code_of(number, nano);
+  const char letter = code && *code < 128 ? static_cast<char>(*code) : '\0';
+  return is_hemisphere(large(letter)) ? letter : '\0';
+}
+
+// Whether a letter of a hemisphere is among what the test compares with, small or not.
+bool asks_for_hemisphere(const Condition& condition, bool small) {
   return std::any_of(condition.any_of.begin(), condition.any_of.end(), [&](const auto& interval) {
-    return interval.least == interval.most &&
-           hemisphere_of(condition.number, interval.least) != '\0';
+    if (interval.least != interval.most) return false;
+    const char letter = hemisphere_of(condition.number, interval.least);
+    return letter != '\0' && is_small(letter) == small;
   });
 }
 
-// That is read beside the number where a letter makes it negative.
-char letter_beside(const Field& field, const Sweep& sweep) {
+// A device may have the letter of one side only.
+bool is_blank(const Number& number, std::int64_t nano) {
+  constexpr std::int64_t two_blanks = 0x2020;
+  const std::int64_t code = code_of(number, nano).value_or(-1);
+  return code == 0 || code == ' ' || code == two_blanks;
+}
+
+// That is read beside the number where a letter makes it negative; '\0' where none does, and where
+// there is a blank. Nothing where something else stands there, which would be taken for positive.
+std::optional<char> letter_beside(const Field& field, const Sweep& sweep) {
   if (field.axis == Axis::none || !field.negative_if) return '\0';
-  if (!asks_for_hemisphere(*field.negative_if)) return '\0';
-  const Number& number = field.negative_if->number;
-  const FieldValue found = decode(number, sweep);
-  return found.is_value() ? hemisphere_of(number, found.nano) : '\0';
+  const Condition& test = *field.negative_if;
+  const bool knows_small = asks_for_hemisphere(test, true);
+  const bool knows_large = asks_for_hemisphere(test, false);
+  if (!knows_small && !knows_large) return '\0';
+  const FieldValue found = decode(test.number, sweep);
+  if (!found.is_value()) return '\0';
+  const char letter = hemisphere_of(test.number, found.nano);
+  if (letter != '\0' && (is_small(letter) ? knows_small : knows_large)) return large(letter);
+  return is_blank(test.number, found.nano) ? std::optional('\0') : std::nullopt;
 }
 
 }  // namespace
@@ -110,7 +135,7 @@ std::vector<char> hemispheres_of(const Condition& condition) {
   for (const Condition::Interval& interval : condition.any_of) {
     if (interval.least != interval.most) continue;
     const char letter = hemisphere_of(condition.number, interval.least);
-    if (letter != '\0') letters.push_back(letter);
+    if (letter != '\0') letters.push_back(large(letter));
   }
   return letters;
 }
@@ -127,7 +152,11 @@ bool Condition::holds(const Sweep& sweep) const {
 FieldValue decode(const Field& field, const Sweep& sweep) {
   FieldValue value = sum_of(field, sweep);
   if (!value.is_value()) return value;
-  if (value.letter == '\0') value.letter = letter_beside(field, sweep);
+  if (value.letter == '\0') {
+    const std::optional<char> letter = letter_beside(field, sweep);
+    if (!letter) return {.state = State::no_letter};
+    value.letter = *letter;
+  }
   if (value.letter != '\0' && !belongs_to(value.letter, field.axis)) {
     return {.state = State::other_axis, .letter = value.letter};
   }

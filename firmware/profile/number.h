@@ -83,6 +83,7 @@ struct FieldValue {
     none,          // what the device writes where it has no number; NaN, infinity, blank text
     malformed,     // a BCD digit above 9, a text that is no number
     other_axis,    // a longitude with N or S, a latitude with E or W
+    no_letter,     // where the letter of a hemisphere is to stand there is something else
     out_of_range,  // outside the range of the field, or beyond what can be counted
   };
   State state = State::none;

@@ -20,7 +20,7 @@ PositionState state_on_earth(std::int64_t longitude, std::int64_t latitude) {
   return is_within(latitude, latitude_max) ? PositionState::value : PositionState::beyond_latitude;
 }
 
-PositionState state_of(const FieldValue& coordinate) {
+PositionState state_of(const FieldValue& coordinate, Axis axis) {
   switch (coordinate.state) {
     case FieldValue::State::value:
       return PositionState::value;
@@ -30,6 +30,9 @@ PositionState state_of(const FieldValue& coordinate) {
       return PositionState::malformed;
     case FieldValue::State::out_of_range:
       return PositionState::out_of_range;
+    case FieldValue::State::no_letter:
+      return axis == Axis::latitude ? PositionState::no_letter_of_latitude
+                                    : PositionState::no_letter_of_longitude;
     case FieldValue::State::other_axis:
       switch (coordinate.letter) {
         case 'N':
@@ -49,6 +52,9 @@ constexpr const char* look_at_sky = "look at the sky above its antenna, and its 
 constexpr const char* correct_field =
     "correct 'register', 'type', 'order', 'scale' and 'format' of its coordinates in the profile "
     "(etcm-bus probe shows what each gives)";
+constexpr const char* correct_letter =
+    "correct 'register' and 'mask' there in the profile: mask = 0x00FF for a letter in the low "
+    "byte, 0xFF00 in the high one (etcm-bus probe shows what stands there)";
 constexpr const char* exchange_axes =
     "exchange the registers of 'longitude' and 'latitude' in the profile, or their letters";
 
@@ -101,8 +107,8 @@ DevicePosition position_of(const Profile& profile, const Sweep& sweep) {
   if (!hold_all(profile.valid, sweep)) return {.state = PositionState::invalid};
   const FieldValue east = decode(profile.east, sweep);
   const FieldValue north = decode(profile.north, sweep);
-  PositionState state = state_of(east);
-  if (state == PositionState::value) state = state_of(north);
+  PositionState state = state_of(east, Axis::longitude);
+  if (state == PositionState::value) state = state_of(north, Axis::latitude);
   if (state == PositionState::value && profile.positioning == Profile::Positioning::degrees) {
     state = state_on_earth(east.nano, north.nano);
   }
@@ -135,6 +141,12 @@ NoPosition explain(DevicePosition::State state) {
       return {"has a longitude beyond 180 degrees", correct_field};
     case PositionState::beyond_latitude:
       return {"has a latitude beyond 90 degrees", correct_field};
+    case PositionState::no_letter_of_longitude:
+      return {"has no E and no W where 'negative_if' of its longitude looks for the letter",
+              correct_letter};
+    case PositionState::no_letter_of_latitude:
+      return {"has no N and no S where 'negative_if' of its latitude looks for the letter",
+              correct_letter};
     case PositionState::north_in_longitude:
       return {"has the letter N in its longitude, where only E and W belong", exchange_axes};
     case PositionState::south_in_longitude:

@@ -67,6 +67,9 @@ struct DevicePosition {
     zero,              // 0, 0 in degrees, where nobody is
     beyond_longitude,  // 180 degrees
     beyond_latitude,   // 90 degrees
+    // Where its `negative_if` looks for a letter there is something else.
+    no_letter_of_longitude,
+    no_letter_of_latitude,
     // The letter of a hemisphere stands where it does not belong.
     north_in_longitude,
     south_in_longitude,

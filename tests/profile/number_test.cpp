@@ -16,6 +16,8 @@ std::string text_of(const FieldValue& value) {
       return "malformed";
     case State::other_axis:
       return "of the other axis";
+    case State::no_letter:
+      return "without its letter";
     case State::out_of_range:
       return "out of range";
   }

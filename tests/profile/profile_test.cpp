@@ -214,7 +214,33 @@ TEST(ProfilePosition, IsNoneWhereALetterBesideItIsOfTheOtherAxis) {
     EXPECT_EQ(state('N', 'N'), Told::north_in_longitude);
     EXPECT_EQ(state('E', 'E'), Told::east_in_latitude);
     EXPECT_EQ(state('\0', '\0'), Told::value) << "a device that has the letter of one side only";
+    EXPECT_EQ(state(' ', ' '), Told::value) << "the same, blank";
   }
+}
+
+// "NE" in one register, and a mask that leaves both: whatever stands there was in the north east.
+TEST(ProfilePosition, IsNoneWhereWhatIsToBeItsLetterIsNone) {
+  using Told = DevicePosition::State;
+  Device device(sound_profile(
+      "[[profile]]\nname = 'p'\n"
+      "longitude = { register = 0, negative_if = { register = 1, equals = ['W', 'w'] } }\n"
+      "latitude = { register = 2, negative_if = { register = 3, not_equals = 'N' } }\n"));
+  const auto state = [&](std::uint16_t of_longitude, std::uint16_t of_latitude) {
+    device.set(0, {8, of_longitude, 47, of_latitude});
+    return device.position().state;
+  };
+  EXPECT_EQ(state('E', 'N'), Told::value);
+  EXPECT_EQ(state(0x4e45, 'N'), Told::no_letter_of_longitude);
+  EXPECT_EQ(state(0x5720, 'N'), Told::no_letter_of_longitude) << "a letter and a blank";
+  EXPECT_EQ(state(7, 'N'), Told::no_letter_of_longitude);
+  EXPECT_EQ(state('e', 'N'), Told::value) << "a test that knows small letters";
+  EXPECT_EQ(state('w', 'N'), Told::value);
+  EXPECT_LT(device.position().east_nano, 0);
+  EXPECT_EQ(state('n', 'N'), Told::north_in_longitude);
+  EXPECT_EQ(state('E', 0x5300), Told::no_letter_of_latitude);
+  EXPECT_EQ(state('E', 's'), Told::no_letter_of_latitude) << "a test that knows none";
+  EXPECT_EQ(state('E', 'S'), Told::value);
+  EXPECT_LT(device.position().north_nano, 0);
 }
 
 TEST(ProfilePosition, EachReasonHasACure) {

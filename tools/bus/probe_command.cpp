@@ -77,6 +77,8 @@ std::string meaning_of(const FieldValue& value, const std::string& unit) {
     case FieldValue::State::other_axis:
       return std::string("malformed: the letter ") + value.letter +
              " does not belong to this field";
+    case FieldValue::State::no_letter:
+      return "malformed: no letter of this field where negative_if looks for it";
     case FieldValue::State::out_of_range:
       return value.nano == 0 ? "out of range" : "out of range: " + shown;
   }
