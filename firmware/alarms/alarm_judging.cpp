@@ -162,9 +162,13 @@ bool AlarmWatch::is_judged_by_what_came(AlarmKey key, port::Instant now) const {
     case AlarmKind::missing_node:
     case AlarmKind::no_fix:
     case AlarmKind::low_battery:
-    case AlarmKind::far_node:
     case AlarmKind::refused_node:
       return is_node_judged(gateway, key);
+    case AlarmKind::far_node:
+      // The others have come by then.
+      return now - sources_.started_at > gateway.settings().poll.stale_after &&
+             is_node_judged(gateway, key) &&
+             gateway.far_nodes().find(node_of_subject(key)) == nullptr;
     case AlarmKind::refused_feature:
       return is_feature_judged(gateway, key);
     case AlarmKind::refused_anchor:

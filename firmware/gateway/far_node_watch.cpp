@@ -10,7 +10,7 @@ namespace etcm::firmware {
 
 namespace {
 
-const FarNode* find(std::span<const FarNode> nodes, Serial serial) {
+const FarNode* find_in(std::span<const FarNode> nodes, Serial serial) {
   const auto found =
       std::lower_bound(nodes.begin(), nodes.end(), serial,
                        [](const FarNode& node, Serial wanted) { return node.serial < wanted; });
@@ -46,7 +46,7 @@ void FarNodeWatch::list(const Snapshot& snapshot, port::Instant now) {
   std::sort(far_.begin(), far_.end(),
             [](const FarNode& a, const FarNode& b) { return a.serial < b.serial; });
   for (FarNode& node : far_) {
-    const FarNode* const known = find(before_, node.serial);
+    const FarNode* const known = find_in(before_, node.serial);
     if (known == nullptr) continue;
     node.since = known->since;
     node.is_told = known->is_told;
@@ -63,11 +63,13 @@ void FarNodeWatch::look(const Snapshot& snapshot, const Settings& settings, port
     log_.write(port::Level::warning, line << "; " << cure_of(node));
   }
   for (const FarNode& node : before_) {
-    if (!node.is_told || find(far_, node.serial) != nullptr) continue;
+    if (!node.is_told || find(node.serial) != nullptr) continue;
     TextLine line;
     log_.write(port::Level::info, line << nodes_.called(node.serial) << " is far off no longer");
   }
 }
+
+const FarNode* FarNodeWatch::find(Serial serial) const { return find_in(far_, serial); }
 
 void FarNodeWatch::explain(const FarNode& node, const Snapshot& snapshot, const Settings& settings,
                            TextLine& text) const {

@@ -36,6 +36,8 @@ class FarNodeWatch {
 
   // By serial. What is wrong counts where they are told.
   std::span<const FarNode> list() const { return far_; }
+  // Null: it is not far, told or not. O(log n).
+  const FarNode* find(Serial serial) const;
   // "node 7, unit 3 of yard, stands 6240 km from the site": in this snapshot it is far.
   void explain(const FarNode& node, const Snapshot& snapshot, const Settings& settings,
                TextLine& text) const;

@@ -71,6 +71,17 @@ class AlarmsAfterARestart : public testing::Test {
   std::set<AlarmKey> on_;  // at any look
 };
 
+TEST_F(AlarmsAfterARestart, OfANodeThatIsStillFarGoesOn) {
+  rig_.settings.site.metres = site_nano;
+  const AlarmKey still{AlarmKind::far_node, 1005}, over{AlarmKind::far_node, 1002};
+  begin({still, over});
+  rig_.put_square();
+  rig_.put(5, 900'000, 0);
+  run(5s);
+  EXPECT_TRUE(is_same(desk_->watch.book(), still));
+  EXPECT_EQ(on(), Keys{still});
+}
+
 class AlarmsOfACrossing : public AlarmsAfterARestart {
  protected:
   AlarmsOfACrossing() : AlarmsAfterARestart({feature(1001, 1003), feature(1002, 1004)}) {}
