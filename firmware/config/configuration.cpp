@@ -210,7 +210,8 @@ Settings read_configuration(const std::string& path, port::ProjectionSource* pro
   // Without good settings the site cannot be placed in a mesh.
   if (validate(settings.mesh) == Status::ok) read_site(settings, projections, mistakes);
   read_plan(settings, mistakes);
-  if (mistakes.empty()) check_site(path, settings, mistakes);
+  const std::size_t told = settings.site.lacks_center ? 1 : 0;
+  if (mistakes.size() == told) check_site(path, settings, mistakes);
   if (mistakes.empty()) {
     check_unsurveyed(settings);
     check_fleet_serials(settings);
@@ -224,10 +225,11 @@ Settings read_configuration(const std::string& path, port::ProjectionSource* pro
 
 void check_site(const std::string& path, const Settings& settings,
                 std::vector<std::string>& mistakes) {
+  const std::size_t before = mistakes.size();
   check_repeated(settings, mistakes);
   check_room(path, settings, mistakes);
-  if (mistakes.empty()) AnchoredPart(settings).check(path, mistakes);
-  if (mistakes.empty()) check_domain(settings, mistakes);
+  if (mistakes.size() == before) AnchoredPart(settings).check(path, mistakes);
+  if (mistakes.size() == before) check_domain(settings, mistakes);
 }
 
 }  // namespace etcm::firmware

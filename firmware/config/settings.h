@@ -220,6 +220,9 @@ struct SiteSettings {
   // What the projection is of: the coordinate system of this name, or metres about this place.
   std::string projected_crs;
   std::optional<port::EarthPoint> center;
+  // The plane is about a place that stands for the one nobody has said, which is a mistake: what
+  // else is wrong can still be found.
+  bool lacks_center = false;
 
   SitePlane plane() const {
     const SiteOrigin at = has_origin_in_degrees ? SiteOrigin{} : origin;

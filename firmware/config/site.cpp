@@ -123,6 +123,12 @@ FileKind kind_of(const SiteSettings& site) {
   return extension == ".geojson" || extension == ".json" ? FileKind::geojson : FileKind::unknown;
 }
 
+// Or has a stand-in, of which the last mistake tells: then what else is wrong is found too.
+bool is_plane_known(const Settings& settings, const std::vector<std::string>& mistakes,
+                    std::size_t before) {
+  return mistakes.size() == before + (settings.site.lacks_center ? 1 : 0);
+}
+
 // Throws InputError.
 void read_file(FileKind kind, Settings& settings, port::ProjectionSource* projections,
                std::vector<std::string>& mistakes) {
@@ -131,11 +137,15 @@ void read_file(FileKind kind, Settings& settings, port::ProjectionSource* projec
     const files::JsonValue root = files::read_json(settings.site.path);
     const GeoJsonFrame said = frame_of(root, settings.site.path);
     const SiteFrame frame = project_site(settings, &said, projections, mistakes);
-    if (mistakes.size() == before) read_site_geojson(root, frame, settings, mistakes);
+    if (is_plane_known(settings, mistakes, before)) {
+      read_site_geojson(root, frame, settings, mistakes);
+    }
     return;
   }
   project_site(settings, nullptr, projections, mistakes);
-  if (kind == FileKind::poly && mistakes.size() == before) read_site_poly(settings);
+  if (kind == FileKind::poly && is_plane_known(settings, mistakes, before)) {
+    read_site_poly(settings);
+  }
 }
 
 }  // namespace
@@ -160,7 +170,7 @@ void read_site(Settings& settings, port::ProjectionSource* projections,
   } catch (const InputError& error) {
     mistakes.push_back(error.what());
   }
-  if (mistakes.size() == before) place_nodes(settings, mistakes);
+  if (is_plane_known(settings, mistakes, before)) place_nodes(settings, mistakes);
 }
 
 }  // namespace etcm::firmware

@@ -73,6 +73,25 @@ std::string degrees_text(const port::EarthPoint& place) {
   return text;
 }
 
+// "10.394"; every digit that is not zero.
+std::string decimal_text(std::int64_t nano) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%s%lld.%09lld", nano < 0 ? "-" : "",
+                std::abs(static_cast<long long>(nano / site_nano)),
+                std::abs(static_cast<long long>(nano % site_nano)));
+  std::string shown = text;
+  shown.erase(shown.find_last_not_of('0') + 1);
+  if (shown.back() == '.') shown.pop_back();
+  return shown;
+}
+
+bool has_place_in_plane(const NodeSettings& node) { return node.x && node.y; }
+
+std::string in_degrees_instead(const NodeSettings& node) {
+  return "write longitude = \"" + decimal_text(*node.x) + "\" and latitude = \"" +
+         decimal_text(*node.y) + "\" in their place";
+}
+
 class SiteProjector {
  public:
   SiteProjector(Settings& settings, const GeoJsonFrame* file, port::ProjectionSource* source,
@@ -89,6 +108,7 @@ class SiteProjector {
     site_.has_origin_in_degrees = false;
     site_.projected_crs.clear();
     site_.center.reset();
+    site_.lacks_center = false;
     SiteFrame frame;
     if (site_.crs == drawing_crs) {
       if (in_degrees_) {
@@ -104,7 +124,8 @@ class SiteProjector {
     if (file_ != nullptr && mistakes_.size() == before) frame = read_file();
     if (mistakes_.size() == before && site_.projection == nullptr &&
         (in_degrees_ || frame.kind != SiteFrame::Kind::plane)) {
-      take_local(frame);
+      check_plane_nodes();
+      if (mistakes_.size() == before) take_local(frame);
     }
     if (site_.projection != nullptr && site_.metres != 0) {
       fail(site_.source,
@@ -183,14 +204,33 @@ class SiteProjector {
     }
     const std::optional<port::EarthPoint> center = find_center(frame);
     if (!center) {
-      return fail(place, (in_degrees_ ? in_degrees_->what : "the site file has no position") +
-                             ", and nothing says about which place the plane is; set origin = "
-                             "[\"LONGITUDE\", \"LATITUDE\"] in [site] to the middle of the site");
+      fail(place, (in_degrees_ ? in_degrees_->what : "the site file has no position") +
+                      ", and nothing says about which place the plane is; set origin = "
+                      "[\"LONGITUDE\", \"LATITUDE\"] in [site] to the middle of the site");
+      site_.lacks_center = true;
     }
     std::string why;
-    site_.projection = source_->about(*center, why);
+    site_.projection = source_->about(center.value_or(port::EarthPoint{}), why);
     site_.center = center;
     if (site_.projection == nullptr) fail(place, "the plane of the site cannot be had: " + why);
+  }
+
+  // x and y of a [[node]] are of a plane, and in a site in degrees nobody has said of which; the
+  // origin of one is a place that they can be metres from.
+  void check_plane_nodes() {
+    if (site_.origin != SiteOrigin{}) return;
+    const NodeSettings* first = nullptr;
+    std::size_t count = 0;
+    for (const NodeSettings& node : settings_.nodes) {
+      if (has_place_in_plane(node) && count++ == 0) first = &node;
+    }
+    if (first == nullptr) return;
+    const bool can_be = is_degrees({.x = *first->x, .y = *first->y});
+    fail(first->source,
+         "x and y are a place in a plane, and the site is in degrees; " +
+             (can_be ? in_degrees_instead(*first) + ", or if they are no degrees" : "") +
+             (can_be ? " " : "") + "name their coordinate system as crs = \"EPSG:...\" in [site]" +
+             (count > 1 ? " (and so for " + std::to_string(count - 1) + " more [[node]])" : ""));
   }
 
   // Devices with x and y tell places of some plane, and nobody has said that it is this one.
@@ -260,6 +300,13 @@ void warn_of_rounding(Settings& settings, const NodeSettings& node) {
   const SitePlane plane = settings.site.plane();
   const bool is_whole = (*node.x - plane.origin_x) % plane.unit_length == 0 &&
                         (*node.y - plane.origin_y) % plane.unit_length == 0;
+  if (settings.site.crs.empty() && looks_like_degrees({.x = *node.x, .y = *node.y})) {
+    settings.warnings.push_back(
+        node.source + ": x and y are taken as a place in the plane" +
+        (settings.site.has_origin_in_degrees ? ", metres east and north of the origin" : "") +
+        ", and look like degrees; if they are, " + in_degrees_instead(node));
+    return;
+  }
   if (is_whole || settings.site.round) return;
   settings.warnings.push_back(node.source +
                               ": x and y are no whole numbers of units; it stands at "

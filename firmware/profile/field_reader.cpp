@@ -428,16 +428,51 @@ RegisterSpan FieldReader::read_registers(TomlTable& table, std::uint16_t count) 
   const toml::node* const node = table.find("register");
   if (node == nullptr) return span;
   const auto given = node->value_exact<std::int64_t>();
-  const std::int64_t last = counts_from_ + register_end - count;
-  if (given && *given >= counts_from_ && *given <= last) {
-    span.first = static_cast<std::uint16_t>(*given - counts_from_);
-  } else if (!tell_of_no_number(table, "register", *node, std::to_string(counts_from_))) {
-    table.mistake(*node, "'register' is out of range for a number of " + std::to_string(count) +
-                             (count == 1 ? " register" : " registers") +
-                             "; give a whole number from " + std::to_string(counts_from_) + " to " +
-                             std::to_string(last));
+  const std::int64_t first = counts_from_.value_or(0);
+  if (!given) {
+    if (!tell_of_no_number(table, "register", *node, std::to_string(first))) {
+      table.mistake(
+          *node, "'register' is no whole number; write it as register = " + std::to_string(first));
+    }
+    return span;
+  }
+  ++registers_;
+  if (*given >= first && *given <= first + register_end - count) {
+    span.first = static_cast<std::uint16_t>(*given - first);
+  } else if (counts_from_) {
+    out_of_range_.push_back({.node = node, .given = *given, .count = count});
   }
   return span;
+}
+
+void FieldReader::tell_registers(TomlTable& profile) const {
+  const std::int64_t first = counts_from_.value_or(0);
+  const std::string range =
+      std::to_string(first) + " to " + std::to_string(first + register_end - 1);
+  const std::size_t count = out_of_range_.size();
+  if (count > 1 && count == registers_) {
+    const toml::node* const key = profile.find("counts_from");
+    const std::string all = "none of its " + std::to_string(count) + " registers, such as " +
+                            std::to_string(out_of_range_.front().given) + ", is among those from " +
+                            range;
+    if (key != nullptr) {
+      return profile.mistake(
+          *key, "'counts_from' is what the manual calls the first register, and " + all +
+                    "; give what the manual calls it, or take it out where "
+                    "the registers are as on the wire");
+    }
+    return profile.mistake(*out_of_range_.front().node,
+                           all +
+                               "; add counts_from = 30001, 40001, 300001 or 400001, what the "
+                               "manual calls the first register");
+  }
+  for (const OutOfRange& wrong : out_of_range_) {
+    profile.mistake(*wrong.node, "'register' is out of range for a number of " +
+                                     std::to_string(wrong.count) +
+                                     (wrong.count == 1 ? " register" : " registers") +
+                                     "; give a whole number from " + std::to_string(first) +
+                                     " to " + std::to_string(first + register_end - wrong.count));
+  }
 }
 
 Number FieldReader::read_number(TomlTable& table) const {

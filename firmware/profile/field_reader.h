@@ -14,8 +14,12 @@ namespace etcm::firmware {
 // none.
 class FieldReader {
  public:
-  // What a profile calls register 0.
-  explicit FieldReader(std::int64_t counts_from) : counts_from_(counts_from) {}
+  // What a profile calls register 0; nothing where it says so wrongly: then no register is judged.
+  explicit FieldReader(std::optional<std::int64_t> counts_from) : counts_from_(counts_from) {}
+
+  // Tells of registers that are out of range: of all at once where none is within, which is one
+  // mistake of the whole profile.
+  void tell_registers(TomlTable& profile) const;
 
   Field read_field(TomlTable& table) const;
   // That of a key, whose value is a table; nothing where there is none.
@@ -29,7 +33,15 @@ class FieldReader {
   Condition read_condition(TomlTable& table) const;
   void read_parts(TomlTable& table, Field& field) const;
 
-  std::int64_t counts_from_;
+  struct OutOfRange {
+    const toml::node* node;
+    std::int64_t given;
+    std::uint16_t count;
+  };
+
+  std::optional<std::int64_t> counts_from_;
+  mutable std::uint32_t registers_ = 0;  // that were read
+  mutable std::vector<OutOfRange> out_of_range_{};
 };
 
 // Calls `read` for the table that `node` is, the value of the key.

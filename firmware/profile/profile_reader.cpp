@@ -21,7 +21,8 @@ constexpr std::int64_t counts[] = {0, 1, 30001, 40001, 300001, 400001};
 // Files beyond this are no profiles.
 constexpr std::size_t bytes_max = 1 << 20;
 
-std::int64_t read_counts_from(TomlTable& table) {
+// Nothing after a mistake.
+std::optional<std::int64_t> read_counts_from(TomlTable& table) {
   const toml::node* const node = table.find("counts_from");
   if (node == nullptr) return 0;
   const auto given = node->value_exact<std::int64_t>();
@@ -31,7 +32,7 @@ std::int64_t read_counts_from(TomlTable& table) {
   table.mistake(*node,
                 "'counts_from' is what the manual calls the first register; give 0, 1, 30001, "
                 "40001, 300001 or 400001");
-  return 0;
+  return std::nullopt;
 }
 
 void read_serial(TomlTable& table, const FieldReader& fields, Profile& profile) {
@@ -192,13 +193,14 @@ Profile read_profile(TomlTable& table) {
   Profile profile;
   table.require("name", "name = \"my-device\"");
   profile.name = read_text(table, "name");
-  const std::int64_t counts_from = read_counts_from(table);
-  profile.counts_from = static_cast<std::uint32_t>(counts_from);
+  const std::optional<std::int64_t> counts_from = read_counts_from(table);
+  profile.counts_from = static_cast<std::uint32_t>(counts_from.value_or(0));
   const FieldReader fields(counts_from);
   read_transfer(table, profile);
   read_serial(table, fields, profile);
   read_position(table, fields, profile);
   table.each("reading", [&](TomlTable& inner) { read_reading(inner, fields, profile); });
+  fields.tell_registers(table);
   check_blocks(table, profile);
   return profile;
 }

@@ -310,6 +310,45 @@ TEST_F(Degrees, OfDevicesNeedAPlaceToBeAbout) {
   EXPECT_EQ(mistakes(), "");
 }
 
+// They stood ten metres from (0, 0), or another device was blamed.
+TEST_F(Degrees, XAndYOfANodeAreToldWhereTheyAre) {
+  const std::string rovers = "[[bus.device]]\nunits = \"7\"\nprofile = \"rover\"\n";
+  const std::string node = "[[node]]\nunit = 5\nx = \"10.394\"\ny = \"63.43\"\n";
+  const std::string other = "[[node]]\nunit = 6\nlongitude = \"10.4\"\nlatitude = \"63.4\"\n";
+  const std::string said =
+      "x and y are a place in a plane, and the site is in degrees; write longitude = \"10.394\" "
+      "and latitude = \"63.43\" in their place, or if they are no degrees name their coordinate "
+      "system as crs = \"EPSG:...\" in [site]\n";
+  read("", rovers + node);
+  EXPECT_EQ(mistakes(), "site.toml:23: " + said);
+  read("", node + other);
+  EXPECT_EQ(mistakes(), "site.toml:20: " + said);
+  read("", rovers + "[[node]]\nunit = 5\nx = \"569000\"\ny = \"7034000\"\n" +
+               "[[node]]\nunit = 6\nx = \"569100\"\ny = \"7034000\"\n");
+  EXPECT_EQ(mistakes(),
+            "site.toml:23: x and y are a place in a plane, and the site is in degrees; name their "
+            "coordinate system as crs = \"EPSG:...\" in [site] (and so for 1 more [[node]])\n");
+  const Settings settings = read("[site]\norigin = [\"10.39\", \"63.42\"]\n", rovers + node);
+  EXPECT_EQ(mistakes(), "");
+  ASSERT_FALSE(settings.warnings.empty());
+  EXPECT_TRUE(settings.warnings[0].ends_with(
+      "x and y are taken as a place in the plane, metres east and north of the origin, and look "
+      "like degrees; if they are, write longitude = \"10.394\" and latitude = \"63.43\" in their "
+      "place"))
+      << settings.warnings[0];
+  read("[site]\ncrs = \"EPSG:25832\"\n", rovers + node);
+  EXPECT_EQ(mistakes(), "");
+}
+
+TEST_F(Degrees, AMissingOriginHidesNothingElse) {
+  const std::string rovers = "[[bus.device]]\nunits = \"7\"\nprofile = \"rover\"\n";
+  const std::string twice = "[[feature]]\nfrom = 1\nto = 2\n[[feature]]\nfrom = 2\nto = 1\n";
+  read("", rovers + twice);
+  ASSERT_EQ(mistakes_.size(), 2u) << mistakes();
+  EXPECT_NE(mistakes_[0].find("set origin = "), std::string::npos);
+  EXPECT_NE(mistakes_[1].find(" repeats "), std::string::npos);
+}
+
 TEST_F(Degrees, ANodeHasOneWholePlace) {
   read("[site]\norigin = [\"10\", \"60\"]\n", "[[node]]\nunit = 5\nlongitude = \"10\"\n");
   EXPECT_NE(mistakes().find("'longitude' and 'latitude' go together; add 'latitude'"),

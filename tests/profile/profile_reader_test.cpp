@@ -97,6 +97,31 @@ TEST(ProfileMistakes, OfAProfile) {
               ElementsAre("p.toml:2: 'name' must be a text in one line; write it in quotes"));
 }
 
+// Ten equal lines hide the one that is to be changed.
+TEST(ProfileMistakes, OfWhereItsRegistersAreCountedFromAreToldOnce) {
+  const std::string fields =
+      "latitude = { register = 143, type = 'f32' }\nlongitude = { register = 145, type = 'f32' }\n"
+      "valid = { register = 147, equals = 1 }";
+  EXPECT_THAT(
+      mistakes_in("counts_from = 40001\n" + fields),
+      ElementsAre("p.toml:3: 'counts_from' is what the manual calls the first register, and "
+                  "none of its 3 registers, such as 145, is among those from 40001 to "
+                  "105536; give what the manual calls it, or take it out where the "
+                  "registers are as on the wire"));
+  EXPECT_THAT(mistakes_in("counts_from = 40000\n" + fields),
+              ElementsAre(HasSubstr("give 0, 1, 30001, 40001, 300001 or 400001")));
+  EXPECT_THAT(
+      mistakes_in("x = { register = 400101 }\ny = { register = 400102 }"),
+      ElementsAre("p.toml:3: none of its 2 registers, such as 400101, is among those from 0 "
+                  "to 65535; add counts_from = 30001, 40001, 300001 or 400001, what the "
+                  "manual calls the first register"));
+  EXPECT_THAT(mistakes_in("counts_from = 40001\n" + fields +
+                          "\n[[profile.reading]]\nname = 'a'\n"
+                          "value = { register = 40050 }"),
+              SizeIs(3))
+      << "one is right, so the others are wrong each for itself";
+}
+
 TEST(ProfileMistakes, OfALetterOfTheOtherAxis) {
   const auto found = mistakes_in(
       "longitude = { register = 0, negative_if = { register = 1, equals = 'S' } }\n"
