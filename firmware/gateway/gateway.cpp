@@ -155,7 +155,8 @@ void Gateway::sweep(port::Instant now) {
   presence_.sweep(now, generation_ + 1);
   if (fleet_) fleet_->sweep(now);
   changed_ = changed_ || presence_.waiting_count() != snapshot().waiting_count;
-  changed_ = absent_units_.look(*settings_, poller_, presence_, nodes_, now) || changed_;
+  changed_ =
+      absent_units_.look(*settings_, poller_, presence_, nodes_, ports_.log, now) || changed_;
   unheard_ends_.look(nodes_, poller_, fleet(), settings_->poll.leave_after, now);
   far_nodes_.look(snapshot(), *settings_, now);
 }

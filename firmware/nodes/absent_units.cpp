@@ -16,7 +16,7 @@ bool is_named(const Settings& settings, const Poller& poller, UnitIndex unit) {
 }
 
 bool AbsentUnits::look(const Settings& settings, const Poller& poller, const Presence& presence,
-                       const NodeTable& nodes, port::Instant now) {
+                       const NodeTable& nodes, port::Log& log, port::Instant now) {
   if (!since_) since_ = now;
   std::swap(absent_, before_);
   absent_.clear();
@@ -44,7 +44,20 @@ bool AbsentUnits::look(const Settings& settings, const Poller& poller, const Pre
             [](const AbsentUnit& a, const AbsentUnit& b) { return a.unit.value < b.unit.value; });
   const auto is_same = [](const AbsentUnit& a, const AbsentUnit& b) { return a.unit == b.unit; };
   absent_.erase(std::unique(absent_.begin(), absent_.end(), is_same), absent_.end());
+  tell(poller, log);
   return absent_ != before_;
+}
+
+// One that was told, and is behind a bus that fell silent since, is no news.
+void AbsentUnits::tell(const Poller& poller, port::Log& log) {
+  for (const AbsentUnit& absent : absent_) {
+    const auto at = std::lower_bound(told_.begin(), told_.end(), absent.unit);
+    if (at != told_.end() && *at == absent.unit) continue;
+    told_.insert(at, absent.unit);
+    log.write(port::Level::warning, TextLine()
+                                        << poller.name(absent.unit)
+                                        << " has not answered since the start; " << absent_cure);
+  }
 }
 
 void AbsentUnits::look_at_unit(const Settings& settings, const Poller& poller,

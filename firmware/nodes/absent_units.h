@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "etcm/port/clock.h"
+#include "etcm/port/log.h"
 #include "etcm/types.h"
 #include "firmware/config/settings.h"
 #include "firmware/nodes/presence.h"
@@ -34,11 +35,11 @@ struct AbsentUnit {
 
 class AbsentUnits {
  public:
-  // Finds them; false: they are those of the last look. None is absent before leave_after has
-  // passed from the first look, nor on a silent bus: there it is the bus that wants looking at. O(u
-  // log u) for u units that are named.
+  // Finds them, and tells the log of each once; false: they are those of the last look. None is
+  // absent before leave_after has passed from the first look, nor on a silent bus: there it is the
+  // bus that wants looking at. O(u log u) for u units that are named.
   bool look(const Settings& settings, const Poller& poller, const Presence& presence,
-            const NodeTable& nodes, port::Instant now);
+            const NodeTable& nodes, port::Log& log, port::Instant now);
 
   // By unit.
   std::span<const AbsentUnit> list() const { return absent_; }
@@ -46,9 +47,11 @@ class AbsentUnits {
  private:
   void look_at_unit(const Settings& settings, const Poller& poller, const NodeTable& nodes,
                     BusIndex bus, std::uint32_t address);
+  void tell(const Poller& poller, port::Log& log);
 
   std::vector<AbsentUnit> absent_;
   std::vector<AbsentUnit> before_;
+  std::vector<UnitIndex> told_;  // in order
   std::optional<port::Instant> since_{};
 };
 

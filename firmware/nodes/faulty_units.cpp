@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "firmware/protocol/modbus_exception.h"
+
 namespace etcm::firmware {
 
 std::optional<port::Instant> faulty_since(const Poller& poller, UnitIndex unit, port::Instant from,
@@ -41,16 +43,12 @@ FaultText explain_fault(const Poller& poller, UnitIndex unit) {
   FaultText text;
   text.what << poller.name(unit);
   switch (counters.heard_fault) {
-    case UnitFault::exception:
-      text.what << " answers with exception " << counters.exception;
-      if (poller.is_node(unit)) {
-        text.cure << "take it out of 'units' if it is no position node, or give it a "
-                     "[[bus.device]] with its profile";
-      } else {
-        text.cure << "correct 'function', 'register' and 'counts_from' in its profile (etcm-bus "
-                     "probe shows which registers it refuses)";
-      }
+    case UnitFault::exception: {
+      const ExceptionText why = explain_exception(counters.exception, poller.is_node(unit));
+      text.what << " answers with exception " << counters.exception << ": " << why.meaning;
+      text.cure << why.cure;
       return text;
+    }
     case UnitFault::unbelieved:
       split(explain_unbelieved(counters),
             "look at what it answers, with etcm-bus probe or etcm-bus read", text);

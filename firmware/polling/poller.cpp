@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "firmware/protocol/modbus_exception.h"
+
 namespace etcm::firmware {
 
 namespace {
@@ -16,6 +18,11 @@ void note_heard(BusCounters& counters, const port::BusAnswer& answer, port::Inst
              answer.result != port::BusResult::link_lost) {
     counters.heard_at = now;
   }
+}
+
+TextLine exception_text(std::uint8_t code, bool is_node) {
+  const ExceptionText text = explain_exception(code, is_node);
+  return TextLine() << "exception " << code << ": " << text.meaning << "; " << text.cure;
 }
 
 }  // namespace
@@ -228,8 +235,7 @@ void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant 
   BusSchedule& schedule = schedule_of(index);
   schedule.note_cost(address_of(index), answer, now);
   if (port::is_of_converter(answer.result, answer.exception)) {
-    TextLine why;
-    why << "exception " << answer.exception << ": nobody is there, says the converter";
+    const TextLine why = exception_text(answer.exception, unit.device == nullptr);
     return fail(index, {.why = why, .is_silence = true, .is_miss = true}, now);
   }
   switch (answer.result) {
@@ -242,7 +248,7 @@ void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant 
       return fail(
           index, {.why = to_string(answer.result), .is_silence = is_absence, .is_miss = true}, now);
     case port::BusResult::exception: {
-      const TextLine why = TextLine() << "exception " << answer.exception;
+      const TextLine why = exception_text(answer.exception, unit.device == nullptr);
       return fail(index, {.why = why, .is_silence = false}, now);
     }
   }

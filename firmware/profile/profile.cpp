@@ -49,6 +49,10 @@ PositionState state_of(const FieldValue& coordinate, Axis axis) {
 }
 
 constexpr const char* look_at_sky = "look at the sky above its antenna, and its cable";
+// What is 0 or empty may be the position of a device that knows none, or no position at all.
+constexpr const char* look_at_sky_or_profile =
+    "look at the sky above its antenna, and its cable; if it has a fix, correct 'register', "
+    "'function' and 'counts_from' in its profile (etcm-bus probe shows what stands there)";
 constexpr const char* correct_field =
     "correct 'register', 'type', 'order', 'scale' and 'format' of its coordinates in the profile "
     "(etcm-bus probe shows what each gives)";
@@ -119,13 +123,17 @@ DevicePosition position_of(const Profile& profile, const Sweep& sweep) {
 NoPosition explain(DevicePosition::State state) {
   switch (state) {
     case PositionState::value:
-    case PositionState::invalid:
       return {"says that its position is not valid", look_at_sky};
+    case PositionState::invalid:
+      return {"says that its position is not valid",
+              "look at the sky above its antenna, and its cable; if it has a fix, correct 'valid', "
+              "'function' and 'counts_from' in its profile (etcm-bus probe shows what stands "
+              "there)"};
     case PositionState::unknown:
       return {"has a profile without a position, and the settings do not say where it stands",
               "give it a [[node]] with its bus, its unit and x, y or longitude, latitude"};
     case PositionState::none:
-      return {"says that a coordinate has no value", look_at_sky};
+      return {"says that a coordinate has no value", look_at_sky_or_profile};
     case PositionState::malformed:
       return {
           "has a coordinate that is not written as its type and format say (60 minutes or "
@@ -136,7 +144,10 @@ NoPosition explain(DevicePosition::State state) {
               "correct 'range' in the profile, or its other keys (etcm-bus probe shows what each "
               "coordinate is)"};
     case PositionState::zero:
-      return {"says that it is at 0, 0 degrees, as devices do that know no place", look_at_sky};
+      return {
+          "says that it is at 0, 0 degrees, as a device without a fix does, and one whose position "
+          "is in other registers",
+          look_at_sky_or_profile};
     case PositionState::beyond_longitude:
       return {"has a longitude beyond 180 degrees", correct_field};
     case PositionState::beyond_latitude:

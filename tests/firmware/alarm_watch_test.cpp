@@ -227,12 +227,19 @@ TEST_F(AlarmWatchTest, AUnitThatAnswersForLongWithNothingOfUseIsOne) {
   run(3s);
   EXPECT_EQ(wrong(), Lines{}) << "leave_after has not passed";
   run(10s);
-  EXPECT_EQ(wrong(),
-            (Lines{"major: unit 6 of yard answers with exception 2 -> take it out of 'units' if it "
-                   "is no position node, or give it a [[bus.device]] with its profile"}));
-  EXPECT_EQ(tell("show health"),
-            "ok\n1 unit is faulty: unit 6 of yard answers with exception 2; take it out of "
-            "'units' if it is no position node, or give it a [[bus.device]] with its profile\n");
+  EXPECT_EQ(
+      wrong(),
+      (Lines{"major: unit 6 of yard answers with exception 2: it does not have all of "
+             "these registers -> take it out of 'units' if it is no position node, or give it a "
+             "[[bus.device]] with its profile"}));
+  EXPECT_EQ(
+      tell("show health"),
+      "ok\n1 unit is faulty: unit 6 of yard answers with exception 2: it does not have all of "
+      "these registers; take it out of 'units' if it is no position node, or give it a "
+      "[[bus.device]] with its profile\n");
+  EXPECT_EQ(rig_.log.count("unit 6 of yard: exception 2: it does not have all of these registers; "
+                           "take it out of 'units'"),
+            1u);
   EXPECT_NE(tell("show alarms.json").find("\"about\":{\"bus\":\"yard\",\"unit\":6}"),
             std::string::npos);
   rig_.put(6, 50, 70);

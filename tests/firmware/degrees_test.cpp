@@ -736,10 +736,12 @@ origin = ["8", "47"]
             "node 1004, unit 4 of yard, answers, and tells no position: it has a longitude beyond "
             "180 degrees -> correct 'register', 'type', 'order', 'scale' and 'format' of its "
             "coordinates in the profile (etcm-bus probe shows what each gives)");
-  EXPECT_EQ(words(1005),
-            "node 1005, unit 5 of yard, answers, and tells no position: it says that it is at 0, 0 "
-            "degrees, as devices do that know no place -> look at the sky above its antenna, and "
-            "its cable");
+  EXPECT_EQ(
+      words(1005),
+      "node 1005, unit 5 of yard, answers, and tells no position: it says that it is at 0, 0 "
+      "degrees, as a device without a fix does, and one whose position is in other registers -> "
+      "look at the sky above its antenna, and its cable; if it has a fix, correct 'register', "
+      "'function' and 'counts_from' in its profile (etcm-bus probe shows what stands there)");
   EXPECT_EQ(words(1007),
             "node 1007, unit 7 of yard, answers, and tells no position: it has a profile without a "
             "position, and the settings do not say where it stands -> give it a [[node]] with its "

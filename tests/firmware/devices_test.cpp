@@ -179,7 +179,10 @@ TEST_F(Devices, APlaceBeyondThePlaneIsNamedWithItsCure) {
   start("[site]\nunit = \"0.0001\"\n");
   put_rover(2, 2'000'000, 0);
   rig_.run(500ms);
-  EXPECT_EQ(rig_.log.count("beyond the plane of the mesh: correct 'order', 'scale' or 'format' in its profile"), 1u);
+  EXPECT_EQ(
+      rig_.log.count(
+          "beyond the plane of the mesh: correct 'order', 'scale' or 'format' in its profile"),
+      1u);
 }
 
 TEST_F(Devices, ASurveyedOneIsThereWhileItsUnitAnswers) {
@@ -202,7 +205,10 @@ TEST_F(Devices, ThatNeverAnswerAreAbsentWhereTheyWereSurveyed) {
   start();
   rig_.run(2900ms);
   EXPECT_EQ(rig_.gateway->snapshot().absent_count, 0u) << "leave_after has not passed";
+  EXPECT_EQ(rig_.log.count("has not answered since the start"), 0u);
   rig_.run(1500ms);
+  EXPECT_EQ(rig_.log.count("unit 7 of yard has not answered since the start; look at its supply"),
+            1u);
   const Snapshot& snapshot = rig_.gateway->snapshot();
   EXPECT_EQ(snapshot.absent_count, 2u) << "units 3 and 7";
   EXPECT_EQ(snapshot.missing_count, 0u);
@@ -214,6 +220,7 @@ TEST_F(Devices, ThatNeverAnswerAreAbsentWhereTheyWereSurveyed) {
   rig_.run(30s);
   EXPECT_EQ(rig_.gateway->snapshot().absent_count, 1u);
   EXPECT_TRUE(rig_.gateway->snapshot().unplaced_nodes.empty());
+  EXPECT_EQ(rig_.log.count("has not answered since the start"), 2u) << "each once";
   // Who was there is missing from then on.
   bus_.silence(7);
   rig_.run(5s);

@@ -269,7 +269,9 @@ TEST(Gateway, ExceptionsCostTheUnitItsTurnsOnly) {
   rig.run(500ms);
   rig.bus.set_result(1, port::BusResult::exception, 11);
   rig.run(2s);
-  EXPECT_EQ(rig.log.count("unit 1 of yard: exception 11"), 1u);
+  EXPECT_EQ(rig.log.count("unit 1 of yard: exception 11: nobody is there, says the converter; look "
+                          "at its supply, its cable and its address"),
+            1u);
   EXPECT_EQ(rig.server.header("stale_count"), 1u);
   EXPECT_EQ(rig.mesh.node_count(), 2u);
 }

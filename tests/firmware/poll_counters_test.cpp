@@ -1,7 +1,11 @@
 // What the poller counts, on a simulated clock and a scripted bus.
 #include <gtest/gtest.h>
 
+#include <set>
+#include <string>
+
 #include "fakes.h"
+#include "firmware/protocol/modbus_exception.h"
 
 namespace etcm::firmware {
 namespace {
@@ -81,6 +85,24 @@ TEST_F(PollCounters, ASerialLineHasAFloor) {
   const port::Duration floor =
       rig_.gateway->poller().bus_counters(BusIndex{0}).floor / unit(1).count(BusResult::ok);
   EXPECT_NEAR(static_cast<double>(floor.count()), 50.4e6, 0.1e6);
+}
+
+TEST(ModbusException, OfEachKindMeansSomethingOfItsOwn) {
+  std::set<std::string> meanings, cures;
+  for (const int code : {1, 2, 3, 4, 5, 6, 10, 11}) {
+    const ExceptionText text = explain_exception(static_cast<std::uint8_t>(code), false);
+    EXPECT_TRUE(meanings.insert(text.meaning).second) << code;
+    EXPECT_TRUE(cures.insert(text.cure).second) << code;
+  }
+  EXPECT_EQ(meanings.count(explain_exception(7, false).meaning), 0u) << "it is none of these";
+}
+
+TEST(ModbusException, OfAUnitWithoutAProfileSaysThatItMayBeNoNode) {
+  for (const int code : {1, 2, 3}) {
+    EXPECT_TRUE(std::string(explain_exception(static_cast<std::uint8_t>(code), true).cure)
+                    .starts_with("take it out of 'units'"));
+  }
+  EXPECT_STREQ(explain_exception(6, true).cure, explain_exception(6, false).cure);
 }
 
 }  // namespace

@@ -103,6 +103,18 @@ TEST(ProfileField, ASignOfItsOwn) {
       -5'000'000'000);
 }
 
+// As the guide has it.
+TEST(ProfileField, EightBitsWithASign) {
+  const std::string low =
+      "parts = [{ register = 0, mask = 0x7F }, { register = 0, mask = 0x80, scale = -1 }]";
+  EXPECT_EQ(decoded(low, {0x55ff}).nano, -1'000'000'000);
+  EXPECT_EQ(decoded(low, {0x5580}).nano, -128'000'000'000);
+  EXPECT_EQ(decoded(low, {0x557f}).nano, 127'000'000'000);
+  const std::string high = "register = 0, type = 'i16', mask = 0xFF00, scale = '1/256'";
+  EXPECT_EQ(decoded(high, {0xff55}).nano, -1'000'000'000);
+  EXPECT_EQ(decoded(high, {0x7f55}).nano, 127'000'000'000);
+}
+
 TEST(ProfileField, ARangeOfWhatComesOut) {
   const std::string range = "register = 0, type = 'i16', scale = '0.1', range = ['-1.5', 2]";
   EXPECT_EQ(decoded(range, {word(-15)}).nano, -1'500'000'000);

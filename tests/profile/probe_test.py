@@ -15,6 +15,8 @@ BUS = os.environ["ETCM_BUS"]
 HERE = pathlib.Path(__file__).resolve().parent
 FIRMWARE = HERE.parents[1] / "firmware"
 PROFILES = FIRMWARE / "profiles"
+NOT_VALID = ("no: it says that its position is not valid; look at the sky above its antenna, and its cable; if it has a "
+             "fix, correct 'valid', 'function' and 'counts_from' in its profile (etcm-bus probe shows what stands there)")
 
 
 def words(pattern, *values):
@@ -110,7 +112,7 @@ class Lines(ProbeCase):
                          ("yes", "12.5 kn", "359.5 degrees"))
         self.assertPosition(self.fields("ebyte-e108", line, 6), 13.404954, 52.520008, 5)
         self.assertEqual(self.fields("ebyte-e108", line, 7)["position"],
-                         "no: it says that its position is not valid; look at the sky above its antenna, and its cable")
+                         NOT_VALID)
         nobody = self.fields("ebyte-e108", line, 8)
         self.assertEqual((nobody["longitude"], nobody["position"][:3]), ("none", "no:"))
         self.assertEqual(self.fields("ebyte-e108", line, 9)["position"][:3], "no:")
@@ -122,7 +124,7 @@ class Lines(ProbeCase):
         self.assertPosition(self.fields("mobiltex-rmu5", line, 1), -114.057123456, 51.045123456, 9)
         for unit in 2, 3:
             self.assertEqual(self.fields("mobiltex-rmu5", line, unit)["position"],
-                             "no: it says that its position is not valid; look at the sky above its antenna, and its cable")
+                             NOT_VALID)
 
     def test_transmitter(self):
         line = self.start_line({"1": {"3": {0: 0x10000 - 123}}, "2": {"3": {0: 0x8000}}})
@@ -143,7 +145,7 @@ class Networks(ProbeCase):
         self.assertPosition(good, 151.2092955, -33.8688197, 9)
         self.assertEqual(good["satellites"], "9")
         self.assertEqual(self.fields("victron-gx", device, 101)["position"],
-                         "no: it says that its position is not valid; look at the sky above its antenna, and its cable")
+                         NOT_VALID)
 
     def test_the_guides_example(self):
         guide = (FIRMWARE / "guide" / "profiles.md").read_text()

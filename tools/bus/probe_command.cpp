@@ -6,6 +6,7 @@
 
 #include "command.h"
 #include "firmware/profile/profile_reader.h"
+#include "firmware/protocol/modbus_exception.h"
 
 namespace etcm::bus {
 
@@ -171,9 +172,8 @@ std::string complaint_of(const Profile& profile, RegisterSpan block, const Error
   if (!is_exception) return to_string(detail) + cure_of(detail);
   const std::uint32_t first = profile.counts_from + block.first;
   return "registers " + std::to_string(first) + " to " + std::to_string(first + block.count - 1) +
-         ": " + to_string(detail) +
-         "; see which of them the device has, and correct 'register', 'function', 'counts_from' or "
-         "'gap_max' of the profile";
+         ": " + to_string(detail) + "; " +
+         firmware::explain_exception(detail.exception, false).cure;
 }
 
 // One sweep of all blocks. Why there is none, or an empty text.
