@@ -91,6 +91,7 @@ class Content(ProgramCase):
                      "usr/share/doc/etcm-gateway/guide/page.png",
                      "usr/share/doc/etcm-gateway/fleet/schema/alarms.json",
                      "usr/share/doc/etcm-gateway/fleet/schema/node.json",
+                     "usr/share/etcm/examples/devices/gateway.toml",
                      "usr/share/etcm/examples/mosquitto/make-fleet",
                      "usr/share/etcm/examples/mosquitto/install-broker.sh",
                      "usr/share/etcm/examples/mosquitto/install-gateway.sh",

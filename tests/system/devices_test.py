@@ -235,14 +235,16 @@ latitude = "63.4315"
         self.serve("terminals", far, {"3": {"3": terminal}} | {
             str(unit): {"3": {"0": 1000 + unit}} for unit in (5, 6, 7)})
         guide = (PROFILES.parent / "guide" / "README.md").read_text()
-        text = re.search(r"   ```toml\n(.*?)   ```", guide, re.S).group(1)
+        text = (PROFILES.parent / "examples" / "devices" / "gateway.toml").read_text()
         for there, here in {"192.168.1.1:502": f"127.0.0.1:{port}", "/dev/serial/by-path/...": near,
-                            "127.0.0.1:8080": "127.0.0.1:0"}.items():
+                            "127.0.0.1:8080": "127.0.0.1:0", "127.0.0.1:1502": "127.0.0.1:0"}.items():
             self.assertEqual(text.count(there), 1)
             text = text.replace(there, str(here))
-        # What stands before it looks at the devices, while nothing else has the line.
-        section = guide[guide.index("### Your own devices"):guide.index("   ```toml")]
-        looks = re.findall(r"^   (etcm-bus .*)$", section, re.M)
+        config = self.folder / "gateway.toml"
+        config.write_text(f'profiles = "{PROFILES}"\n{text}')
+        # They look at the devices while nothing else has the line.
+        section = guide[guide.index("### Your own devices"):guide.index("### The service")]
+        looks = re.findall(r"^ *(etcm-bus .*)$", section, re.M)
         self.assertEqual(len(looks), 4)
         for unit, first, where in ((7, 0, ["-b", "9600", "-P", "none", str(near)]),
                                    (1, 143, [f"127.0.0.1:{port}"])):
@@ -251,16 +253,14 @@ latitude = "63.4315"
                 look, capture_output=True, timeout=PATIENCE_S).returncode == 0)
         for look in looks:
             words = look.replace("/dev/serial/by-path/...", str(near)).replace(
-                "192.168.1.1", f"127.0.0.1:{port}").split()
-            more = ["--profiles", str(PROFILES)] if words[1] == "probe" else []
+                "192.168.1.1", f"127.0.0.1:{port}").replace("/etc/etcm/gateway.toml", str(config)).split()
+            more = [] if words[1] == "scan" or "--profiles" in words else ["--profiles", str(PROFILES)]
             done = subprocess.run([PROGRAMS / words[0], *words[1:], *more], capture_output=True,
                                   text=True, timeout=PATIENCE_S)
             self.assertEqual(done.returncode, 0, f"{look}\n{done.stdout}{done.stderr}")
-            expected = {"scan": r"(?s)^   3 .*^   5 .*^   6 .*^   7 ", "read": r"0 +1005$",
-                        "probe": r"^  position +yes$"}[words[1]]
+            expected = {"scan": r"(?s)^   3 .*^   5 .*^   6 .*^   7 ",
+                        "probe": r"^  (position +yes|level .* 1\.005 m)$"}[words[1]]
             self.assertRegex(done.stdout, re.compile(expected, re.M))
-        config = self.folder / "gateway.toml"
-        config.write_text(f'profiles = "{PROFILES}"\n{text}\n[server]\nlisten = "127.0.0.1:0"\n')
         command = [PROGRAMS / "etcm-gateway", "--config", config]
         checked = subprocess.run([*command, "--check-config"], capture_output=True, text=True,
                                  timeout=PATIENCE_S)
