@@ -41,7 +41,7 @@ std::string read_key(const std::string& path, std::string& why) {
   }
   why = path +
         " has no key of 16 to 64 bytes in hexadecimal in its first line; `openssl rand -hex "
-        "32` makes one";
+        "32` makes one, for the broker too";
   return {};
 }
 

@@ -255,16 +255,19 @@ void FleetLink::note_refusal(const FleetStatus& status, port::Instant now) {
   // Some brokers hang up after a refusal, again and again.
   const bool has_just_ended = !status.is_connected && now - status.since < port::broker_pause_max;
   if (!status.is_refused || !(status.is_connected || has_just_ended)) return;
+  // Those that are only remembered may be of another site.
   std::string others;
   for (const PeerReport& peer : member_.peers()) {
-    others += (others.empty() ? " are " : ", ") + peer.name;
+    if (peer.state == PeerState::online) others += (others.empty() ? "" : ", ") + peer.name;
   }
+  const std::string allow =
+      "allow it to write etcm/v1/" + report_.site + "/" + report_.name + "/# there";
   report_.refusal =
-      "the broker does not let this gateway tell what it hears, so the others know nothing of it; "
-      "allow it to write etcm/v1/" +
-      report_.site + "/" + report_.name +
-      "/# there, or correct `site` in [mqtt]: others of site '" + report_.site + "'" +
-      (others.empty() ? " there are none" : others);
+      "the broker does not let this gateway tell what it hears, so the others know nothing of it; " +
+      (others.empty() ? "correct `site` in [mqtt], for nobody else is heard at site '" +
+                            report_.site + "', or " + allow
+                      : "correct `name`, and its user, key or certificate, in [mqtt], or " + allow +
+                            "; at site '" + report_.site + "' it hears " + others);
 }
 
 ReportedMember FleetLink::peer_row(const PeerReport& peer, const OwnStand& own,

@@ -135,7 +135,8 @@ const char* explain_alert(int alert, bool is_key) {
     case SSL_AD_BAD_RECORD_MAC:
     case SSL_AD_DECRYPT_ERROR:
       return is_key ? "the key in psk_file is not the one that the broker has for psk_identity; "
-                      "give both the same"
+                      "give both the same, such as by the install.sh of its folder once more, and "
+                      "restart this"
                     : nullptr;
     case SSL_AD_HANDSHAKE_FAILURE:
       return is_key ? "the broker takes no key (PSK) at this port; give tls_ca in place of "

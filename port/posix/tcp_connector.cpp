@@ -19,8 +19,8 @@ std::string with_cure(int error) {
   switch (error) {
     case ECONNREFUSED:
       return why +
-             "; nothing listens there: check address and port, and that it takes one more "
-             "connection";
+             "; nothing listens there: check address and port, that it runs, and that it takes one "
+             "more connection";
     case EHOSTUNREACH:
     case ENETUNREACH:
     case ETIMEDOUT:

@@ -193,8 +193,8 @@ TEST_F(FleetAway, WhoMayNotWriteIsToldThatItsSiteMayBeTheWrongOne) {
   west_.client.is_denied = true;
   settle_for_long();
   const std::string cure =
-      "allow it to write etcm/v1/sight/west/# there, or correct `site` in [mqtt]: others of site "
-      "'sight' there are none";
+      "correct `site` in [mqtt], for nobody else is heard at site 'sight', or allow it to write "
+      "etcm/v1/sight/west/# there";
   EXPECT_EQ(cure_of_first_alarm(), cure);
   EXPECT_NE(page_of(west_, "/healthz").find(cure), std::string::npos);
   // A broker that hangs up then.

@@ -464,8 +464,8 @@ TEST_F(FleetGateway, ABrokerThatLetsItWriteNothingIsToldOf) {
   settle();
   EXPECT_EQ(health_now(west_),
             "fleet: the broker does not let this gateway tell what it hears, so the others know "
-            "nothing of it; allow it to write etcm/v1/site/west/# there, or correct `site` in "
-            "[mqtt]: others of site 'site' are east\n");
+            "nothing of it; correct `name`, and its user, key or certificate, in [mqtt], or allow "
+            "it to write etcm/v1/site/west/# there; at site 'site' it hears east\n");
   EXPECT_FALSE(west_.fleet().members.back().why.empty());
   west_.client.is_denied = false;
   west_.client.lose();

@@ -160,6 +160,17 @@ class FleetFiles(GatewayCase):
         self.assertEqual(done.returncode, 1)
         self.assertIn("has another [mqtt]; put the lines of", done.stderr)
         self.assertIn('name = "old"', settings.read_text())
+        self.assertFalse((settings.parent / "mqtt.psk").exists())
+
+    def test_a_bus_of_the_same_name_is_not_taken_for_the_gateways(self):
+        self.make_well(SITE, "127.0.0.1", "north")
+        settings = self.folder / "north-root/etc/etcm/gateway.toml"
+        settings.parent.mkdir(parents=True)
+        bus = '[[bus]]\nname = "north"\n'
+        settings.write_text(f'[mqtt]\nsite = "{SITE}"\nname = "south"\n{bus}')
+        self.assertEqual(self.install("north")[1].returncode, 1)
+        settings.write_text(f'[mqtt]\n  name="north" # the yard\nsite = "{SITE}"\n{bus}')
+        self.assertEqual(self.install("north")[1].returncode, 0)
 
 
 if __name__ == "__main__":

@@ -157,7 +157,8 @@ class Keys(TlsCase):
         # By the name of its key.
         broker.program.wait_for_line(f"Received SUBSCRIBE from {SITE}:north")
         self.expect("the key in psk_file is not the one that the broker has for psk_identity; give "
-                    "both the same; trying again", "wrong_key", broker, psk_identity="north",
+                    "both the same, such as by the install.sh of its folder once more, and restart "
+                    "this; trying again", "wrong_key", broker, psk_identity="north",
                     psk_file="wrong")
         self.expect("the broker does not know psk_identity; add it there, or correct it here",
                     "nobody", broker, psk_identity="nobody", psk_file="key")

@@ -7,6 +7,12 @@ here=$(cd "$(dirname "$0")" && pwd)
 root=${DESTDIR-}
 settings=$root/etc/etcm/gateway.toml
 
+# Site and name of [mqtt], and not those of a bus.
+whose() {
+  awk '/^[[:space:]]*\[/ { is_it = /^[[:space:]]*\[mqtt\]/ }
+    is_it && /^[[:space:]]*(site|name)[[:space:]]*=/ { gsub(/#.*|[[:space:]]/, ""); print }' "$1" | sort
+}
+
 if [ ! -e "$settings" ]; then
   echo "install.sh: there is no $settings; install the package etcm-gateway first" >&2
   exit 1
@@ -14,7 +20,7 @@ fi
 if ! grep -q '^[[:space:]]*\[mqtt\]' "$settings"; then
   cp -p "$settings" "$settings.before"
   cat "$here/mqtt.toml" >>"$settings"
-elif ! grep -q "^name = \"$(sed -n 's/^name = "\(.*\)"$/\1/p' "$here/mqtt.toml")\"" "$settings"; then
+elif [ "$(whose "$settings")" != "$(whose "$here/mqtt.toml")" ]; then
   echo "install.sh: $settings has another [mqtt]; put the lines of $here/mqtt.toml in its place, and again" >&2
   exit 1
 fi
@@ -29,5 +35,5 @@ systemctl daemon-reload
 systemctl enable --quiet etcm-gateway
 systemctl restart etcm-gateway
 sleep 5
-journalctl -u etcm-gateway -n 3 --no-pager -o cat --since -10s \
-  --grep 'connected as|trying again|refused|mqtt' || journalctl -u etcm-gateway -n 5 --no-pager -o cat
+journalctl -u etcm-gateway -n 1 --no-pager -o cat --since -10s --grep '^broker |\[mqtt\]' ||
+  journalctl -u etcm-gateway -n 5 --no-pager -o cat
