@@ -4,6 +4,7 @@ ETCM_BIN is the programs' folder. ETCM_SCREENSHOTS, where it is set, is a folder
 Every wait is for a condition.
 """
 import re
+import signal
 import socket
 import unittest
 
@@ -24,7 +25,7 @@ class Alarms(BrowserCase):
         for node in "2", "3":
             gateway.wait_for_line(rf"node {node} is missing")
         self.wait_for_text("#alarms-title", r"^Alarms \(2\)")
-        self.wait_for_text("#state", r"^2 nodes are missing: node \d, .*\n2 alarms$")
+        self.wait_for_text("#state", rf"^2 nodes are missing: node \d, .*\n2 alarms\nthe first of the worst since {MOMENT}$")
         self.assertFalse(self.find("#ended").is_displayed(), "none has ended")
         self.ctl("acknowledge", "all")
         self.ctl("dismiss", "2")
@@ -65,6 +66,44 @@ class Alarms(BrowserCase):
         self.assertEqual(re.findall(r"is missing", self.get("/alarms.csv").decode()), ["is missing"] * 2)
         self.assertEqual([entry for entry in self.browser.get_log("browser")
                           if entry["level"] == "SEVERE"], [])
+
+    def test_each_severity_has_a_sign_and_a_colour_of_its_own_on_paper_too(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0"])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#state", r"^All well$")
+        seen = self.browser.execute_async_script("""
+            const done = arguments[0];
+            import('/alarms.js').then(({ showAlarms }) => {
+              const alarms = ['critical', 'major', 'minor'].map((severity, at) => ({ number: at + 1, times: 1, severity,
+                on: true, acknowledged: false, since: 'then', since_ms: 1000, text: `alarm ${at}`, cure: '' }));
+              showAlarms({ instance: 'x', alarms: { edition: 1 } }, { alarms, untold: 0 });
+              const looks = () => [...document.querySelectorAll('#alarm-list .severity')].map((part) =>
+                [getComputedStyle(part, '::before').content.slice(0, 3), getComputedStyle(part).color]);
+              const shown = looks();
+              dispatchEvent(new Event('beforeprint'));
+              done([shown, looks(), getComputedStyle(document.querySelector('.mark') ?? document.body, '::before')
+                .printColorAdjust]);
+            });""")
+        for looks in seen[:2]:
+            for at in 0, 1:
+                self.assertEqual(len({look[at] for look in looks}), 3, looks)
+        self.browser.execute_script("dispatchEvent(new Event('afterprint'))")
+        self.assertEqual(seen[2], "exact", "a printer leaves out what is background")
+
+    def test_a_problem_of_the_drawing_that_is_cured_is_told_as_cured(self):
+        gateway = self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,1000,1000", "0,4,join,0,1000"],
+                                  "[[feature]]\nfrom = 1\nto = 3\n[[feature]]\nfrom = 2\nto = 4\n")
+        self.browser.get(self.url)
+        self.alarm(r"^feature 2 ")
+        config = self.folder / "site.toml"
+        config.write_text(config.read_text().replace("from = 2\nto = 4", "from = 1\nto = 4"))
+        gateway.process.send_signal(signal.SIGHUP)
+        self.wait_for_text("#ended-title", r"^Alarms that have ended \(1\)$")
+        self.find("#ended summary").send_keys(Keys.ENTER)
+        self.wait_for_text("#ended-list", r"cured")
+        self.assertNotIn("no longer known", self.text("#ended-list"))
+        self.assertRegex(self.ctl("list", "--all").stdout, r"until \S+, cured\n")
 
     def test_while_an_alarm_is_on_not_all_is_well(self):
         self.start_page(["0,1,join,0,0", "0,2,join,1000,0"])

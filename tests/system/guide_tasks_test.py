@@ -62,6 +62,12 @@ class GuideAtItsStart(unittest.TestCase):
             self.assertEqual(outside.strip(), "", task)
 
 
+    def test_the_page_leads_to_each_of_them(self):
+        page = (GUIDE.parent / "status/page/index.html").read_text()
+        leads = set(re.findall(r'href="guide#([^"]+)"', page))
+        self.assertEqual(leads, {task.lower().replace(" ", "-") for task in TASKS})
+
+
 class FollowedGuide(GatewayCase):
     def setUp(self):
         super().setUp()
@@ -156,7 +162,7 @@ class FollowedGuide(GatewayCase):
                    "[[feature]]\nfrom = 1\nto = 2\n[[feature]]\nfrom = 3\nto = 4\n")
         wait_for("the alarm", self.on)
         show, find, check = commands_of(section_of("README.md", "A feature is not in the mesh"))
-        self.assertRegex(self.follow(show), r"(?s)feature 2 .*is not in the mesh: .*\n    do: ")
+        self.assertRegex(self.follow(show), r'^\{"feature":2,.*"why":"it crosses feature 1 .*"cure":"[^"]')
         self.assertIn("gateway.toml", self.follow(find))
         self.config.write_text(self.config.read_text().replace("from = 3\n", "from = 1\n"))
         self.assertIn("good", self.follow(check))

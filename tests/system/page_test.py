@@ -413,9 +413,20 @@ class InABrowser(BrowserCase):
         search.send_keys("main pi")
         self.wait_for_text("#found-features", r"^Feature 2 'main pipe'$")
         search.send_keys(Keys.ENTER)
-        self.wait_for_text("#details-title", r"^Feature edge$")
-        self.wait_for_text("#facts", r"Feature\s+2 'main pipe'")
+        self.wait_for_text("#details-title", r"^Feature 2 'main pipe'$")
+        self.wait_for_text("#facts", r"(?s)State\s+in the mesh.*Between\s+node 1 – node 3")
         search.clear()
+        # One that waits has no place on the map, and opens itself all the same.
+        button = next(b for b in self.browser.find_elements(By.CSS_SELECTOR, "#features-body button")
+                      if "gate line" in b.text)
+        button.send_keys(Keys.ENTER)
+        self.wait_for_text("#details-title", r"^Feature 1 'gate line'$")
+        self.assertEqual(self.browser.execute_script("return document.activeElement.id"), "details-title")
+        wait_for("details in view", lambda: self.browser.execute_script("""
+            const box = document.querySelector('#details').getBoundingClientRect();
+            return box.top >= 0 && box.top < innerHeight / 2"""))
+        self.wait_for_text("#facts", r"(?s)State\s+waits.*Why\s+node 1707.*What to do\s+correct the serial")
+        self.screenshot("feature-waits")
         # As the cure says, at the place that it says.
         told = next(f for f in json.loads(self.get("/features.json"))["features"] if f.get("near"))
         self.draw_crossing_lines(*told["near"])
@@ -423,6 +434,9 @@ class InABrowser(BrowserCase):
         self.wait_for_text("#features-title", r"^Features \(5, 1 not in the mesh\)$")
         self.wait_for_text("#alarms-title", r"^$|^Alarms \(1\)|^Alarms \(2\)")
         wait_for("no feature refused", lambda: "north fence" not in self.text("#state"))
+        # Two parts of one name are one hit.
+        search.send_keys("north")
+        self.wait_for_text("#found-features", r"^Feature \d 'north fence' and 1 more of this name$")
         self.assertEqual([entry for entry in self.browser.get_log("browser")
                           if entry["level"] == "SEVERE"], [])
 
@@ -484,6 +498,49 @@ class InABrowser(BrowserCase):
             self.assertLess(abs(datetime.datetime.now() - at), datetime.timedelta(days=2), shown)
         finally:
             self.browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", script)
+
+    def test_who_has_left_is_told_apart_from_who_is_missing(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700", "0,4,join,500,300", "1500,4,leave,,"])
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("tr[data-serial='4']", r"has left\s*said so \d+ \w+, \d\d:\d\d\b")
+        self.assertRegex(self.find("tr[data-serial='4'] td:nth-child(2)").get_attribute("title"), MOMENT)
+        self.wait_for_text("#legend", r"Has left\s*1")
+        self.assertNotIn("Missing", self.text("#legend"))
+        self.wait_for_text("#state", r"^All well$")
+        before = self.picture()
+        label = lambda: next(label for label in self.browser.find_elements(By.CSS_SELECTOR, "#legend label")
+                             if "Has left" in label.text)
+        label().click()
+        self.wait_for_another_picture(before)
+        label().click()
+        self.find("#search").send_keys("has left", Keys.ENTER)
+        self.wait_for_text("#details-title", r"^Node 4$")
+        self.wait_for_text("#facts", rf"Why\s+it has said that it leaves; said so at {MOMENT}")
+        colours = self.browser.execute_script("""
+            const style = getComputedStyle(document.documentElement);
+            return ['--map-left', '--map-missing', '--map-stale'].map((name) => style.getPropertyValue(name))""")
+        self.assertEqual(len(set(colours)), 3, colours)
+        self.screenshot("left")
+
+    def test_the_table_of_nodes_has_room_for_its_columns_and_for_some_rows(self):
+        rows = [f"0,{1000 + n},join,{569000 + 97 * n % 1000},{7034000 + 61 * n % 800}" for n in range(1, 25)]
+        self.start_page([*rows, "1500,1003,low_battery,,"], '[site]\ncrs = "EPSG:25833"\n'
+                        '[[node]]\nserial = 1002\nname = "pump house north"\n')
+        for width, height in ((1280, 800), (1920, 1080)):
+            self.size(width, height)
+            self.browser.get(self.url)
+            self.wait_for_text("#alarm-list", r"low battery")
+            self.wait_for_text("#body", r"E\b")
+            shown = self.browser.execute_script("""
+                const area = document.querySelector('#rows');
+                const right = area.getBoundingClientRect().right;
+                return { rows: Math.floor(area.clientHeight / 31) - 1, wide: area.scrollWidth - area.clientWidth,
+                  cut: [...document.querySelectorAll('#body tr.row td:nth-child(5)')].filter((cell) =>
+                    cell.scrollWidth > cell.clientWidth || cell.getBoundingClientRect().right > right + 1).length }""")
+            self.assertGreaterEqual(shown["rows"], 8, (width, shown))
+            self.assertEqual((shown["cut"], shown["wide"]), (0, 0), (width, shown))
+            self.screenshot(f"table-{width}")
 
     def test_a_low_battery_has_a_sign_of_its_own(self):
         self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700", "1500,2,low_battery,,"])
@@ -677,7 +734,9 @@ class InABrowser(BrowserCase):
         seen = len(self.browser.find_elements(By.CSS_SELECTOR, "tr.row"))
         self.assertLess(seen, 100)
         whole = self.text("#scale")
-        self.find("#zoom-in").click()
+        # Its text is a round number, and not another one at each step.
+        for _ in range(3):
+            self.find("#zoom-in").click()
         # It is drawn with the next picture.
         wait_for("a finer scale", lambda: self.text("#scale") != whole)
         before = self.text("#scale")

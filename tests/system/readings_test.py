@@ -111,14 +111,14 @@ class ForPrograms(MeasuringCase):
         reread(one, "3 units more than before")
         self.wait_for_levels({101: (1.5, False), 102: (-0.25, False), 103: (0.007, False)})
         all_of_them = PROFILE + began + self.tanks.settings
-        reread(all_of_them, "1 units more than before")
+        reread(all_of_them, "1 unit more than before")
         self.wait_for_levels({101: (1.5, False), 102: (-0.25, False), 103: (0.007, False),
                               104: (0.009, False)})
         second = Tanks(self, [(500, 500)], name="second", first=200)
         second.set({1: 12})
         other = PROFILE.replace('"tank"', '"other"').replace("temperature", "warmth")
         everything = all_of_them + second.settings.replace('"tank"', '"other"') + other
-        reread(everything, "1 units more than before")
+        reread(everything, "1 unit more than before")
         self.wait_for_levels({101: (1.5, False), 102: (-0.25, False), 103: (0.007, False),
                               104: (0.009, False), 201: (0.012, False)})
         self.assertEqual([quantity["name"] for quantity in self.json("/readings.json")["quantities"]],
@@ -230,6 +230,36 @@ class OnTheMap(BrowserCase, MeasuringCase):
         self.choose("No readings")
         wait_for("no bands", lambda: self.bands() == [] and self.text("#measured-count") == "")
         self.watch()
+
+    def test_two_sensors_shade_no_area_and_names_stay_on_the_map(self):
+        self.start_tanks(SQUARE + [(480, 390)], {1: 0, 2: 4000, 3: INVALID, 4: INVALID, 5: INVALID},
+                         '[[node]]\nserial = 102\nname = "east tank"\n', **SOON)
+        self.size(1280, 800)
+        self.browser.get(self.url)
+        self.wait_for_text("#counts", r"Nodes\s*5")
+        self.choose("level (m)")
+        self.wait_for_text("#measured-count", r"^2 nodes, 3 without a value$")
+        shaded = lambda: self.browser.execute_async_script("""
+            const done = arguments[0];
+            Promise.all(["model", "readings", "shading"].map((name) => import(`./${name}.js`)))
+              .then(async ([{ readMesh }, { readReadings }, { Shading }]) => {
+                const get = async (path) => (await fetch(path)).json();
+                const mesh = readMesh(await get("mesh.json"));
+                const readings = readReadings(await get("readings.json"));
+                done(new Shading(mesh, readings.quantities[0], readings.ofQuantity[0]).shaded.length);
+              });""")
+        self.assertEqual(shaded(), 0)
+        self.screenshot("readings-two")
+        self.tanks.set({5: 2000})
+        self.wait_for_text("#measured-count", r"^3 nodes, 2 without a value$")
+        self.assertGreater(shaded(), 0)
+        label = self.browser.execute_async_script("""
+            const done = arguments[0];
+            import("./map.js").then(({ MeshMap }) => {
+              const map = { shading: {}, shownValue: () => "4 m" };
+              done([MeshMap.prototype.labelOf.call(map, { serial: 102, name: "east tank" }),
+                MeshMap.prototype.labelOf.call(map, { serial: 101 })]); });""")
+        self.assertEqual(label, [{"text": "east tank: 4 m", "short": "4 m"}, {"text": "4 m", "short": None}])
 
     def test_without_devices_there_is_nothing_to_choose(self):
         self.start_page(["0,1,join,0,0", "0,2,join,1000,0"])

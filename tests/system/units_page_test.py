@@ -191,7 +191,11 @@ class Units(BrowserCase):
         self.size(1280, 800)
         self.browser.get(self.url)
         self.wait_for_text("#alarm-list", r"low battery|battery is low")
-        self.wait_for_text("#state", r"^1 alarm$")
+        self.wait_for_text("#state", rf"^1 alarm\nsince {MOMENT}$")
+        # It stays what it is, and is that of the alarm, but for what is left of a second.
+        said = self.text("#state")
+        self.wait_for_turns(4)
+        self.assertEqual(self.text("#state"), said)
         self.assertEqual(self.find("#state").get_attribute("class"), "chip note")
         self.screenshot("low-battery")
 

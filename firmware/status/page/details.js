@@ -2,7 +2,7 @@
 import { byId, element, linked } from "./dom.js";
 import { itemFacts, titleOf } from "./items.js";
 import {
-  ageText, calledText, degreesText, featureText, nameOf, placeText, sinceText, whereText,
+  ageText, calledText, degreesText, featureText, leftText, nameOf, placeText, sinceText, whereText, wordOfState,
 } from "./model.js";
 import { endOf, readingsOf, valueText } from "./readings.js";
 import { conditionsOf, errorsText, stateText } from "./units.js";
@@ -10,6 +10,7 @@ import { conditionsOf, errorsText, stateText } from "./units.js";
 function whyText(node) {
   if (node.never_heard) return "it has not answered since the start";
   if (node.missing) return `no answer since ${sinceText(node.missingMs ?? 0)}`;
+  if (node.left) return `it has said that it leaves; ${leftText(node)}`;
   if (node.refused) return node.refused;
   if (node.far) return "it stands far from all others";
   return node.no_fix ? "it answers, but has no fix" : "";
@@ -29,7 +30,7 @@ function readingText({ unit }, reading) {
 function nodeFacts(node, readings) {
   const link = element("a", `#node=${node.serial}`);
   link.href = `#node=${node.serial}`;
-  const facts = [["State", element("span", node.state, `mark ${node.state}`)]];
+  const facts = [["State", element("span", wordOfState(node.state), `mark ${node.state}`)]];
   const why = whyText(node);
   if (why) facts.push(["Why", why]);
   facts.push(["Position told", node.ageMs === undefined ? "none" : `${ageText(node.ageMs)} ago`],

@@ -18,9 +18,9 @@ macro(embed source path)
   file(READ "${source}" bytes HEX)
   file(SHA256 "${source}" hash)
   if("${path}" STREQUAL "/" AND NOT guide)
-    # The line that leads to the guide.
+    # The lines that lead to the guide.
     file(READ "${source}" text)
-    string(REPLACE "      <a href=\"guide\">Guide</a>\n" "" text "${text}")
+    string(REGEX REPLACE "[^\n]*href=\"guide[^\n]*\n" "" text "${text}")
     string(HEX "${text}" bytes)
     string(SHA256 hash "${text}")
   endif()

@@ -36,11 +36,17 @@ export function showEnded(status, document, follow) {
 
 const ends = { by_itself: "by itself", dismissed: "dismissed", removed: "no longer known" };
 
+// Who draws it otherwise, or takes it out, has done what its cure says.
+function endOf(alarm) {
+  const isOfDrawing = alarm.kind === "refused_feature" || alarm.kind === "refused_anchor";
+  return isOfDrawing && ends[alarm.end] ? "cured" : ends[alarm.end];
+}
+
 function row(alarm, follow) {
   const item = element("li", "", alarm.severity);
   item.append(severityOf(alarm), headOf(alarm, follow), timeOf(alarm, "since"), timeOf(alarm, "until"));
   if (isKnown(alarm)) item.append(element("span", `for ${ageText(alarm.since_ms - alarm.until_ms)}`));
-  if (ends[alarm.end]) item.append(element("span", ends[alarm.end]));
+  if (endOf(alarm)) item.append(element("span", endOf(alarm)));
   item.append(...factsOf(alarm));
   return item;
 }

@@ -12,7 +12,7 @@ let isWhole = false;
 // All rows, as paper wants them.
 export function setWholeFeatures(wanted) { isWhole = wanted; }
 
-// `go` is called with the number of a feature that was clicked.
+// `go` is called with the number of a feature that was clicked, and its button.
 export function showFeatures(mesh, go) {
   const { features, key: toldKey } = toldFeatures();
   byId("features").hidden = features.length === 0;
@@ -42,7 +42,7 @@ export function showFeatures(mesh, go) {
 
 function makeRow(mesh, feature, go) {
   const button = element("button", featureName(feature));
-  button.addEventListener("click", () => go(feature.feature));
+  button.addEventListener("click", () => go(feature.feature, button));
   const line = lineOf(mesh, feature);
   const length = line ? lengthText(Math.hypot(line[0][0] - line[1][0], line[0][1] - line[1][1]), mesh.metresPerUnit) : "–";
   const state = element("div");

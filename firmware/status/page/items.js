@@ -1,6 +1,6 @@
 // What the map shows beside points: lines, coverage holes, barrier gaps, links, proposed relays. An item
 // has a place of its own (`x`, `y`), so that the map can go there. Knows nothing of the screen.
-import { featureAlong, featureName, featureOf, meetingText } from "./features.js";
+import { featureAlong, featureName, featureOf, lineOf, meetingText } from "./features.js";
 import { blockerText, featureText, lengthText, nameOf, placeOfEnd, placeText } from "./model.js";
 
 // By the layer of the legend that shows it; the first is the one that is found where several are.
@@ -8,6 +8,7 @@ const titles = {
   relay: "Proposed relay", gap: "Barrier gap", link: "Link too long", refused: "Feature refused",
   feature: "Feature edge", edge: "Edge", hole: "Coverage hole",
 };
+const whole = "whole";   // a feature from end to end; not found on the map, but by its name
 export const layerOfItem = {
   relay: "steiner", gap: "gaps", link: "links", refused: "refused", feature: "features", edge: "edges",
   hole: "holes",
@@ -62,6 +63,7 @@ function betweenText(mesh, item) {
 function whereText(item) { return item.feature ? `on feature ${featureText(item)}` : "at an anchor"; }
 
 export function titleOf(item) {
+  if (item.kind === whole) return `Feature ${featureText(item)}`;
   return item.kind === "refused" ? `Feature ${featureText(item)} refused` : titles[item.kind];
 }
 
@@ -72,6 +74,7 @@ export function itemFacts(mesh, item) {
     return [["Position", placeText(item)], ["Nearest node", length(item.distance)],
       ["Sensing range", length(mesh.sensingRange)]];
   }
+  if (item.kind === whole) return wholeFacts(mesh, item);
   if (item.kind === "relay") return [["Position", placeText(item)], ["Where", whereText(item)]];
   const facts = [["Between", betweenText(mesh, item)], ["Length", length(item.length)]];
   const along = item.kind === "feature" || item.kind === "gap" ? featureAlong(mesh, item.line) : undefined;
@@ -95,14 +98,32 @@ export function itemText(mesh, item) {
   return `${titleOf(item)}: ${facts.map(([, text]) => text).slice(0, told).join(", ")}`;
 }
 
-// A line of a feature by its number: in the mesh or refused; or null.
-export function partOf(mesh, number) {
-  return itemsOf(mesh, "refused").find((item) => item.feature === number) ??
-    itemsOf(mesh, "feature").find((item) => featureAlong(mesh, item.line)?.feature === number) ?? null;
+// A feature by its number, whether it is refused, in the mesh, or waits and may have no place; null
+// where there is none of it.
+export function featureItem(mesh, number) {
+  const refused = itemsOf(mesh, "refused").find((item) => item.feature === number);
+  if (refused) return refused;
+  const told = featureOf(number);
+  if (!told) return null;
+  const line = lineOf(mesh, told);
+  const more = { feature: number, feature_name: told.name, from: told.from, to: told.to };
+  if (line) return lineItem(mesh, whole, line, more);
+  const ends = [told.from, told.to].map((end) => mesh.bySerial.get(end) ?? mesh.byPlace.get(String(end)));
+  return { ...more, kind: whole, isItem: true, hasPlace: false, key: `${whole} ${number}`, ends };
+}
+
+function wholeFacts(mesh, item) {
+  const told = featureOf(item.feature);
+  const facts = [["State", !told ? "–" : told.in_mesh ? "in the mesh" : "waits"], ["Between", endsText(mesh, item)]];
+  if (item.line) facts.push(["Length", lengthText(item.length, mesh.metresPerUnit)]);
+  if (told?.why) facts.push(["Why", told.why]);
+  if (told?.cure) facts.push(["What to do", told.cure]);
+  return facts;
 }
 
 // The same in a newer mesh, or null.
 export function sameItem(mesh, item) {
+  if (item.kind === whole) return featureItem(mesh, item.feature);
   return itemsOf(mesh, item.kind).find((other) => other.key === item.key) ?? null;
 }
 

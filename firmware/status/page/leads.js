@@ -1,7 +1,7 @@
 // Where alarms lead: to a node or a feature on the map and in the details, or to the row of a unit, a bus
 // or a gateway.
 import { byId, focusOn } from "./dom.js";
-import { itemsOf } from "./items.js";
+import { featureItem } from "./items.js";
 
 export class Leads {
   // `choose` is called with the point or item of the mesh that was found.
@@ -34,9 +34,8 @@ export class Leads {
 
   onMap({ feature, node }) {
     if (!this.mesh) return null;
-    const refused = feature === undefined ? undefined
-      : itemsOf(this.mesh, "refused").find((item) => item.feature === feature);
-    return refused ?? this.mesh.bySerial.get(node) ?? null;
+    const found = feature === undefined ? null : featureItem(this.mesh, feature);
+    return found ?? this.mesh.bySerial.get(node) ?? null;
   }
 
   // From the details back to what led there.

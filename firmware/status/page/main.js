@@ -2,13 +2,13 @@
 import { isOldList, showAlarms } from "./alarms.js";
 import { BusList } from "./buses.js";
 import { showDetails } from "./details.js";
-import { focusOn, setText } from "./dom.js";
+import { setText } from "./dom.js";
 import { countEnded, isOldEnded, showEnded } from "./ended.js";
 import { showFeatures } from "./feature_table.js";
 import { areOldFeatures, setFeatures } from "./features.js";
 import { coloursOfMembers, showFleet } from "./fleet.js";
 import { showFound } from "./found.js";
-import { partOf, sameItem } from "./items.js";
+import { featureItem, sameItem } from "./items.js";
 import { keepInAddress, serialInAddress } from "./keep.js";
 import { Leads } from "./leads.js";
 import { MeshMap } from "./map.js";
@@ -71,11 +71,13 @@ function choose(point) {
   if (!point && hadFocus) leads.back();
 }
 
-// To a line of the mesh that is a part of it, or to where it would be.
-function goToFeature(number) {
-  const found = partOf(mesh, number);
-  if (found) choose(found);
-  else focusOn(document.getElementById("features-title"), document.getElementById("features"));
+// To the feature itself, whether it is in the mesh or not, from a button (`start`) or from the search.
+function goToFeature(number, start) {
+  if (start) return leads.follow({ feature: number }, start);
+  const found = featureItem(mesh, number);
+  if (!found) return;
+  choose(found);
+  document.getElementById("details").scrollIntoView({ block: "nearest" });
 }
 
 function show(point) {
@@ -175,11 +177,11 @@ async function turn() {
   }
   shade();
   document.getElementById("empty").hidden = mesh.bounds !== null;
-  showStatus(status);
   if (isOldList(status)) {
     alarms = await ask("alarms.json");
     showAlarms(status, alarms, follow);
   }
+  showStatus(status, alarms);
   setBatteries(mesh, alarms);
   countEnded(status);
   if (isOldEnded(status)) showEnded(status, await ask("ended.json"), follow);

@@ -2,7 +2,7 @@
 import { memberColours } from "./fleet.js";
 import { holeRadius, itemAt, itemsOf, itemText } from "./items.js";
 import { placeLabels } from "./labels.js";
-import { featureText, lengthText, nameOf } from "./model.js";
+import { featureText, lengthText, nameOf, wordOfState } from "./model.js";
 import { Plan } from "./plan.js";
 import { isFresh, valueText } from "./readings.js";
 import { bandColours, rampNames } from "./shading.js";
@@ -23,6 +23,7 @@ export const layers = [
   { name: "ageing", text: "Ageing", on: true },
   { name: "stale", text: "Stale", on: true },
   { name: "quarantined", text: "In quarantine", on: true },
+  { name: "left", text: "Has left", on: true },
   { name: "missing", text: "Missing", on: true },
   { name: "battery", text: "Low battery", on: true },
 ];
@@ -124,7 +125,7 @@ export class MeshMap {
     this.colours = { text: colour("text"), dim: colour("dim"), back: colour("map-back"),
       accent: colour("accent") };
     for (const name of ["edge", "feature", "steiner", "fresh", "ageing", "stale", "quarantined",
-      "missing", "hole", "link", "battery"]) {
+      "missing", "left", "hole", "link", "battery"]) {
       this.colours[name] = colour(`map-${name}`);
     }
     this.ramp = rampNames().map(colour);
@@ -157,7 +158,7 @@ export class MeshMap {
       this.drawDiamonds(mesh.steiner, Math.max(2, radius * 0.8));
       this.drawDiamonds(mesh.relays, Math.max(2, radius * 0.8));
     }
-    for (const state of ["missing", "fresh", "ageing", "stale", "quarantined"]) {
+    for (const state of ["missing", "left", "fresh", "ageing", "stale", "quarantined"]) {
       if (!this.isOn(state)) continue;
       if (this.shading) this.drawValues(mesh.nodes, state, Math.max(3, radius));
       else this.drawNodes(mesh.nodes, state, radius);
@@ -317,7 +318,7 @@ export class MeshMap {
     context.stroke();
   }
 
-  // Names or serials, or what is measured.
+  // Names or serials, and what is measured.
   drawLabels(radius) {
     const { context, view, mesh } = this;
     const seen = mesh.nodes.filter((node) => node.hasPlace && this.isSeen(node));
@@ -345,9 +346,11 @@ export class MeshMap {
     }
   }
 
-  // A name that finds no room gives way to the serial.
+  // A name that finds no room gives way to the serial, or to the value that is shown.
   labelOf(node) {
-    if (this.shading) return { text: this.shownValue(node) };
+    const value = this.shownValue(node);
+    if (value) return { text: node.name ? `${node.name}: ${value}` : value, short: node.name ? value : undefined };
+    if (this.shading) return { text: node.name ?? "" };
     return { text: node.name ?? String(node.serial), short: node.name ? String(node.serial) : undefined };
   }
 
@@ -405,7 +408,7 @@ export class MeshMap {
     if (found.isItem) return itemText(this.mesh, found);
     if (!found.isNode) return `Proposed relay on feature ${featureText(found)}`;
     const value = this.shownValue(found);
-    return `${nameOf(found)}, ${found.state}${found.lowBattery ? ", low battery" : ""}${value ? `, ${value}` : ""}`;
+    return `${nameOf(found)}, ${wordOfState(found.state)}${found.lowBattery ? ", low battery" : ""}${value ? `, ${value}` : ""}`;
   }
 
   // A point before a line or an area.

@@ -1,8 +1,8 @@
 // What the gateway said, as the rest of the page wants it. Knows nothing of the screen.
 
-// The states of a node, best first; "waiting" has told no place yet, "missing" fell silent and left
-// the mesh for that.
-export const nodeStates = ["fresh", "ageing", "stale", "quarantined", "waiting", "missing"];
+// The states of a node, best first; "waiting" has told no place yet, "left" has said that it leaves,
+// "missing" fell silent and left the mesh for that.
+export const nodeStates = ["fresh", "ageing", "stale", "quarantined", "waiting", "left", "missing"];
 
 // Reads mesh.json.
 export function readMesh(geojson) {
@@ -89,7 +89,19 @@ export function setAges(mesh, ages, status) {
     const node = mesh.bySerial.get(missing.serial);
     if (node) node.missingMs = missing.since_ms;
   }
+  for (const left of status.left) {
+    const node = mesh.bySerial.get(left.serial);
+    if (node) node.leftMs = left.since_ms;
+  }
   for (const node of mesh.nodes) node.state = stateOf(node, status.stale_after_ms);
+}
+
+// A state in words.
+export function wordOfState(state) { return state === "left" ? "has left" : state; }
+
+// "said so at 23 Nov 2026, 14:03:10 CET", of a node that has left.
+export function leftText(node) {
+  return node.leftMs === undefined ? "" : `said so at ${momentText(dateOf(node.leftMs))}`;
 }
 
 // Takes over from alarms.json which nodes say that their battery is low.
@@ -101,6 +113,7 @@ export function setBatteries(mesh, { alarms }) {
 
 function stateOf(node, staleAfterMs) {
   if (node.missing) return "missing";
+  if (node.left) return "left";
   if (node.refused) return "quarantined";
   if (!node.in_mesh) return "waiting";
   // The gateway that hears a node knows best, and tells others seldom that nothing is new.
@@ -125,6 +138,12 @@ const moment = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "short"
 
 // "23 Nov 2026, 14:03:10 CET"
 export function momentText(date) { return moment.format(date); }
+
+const shortMoment = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "short", hour: "2-digit",
+  minute: "2-digit", hour12: false });
+
+// "23 Nov, 14:03", where there is little room.
+export function shortMomentText(date) { return shortMoment.format(date); }
 
 // By how much the clock of the gateway is before that of the browser, which may be wrong.
 let clockAheadMs = 0;
@@ -237,6 +256,17 @@ function alarmColour({ on, critical, major }) {
 function alarmTroubles({ alarms, troubles }) {
   if (alarms.on <= troubles.length) return [];
   return [`${alarms.on} ${alarms.on === 1 ? "alarm" : "alarms"}`];
+}
+
+// Since when it is as the banner says: the first of the alarms of its colour.
+export function sinceInWords({ alarms }) {
+  const on = alarms.filter((alarm) => alarm.on);
+  const worst = ["critical", "major", "minor"].find((severity) => on.some((alarm) => alarm.severity === severity));
+  // The time of day: what is told of an alarm is asked for once, and its age is of then.
+  const those = on.filter((alarm) => alarm.severity === worst && alarm.since);
+  if (those.length === 0) return "";
+  const moment = momentText(new Date(Math.min(...those.map((alarm) => Date.parse(alarm.since)))));
+  return on.length === 1 ? `since ${moment}` : `the first of the worst since ${moment}`;
 }
 
 // How things stand, as a word for the colour and a sentence, or a line for each thing.

@@ -3,7 +3,7 @@ import { byId, element, linked, setText, showRows } from "./dom.js";
 import { endsText } from "./items.js";
 import { keepLayers, keptLayers } from "./keep.js";
 import { layers } from "./map.js";
-import { ageText, calledText, dateOf, momentText, sinceText, stateInWords, whereText } from "./model.js";
+import { ageText, calledText, dateOf, momentText, sinceInWords, sinceText, stateInWords, whereText } from "./model.js";
 import { decimal, isFresh, quantityText, valueText } from "./readings.js";
 
 function showState(colour, words) {
@@ -20,11 +20,13 @@ export function showNoAnswer() {
   showState("bad", "No answer");
 }
 
-export function showStatus(status) {
+// `alarms` as alarms.json has them.
+export function showStatus(status, alarms) {
   // Of several gateways in several tabs.
   document.title = status.name ? `${status.name} – ETCM gateway` : "ETCM gateway";
   document.querySelector("h1").textContent = status.name || "ETCM gateway";
-  showState(...stateInWords(status));
+  const [colour, words] = stateInWords(status);
+  showState(colour, colour === "good" ? words : [words, sinceInWords(alarms)].filter(Boolean).join("\n"));
   showNotice(status);
   const counts = [
     ["Version (generation)", status.generation],

@@ -1,8 +1,10 @@
 // One quantity over the mesh: linear in each triangle of the domain whose corners all have a value,
-// in bands of colour with isolines between them.
+// in bands of colour with isolines between them. Between two sensors there is a line and no area, so
+// fewer than three shade nothing.
 import { bandOf, boundsOf, isFresh, valuesOn } from "./readings.js";
 
 const rampStops = 5;   // of style.css
+const sensorsMin = 3;
 
 export class Shading {
   // `ofSerial` has the readings of the quantity.
@@ -17,6 +19,8 @@ export class Shading {
     this.above = this.bounds.slice(1, -1).map(() => []);   // polygons, by bound between two bands
     this.isolines = [];
     this.shaded = [];
+    const sensors = mesh.nodes.filter((node) => node.in_mesh && isFresh(ofSerial.get(node.serial)));
+    if (sensors.length < sensorsMin) return;
     for (const corners of trianglesOf(mesh)) this.addTriangle(corners, values);
   }
 

@@ -8,7 +8,7 @@ export function diamond(context, x, y, size) {
   context.closePath();
 }
 
-export function isOutline(state) { return state === "stale" || state === "missing"; }
+export function isOutline(state) { return state === "stale" || state === "missing" || state === "left"; }
 
 // States differ in shape too, for who does not tell their colours apart.
 export function nodeShape(context, state, x, y, radius) {
@@ -17,6 +17,11 @@ export function nodeShape(context, state, x, y, radius) {
     context.lineTo(x + radius, y + radius);
     context.moveTo(x - radius, y + radius);
     context.lineTo(x + radius, y - radius);
+  } else if (state === "left") {
+    context.moveTo(x + radius, y);
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+    context.moveTo(x - radius * 0.6, y);
+    context.lineTo(x + radius * 0.6, y);
   } else if (state === "quarantined") {
     context.rect(x - radius, y - radius, 2 * radius, 2 * radius);
   } else if (state === "ageing") {

@@ -3,7 +3,9 @@
 // and a selection outlive what changes in the row.
 import { byId, element, setText, showRows } from "./dom.js";
 import { featureName, featuresFound } from "./features.js";
-import { ageText, calledText, degreesText, nameOf, nodeStates, placeText, whereText } from "./model.js";
+import {
+  ageText, calledText, dateOf, degreesText, leftText, nameOf, nodeStates, placeText, shortMomentText, whereText, wordOfState,
+} from "./model.js";
 import { conditionsOfNode, isExactly, unitIn, wordsOf } from "./units.js";
 
 const rowHeight = 31;   // of style.css, with its line
@@ -112,15 +114,21 @@ export class NodeTable {
     this.draw();
   }
 
-  // Those that the search finds, by name or number.
+  // Those that the search finds, by name or number: those of one name once, by the first of them.
   showFeatures(found) {
-    this.features = found.slice(0, featuresMax);
+    const alike = (feature) => (feature.name ? found.filter((other) => other.name === feature.name) : [feature]);
+    const firsts = found.filter((feature) => alike(feature)[0] === feature);
+    this.features = firsts.slice(0, featuresMax);
     const list = byId("found-features");
     list.hidden = found.length === 0;
-    showRows(list, this.features, featureName, (feature) => {
+    const textOf = (feature) => {
+      const more = alike(feature).length - 1;
+      return `Feature ${featureName(feature)}${more > 0 ? ` and ${more} more of this name` : ""}`;
+    };
+    showRows(list, this.features, textOf, (feature) => {
       const item = document.createElement("li");
       const button = document.createElement("button");
-      button.textContent = `Feature ${featureName(feature)}`;
+      button.textContent = textOf(feature);
       button.addEventListener("click", () => this.featureChosen(feature.feature));
       item.append(button);
       return item;
@@ -168,7 +176,8 @@ export class NodeTable {
     }
     const button = document.createElement("button");
     row.cells[0].append(button);
-    row.cells[1].append(document.createElement("span"), element("span", "low battery", "battery"));
+    row.cells[1].append(element("span"), element("span", "", "below"), element("span", "low battery", "battery"));
+    row.cells[4].append(element("span"), element("span", "", "below"));
     this.rows.set(serial, row);
     return row;
   }
@@ -181,14 +190,19 @@ export class NodeTable {
     row.cells[0].title = calledText(node.serial, node.name);
     const state = row.cells[1].firstChild;
     state.className = `mark ${node.state}`;
-    setText(state, node.state);
+    setText(state, wordOfState(node.state));
+    setText(row.cells[1].children[1], node.leftMs === undefined ? "" : `said so ${shortMomentText(dateOf(node.leftMs))}`);
+    row.cells[1].children[1].hidden = node.state !== "left";
+    row.cells[1].title = leftText(node);
     row.cells[1].lastChild.hidden = !node.lowBattery;
+    row.cells[1].lastChild.title = "low battery";
     setText(row.cells[2], ageText(node.ageMs));
     setText(row.cells[3], whereText(node));
     row.cells[3].title = whereText(node);
     const degrees = degreesText(node);
-    setText(row.cells[4], degrees ? `${placeText(node)} (${degrees})` : placeText(node));
-    row.cells[4].title = row.cells[4].textContent;
+    setText(row.cells[4].firstChild, placeText(node));
+    setText(row.cells[4].lastChild, degrees);
+    row.cells[4].title = degrees ? `${placeText(node)} (${degrees})` : placeText(node);
     setText(row.cells[5], String(node.neighbours.length));
   }
 }
@@ -198,7 +212,7 @@ function matches(node, word) {
   if (unitIn(word) !== null) return node.unit === unitIn(word);
   if (calledText(node.serial, node.name).toLowerCase().includes(word)) return true;
   if (/^\d+$/.test(word)) return String(node.unit) === word;
-  return node.state.startsWith(word) || [nameOf(node), whereText(node), ...conditionsOfNode(node)]
+  return node.state.startsWith(word) || wordOfState(node.state).includes(word) || [nameOf(node), whereText(node), ...conditionsOfNode(node)]
     .some((text) => text.toLowerCase().includes(word));
 }
 

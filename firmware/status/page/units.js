@@ -57,7 +57,7 @@ export function errorsText(unit, of = "") {
 
 // What a node says of itself.
 export function conditionsOf(unit) {
-  return [unit.low_battery && "low battery", unit.moving && "moving", unit.no_fix && "no fix"].filter(Boolean);
+  return [unit.left && "has left", unit.low_battery && "low battery", unit.moving && "moving", unit.no_fix && "no fix"].filter(Boolean);
 }
 
 // The same of a node, with what its unit says of it now; another node may answer there by now.
