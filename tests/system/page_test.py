@@ -500,7 +500,8 @@ class InABrowser(BrowserCase):
             self.browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", script)
 
     def test_who_has_left_is_told_apart_from_who_is_missing(self):
-        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700", "0,4,join,500,300", "1500,4,leave,,"])
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700", "0,4,join,500,300", "1500,4,leave,,",
+                         "6000,4,silent,,"])
         self.size(1280, 800)
         self.browser.get(self.url)
         self.wait_for_text("tr[data-serial='4']", r"has left\s*said so \d+ \w+, \d\d:\d\d\b")
@@ -522,6 +523,11 @@ class InABrowser(BrowserCase):
             return ['--map-left', '--map-missing', '--map-stale'].map((name) => style.getPropertyValue(name))""")
         self.assertEqual(len(set(colours)), 3, colours)
         self.screenshot("left")
+        # Its unit is silent then, and is no trouble.
+        self.find("#close").click()
+        self.find("#buses summary").click()
+        self.wait_for_text("#buses .units tbody tr:last-child", r"^4\s+4\s+silent since.*has left")
+        self.assertEqual(self.find("#buses .units tbody tr:last-child .mark").get_attribute("class"), "mark left")
 
     def test_the_table_of_nodes_has_room_for_its_columns_and_for_some_rows(self):
         rows = [f"0,{1000 + n},join,{569000 + 97 * n % 1000},{7034000 + 61 * n % 800}" for n in range(1, 25)]

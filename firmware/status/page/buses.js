@@ -1,7 +1,9 @@
 // The buses, and below each the units that are named or have ever answered: trouble first.
 import { byId, element, focusOn, setText } from "./dom.js";
 import { calledText, sinceText } from "./model.js";
-import { byUrgency, errorsText, isExactly, isUnheard, matchesUnit, notesOf, stateText, wordsOf } from "./units.js";
+import {
+  byUrgency, errorsText, hasGone, isExactly, isUnheard, matchesUnit, notesOf, stateText, wordsOf,
+} from "./units.js";
 
 const meterMs = 10000;   // until then nothing has been measured
 
@@ -179,7 +181,7 @@ function percent(part) { return `${Math.min(100, Math.round(part * 100))} %`; }
 
 function fillUnit(line, unit) {
   const state = line.cells[2].firstChild;
-  state.className = `mark ${isUnheard(unit) ? "waiting" : unit.state}`;
+  state.className = `mark ${isUnheard(unit) ? "waiting" : hasGone(unit) ? "left" : unit.state}`;
   setText(state, stateText(unit));
   setText(line.cells[3], errorsText(unit));
   setText(line.cells[4], unit.answer_ms === undefined ? "–" : `${unit.answer_ms} ms`);

@@ -22,7 +22,11 @@ export function isUnheard(unit) {
   return unit.state === "silent" && unit.since_ms === undefined && !unit.answered_before && !unit.name;
 }
 
+// Its node has said that it leaves, and is silent since: nobody has to look at it.
+export function hasGone(unit) { return Boolean(unit.left) && unit.state === "silent"; }
+
 function rankOf(unit) {
+  if (hasGone(unit)) return order.indexOf("answering");
   if (isUnheard(unit)) return order.indexOf("unheard");
   if (unit.state !== "silent" || unit.since_ms !== undefined) return order.indexOf(unit.state);
   return order.indexOf(unit.answered_before ? "earlier" : "never");
