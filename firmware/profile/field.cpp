@@ -45,6 +45,18 @@ FieldValue sum_of(const Field& field, const Sweep& sweep) {
   return sum;
 }
 
+// With a gain that stands in a register.
+FieldValue product_of(const Field& field, const Sweep& sweep) {
+  FieldValue product = sum_of(field, sweep);
+  if (!product.is_value() || !field.factor) return product;
+  const FieldValue factor = decode(*field.factor, sweep);
+  if (!factor.is_value()) return {.state = factor.state};
+  const auto nano = scaled(product.nano, {.numerator = factor.nano, .denominator = nano_per_one});
+  if (!nano) return out_of_range;
+  product.nano = *nano;
+  return product;
+}
+
 constexpr std::int64_t sixty = 60 * nano_per_one;
 
 // Of degrees times 100, and minutes. Nothing where there are 60 minutes or more.
@@ -150,7 +162,7 @@ bool Condition::holds(const Sweep& sweep) const {
 }
 
 FieldValue decode(const Field& field, const Sweep& sweep) {
-  FieldValue value = sum_of(field, sweep);
+  FieldValue value = product_of(field, sweep);
   if (!value.is_value()) return value;
   if (value.letter == '\0') {
     const std::optional<char> letter = letter_beside(field, sweep);
@@ -176,6 +188,7 @@ void add_spans(const Condition& condition, std::vector<RegisterSpan>& spans) {
 void add_spans(const Field& field, std::vector<RegisterSpan>& spans) {
   for (const Number& part : field.parts) spans.push_back(part.span);
   if (field.exponent) spans.push_back(field.exponent->span);
+  if (field.factor) spans.push_back(field.factor->span);
   if (field.negative_if) add_spans(*field.negative_if, spans);
 }
 

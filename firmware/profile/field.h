@@ -44,6 +44,7 @@ struct Field {
   std::vector<Number> parts;       // their sum, with nothing where one is nothing
   bool has_sign_of_first = false;  // the other parts are sizes, with the sign of the first
   std::optional<Number> exponent;  // each part is multiplied by 10 to the power of this
+  std::optional<Number> factor;    // the sum is multiplied by this too
   FieldFormat format = FieldFormat::number;
   Axis axis = Axis::none;
   std::optional<Condition> negative_if;

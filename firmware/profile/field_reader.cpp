@@ -550,6 +550,10 @@ Field FieldReader::read_field(TomlTable& table) const {
     read_inner(table, "exponent", *node,
                [&](TomlTable& inner) { field.exponent = read_number(inner); });
   }
+  if (const toml::node* const node = table.find("factor")) {
+    read_inner(table, "factor", *node,
+               [&](TomlTable& inner) { field.factor = read_number(inner); });
+  }
   if (const toml::node* const node = table.find("negative_if")) {
     read_inner(table, "negative_if", *node,
                [&](TomlTable& inner) { field.negative_if = read_condition(inner); });

@@ -62,6 +62,8 @@ class Fingerprint {
     add(field.negative_if);
     add(field.least);
     add(field.most);
+    // What had none before there were any keeps its number.
+    if (field.factor) add(*field.factor);
   }
 
  private:

@@ -103,6 +103,24 @@ TEST(ProfileField, ASignOfItsOwn) {
       -5'000'000'000);
 }
 
+TEST(ProfileField, AGainInARegister) {
+  const std::string gain =
+      "register = 0, type = 'i16', factor = { register = 1, scale = '0.001', none = 0xFFFF }";
+  EXPECT_EQ(decoded(gain, {word(-200), 1500}).nano, -300'000'000'000);
+  EXPECT_EQ(decoded(gain, {200, 0}).nano, 0);
+  EXPECT_EQ(decoded(gain, {200, 0xffff}).state, State::none);
+  EXPECT_EQ(
+      decoded("parts = [{ register = 0 }, { register = 1 }], factor = { register = 2 }", {2, 3, 7})
+          .nano,
+      35'000'000'000);
+  EXPECT_EQ(decoded("register = 0, type = 'f32', factor = { register = 2, type = 'f32' }",
+                    {0x3f00, 0, 0x4080, 0})
+                .nano,
+            2'000'000'000);
+  const std::string large = "register = 0, type = 'u32', factor = { register = 0, type = 'u32' }";
+  EXPECT_EQ(decoded(large, {0xffff, 0xffff}).state, State::out_of_range);
+}
+
 // As the guide has it.
 TEST(ProfileField, EightBitsWithASign) {
   const std::string low =

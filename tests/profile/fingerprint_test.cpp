@@ -68,6 +68,7 @@ TEST(Fingerprint, IsAnotherForWhateverIsReadInAnotherWay) {
   add([](auto&, Profile::Reading& reading, auto&) { reading.value.parts.push_back({}); });
   add([](auto&, Profile::Reading& reading, auto&) { reading.value.has_sign_of_first = true; });
   add([](auto&, Profile::Reading& reading, auto&) { reading.value.exponent = Number{}; });
+  add([](auto&, Profile::Reading& reading, auto&) { reading.value.factor = Number{}; });
   add([](auto&, Profile::Reading& reading, auto&) { reading.value.format = FieldFormat::ddmm; });
   add([](auto&, Profile::Reading& reading, auto&) { reading.value.negative_if = Condition{}; });
   add([](auto&, Profile::Reading& reading, auto&) { reading.value.least.reset(); });
