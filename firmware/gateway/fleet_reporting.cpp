@@ -263,7 +263,8 @@ void FleetLink::note_refusal(const FleetStatus& status, port::Instant now) {
   const std::string allow =
       "allow it to write etcm/v1/" + report_.site + "/" + report_.name + "/# there";
   report_.refusal =
-      "the broker does not let this gateway tell what it hears, so the others know nothing of it; " +
+      "the broker does not let this gateway tell what it hears, so the others know nothing of "
+      "it; " +
       (others.empty() ? "correct `site` in [mqtt], for nobody else is heard at site '" +
                             report_.site + "', or " + allow
                       : "correct `name`, and its user, key or certificate, in [mqtt], or " + allow +
