@@ -260,7 +260,7 @@ std::optional<std::string> read(const NameType&, const GivenKey& key, const toml
 
 std::optional<std::vector<port::Network>> read(const NetworksType&, const GivenKey& key,
                                                const toml::node& node) {
-  constexpr const char* cure = "; write it as [\"127.0.0.0/8\", \"10.0.0.0/8\", \"2001:db8::/32\"]";
+  constexpr const char* cure = "; write it as [\"127.0.0.0/8\", \"::1/128\", \"192.168.1.20\"]";
   const toml::array* const list = node.as_array();
   if (list == nullptr) return wrong(key, node, quoted(key) + " must list networks" + cure);
   std::vector<port::Network> networks;

@@ -194,7 +194,9 @@ void Gateway::update_settings(std::shared_ptr<const Settings> settings,
 
 bool Gateway::dismiss(Serial serial) {
   NodeRecord* const node = nodes_.find(serial);
-  return node != nullptr && presence_.dismiss(*node);
+  if (node == nullptr || !presence_.dismiss(*node)) return false;
+  keep_at_once();
+  return true;
 }
 
 std::uint32_t Gateway::dismiss_all(port::Instant now) {
@@ -202,6 +204,7 @@ std::uint32_t Gateway::dismiss_all(port::Instant now) {
   for (NodeRecord& node : nodes_.records()) {
     if (node.is_known() && presence_.dismiss(node)) ++count;
   }
+  keep_at_once();
   return count + (fleet_ ? fleet_->dismiss_gone(now) : 0);
 }
 
@@ -212,6 +215,7 @@ bool Gateway::dismiss_gateway(std::string_view name, port::Instant now) {
     if (!node.is_known() || !node.is_foreign() || names[node.owner.value] != name) continue;
     static_cast<void>(presence_.dismiss(node));
   }
+  keep_at_once();
   return fleet_->dismiss_gone(name, now);
 }
 
@@ -285,6 +289,10 @@ void Gateway::finish(port::Instant now) {
 void Gateway::finish_saving(port::Instant now) {
   if (state_saver_) state_saver_->step(now);
   if (file_publisher_) file_publisher_->step(now);
+}
+
+void Gateway::keep_at_once() {
+  if (state_saver_) state_saver_->mark_urgent();
 }
 
 // Since when a node is missing is on the disk too, within the hour.

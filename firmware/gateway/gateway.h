@@ -180,6 +180,7 @@ class Gateway final : private ReadingListener, private RequestSource {
   // Of the mesh: what is published is a function of its nodes and features.
   void forget_history();
   void save_state(port::Instant now);
+  void keep_at_once();
   void keep_silences(port::Instant now);
   void keep_learned(port::Instant now);
   std::int64_t time_of_day_s() const;

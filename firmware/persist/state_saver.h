@@ -30,6 +30,8 @@ class StateSaver {
 
   // There is a generation that is not saved.
   void mark_dirty() { disk_.mark_dirty(); }
+  // What a person has been told is done must outlive a power failure.
+  void mark_urgent() { disk_.mark_urgent(); }
 
   // There may be more to save than before.
   void update_settings(const Settings& settings) {

@@ -67,9 +67,9 @@ std::string not_allowed_response(const HostAddress& host, const std::vector<Netw
       "403: this gateway does not show its page to " + host_text(host) +
       ".\n\n"
       "Ask whoever looks after the gateway, and send this page along. To let " +
-      host_text(host) + " in, they make `allow`\nof [http] in " +
+      host_text(host) + " in, they write this line below\n`listen` of [http] in " +
       (place.empty() ? "the settings of the gateway" : place) +
-      " read\n\n"
+      ", in place of an `allow` that is there:\n\n"
       "    allow = [" +
       list + '"' + host_text(host) +
       "\"]\n\n"

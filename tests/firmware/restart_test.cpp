@@ -259,6 +259,25 @@ TEST_F(Restart, CatchesUpAsNodesAnswerAndLetsTheOthersLeaveInTheirTime) {
   EXPECT_EQ(after->server.header("state"), snapshot_state::missing);
 }
 
+// The next save by itself is an hour away.
+TEST_F(Restart, WhoWasDismissedStaysSoThoughThePowerFailsAtOnce) {
+  const auto before = rig_of({});
+  before->settings.state->interval = 1h;
+  before->put_square();
+  before->run(2s);
+  before->bus.silence(3);
+  before->run(10s);
+  ASSERT_EQ(before->server.header("missing_count"), 1u);
+  ASSERT_TRUE(before->gateway->dismiss(Serial{1003}));
+  before->run(200ms);
+  const auto after = rig_of({});
+  after->start();
+  after->gateway->restore(after->clock.now());
+  after->run(10s);
+  EXPECT_EQ(after->log.count("node 1003 is missing"), 0u)
+      << testing::PrintToString(after->log.lines);
+}
+
 TEST_F(Restart, ANodeOfABusThatIsDownIsNotSaidToAnswerWithoutAFix) {
   const auto before = rig_of({});
   before->put_square();
