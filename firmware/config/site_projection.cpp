@@ -229,7 +229,10 @@ class SiteProjector {
     fail(first->source,
          "x and y are a place in a plane, and the site is in degrees; " +
              (can_be ? in_degrees_instead(*first) + ", or if they are no degrees" : "") +
-             (can_be ? " " : "") + "name their coordinate system as crs = \"EPSG:...\" in [site]" +
+             (can_be ? " " : "") +
+             "name their coordinate system as crs = \"EPSG:...\" in [site], or an `origin` in "
+             "degrees, "
+             "about which they are metres" +
              (count > 1 ? " (and so for " + std::to_string(count - 1) + " more [[node]])" : ""));
   }
 

@@ -11,7 +11,9 @@ TextLine silence_cause(const Poller& poller, BusIndex bus, port::Instant now,
     return at != port::Instant{} && now - at <= recent;
   };
   if (is_recent(counters.heard_at)) {
-    return line << "what comes is no sound answer; the log says why, unit by unit";
+    return line << "its units answer, but with nothing sound; each has an alarm of its own, or a "
+                   "line in "
+                   "the log, that says why";
   }
   if (is_recent(counters.absence_told_at)) {
     return line << "the converter says that nobody is there; check the line behind it, and the "

@@ -148,7 +148,9 @@ const char* explain(ReadingFault fault) {
              "origin or "
              "unit";
     case ReadingFault::no_serial:
-      return "no serial in the registers of `serial`: correct its profile, or take `serial` out";
+      return "no serial in the registers of `serial`: correct its profile, or take `serial` out; "
+             "one "
+             "of letters is read as type = \"u32\"";
     case ReadingFault::off_the_plane:
       return "its place is beyond the plane of the mesh: correct 'order', 'scale' or 'format' in "
              "its profile, or exchange its longitude and latitude there (etcm-bus probe shows what "

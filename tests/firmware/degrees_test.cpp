@@ -318,7 +318,8 @@ TEST_F(Degrees, XAndYOfANodeAreToldWhereTheyAre) {
   const std::string said =
       "x and y are a place in a plane, and the site is in degrees; write longitude = \"10.394\" "
       "and latitude = \"63.43\" in their place, or if they are no degrees name their coordinate "
-      "system as crs = \"EPSG:...\" in [site]\n";
+      "system as crs = \"EPSG:...\" in [site], or an `origin` in degrees, about which they are "
+      "metres\n";
   read("", rovers + node);
   EXPECT_EQ(mistakes(), "site.toml:23: " + said);
   read("", node + other);
@@ -327,7 +328,8 @@ TEST_F(Degrees, XAndYOfANodeAreToldWhereTheyAre) {
                "[[node]]\nunit = 6\nx = \"569100\"\ny = \"7034000\"\n");
   EXPECT_EQ(mistakes(),
             "site.toml:23: x and y are a place in a plane, and the site is in degrees; name their "
-            "coordinate system as crs = \"EPSG:...\" in [site] (and so for 1 more [[node]])\n");
+            "coordinate system as crs = \"EPSG:...\" in [site], or an `origin` in degrees, about "
+            "which they are metres (and so for 1 more [[node]])\n");
   const Settings settings = read("[site]\norigin = [\"10.39\", \"63.42\"]\n", rovers + node);
   EXPECT_EQ(mistakes(), "");
   ASSERT_FALSE(settings.warnings.empty());
@@ -700,7 +702,7 @@ profile = "meter"
   EXPECT_EQ(
       words_of({AlarmKind::faulty_unit, subject_of("yard", 4)}),
       "unit 4 of yard: no serial in the registers of `serial` -> correct its profile, or take "
-      "`serial` out");
+      "`serial` out; one of letters is read as type = \"u32\"");
 }
 
 // The sky is good for one that has a position at times, and for no other.

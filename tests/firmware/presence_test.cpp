@@ -103,9 +103,11 @@ TEST(BusSilence, TheCureFitsTheCause) {
   EXPECT_EQ(cure([](Rig& rig) { rig.settings.buses[0].link = port::SerialLine{}; }),
             "check its cable, speed and parity, and the power and addresses of its units");
   EXPECT_EQ(cure([](Rig& rig) { rig.bus.set_result(7, port::BusResult::exception, 2); }),
-            "what comes is no sound answer; the log says why, unit by unit");
+            "its units answer, but with nothing sound; each has an alarm of its own, or a line in "
+            "the log, that says why");
   EXPECT_EQ(cure([](Rig& rig) { rig.bus.set_result(7, port::BusResult::bad_answer); }),
-            "what comes is no sound answer; the log says why, unit by unit");
+            "its units answer, but with nothing sound; each has an alarm of its own, or a line in "
+            "the log, that says why");
   EXPECT_EQ(cure([](Rig& rig) {
               for (std::uint8_t unit = 1; unit <= 20; ++unit) {
                 rig.bus.set_result(unit, port::BusResult::exception, 0x0b);

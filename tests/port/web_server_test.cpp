@@ -135,7 +135,8 @@ TEST_F(WebServerTest, WhoIsNotAllowedIsTurnedAway) {
   const std::string answer = receive(after.get());
   EXPECT_TRUE(answer.starts_with("HTTP/1.1 403 Forbidden\r\n")) << answer;
   EXPECT_NE(answer.find("allow = [\"10.0.0.0/8\", \"127.0.0.1\"]"), std::string::npos) << answer;
-  EXPECT_NE(answer.find("[http] in /etc/etcm/gateway.toml, line 12 read\n"), std::string::npos);
+  EXPECT_NE(answer.find("below\n`listen` of [http] in /etc/etcm/gateway.toml, line 12, in "),
+            std::string::npos);
   EXPECT_NE(answer.find("Ask whoever looks after the gateway"), std::string::npos);
   EXPECT_EQ(answer.find("xxx"), std::string::npos);
   EXPECT_EQ(site_.begun, 1u);
