@@ -158,7 +158,7 @@ bool keep_way_back(Change& change, VertexId v, unsigned degree, VertexId& beside
     if (!m.work.spend(around)) return false;
     if (around > usual) continue;
     beside = w;
-    return m.work.may_keep(Units{degree} + 2 * around);
+    return m.work.may_keep(Units{degree} + 2 * Units{around});
   } while (spokes.turn());
   return true;
 }
