@@ -74,11 +74,11 @@ std::string degrees_text(const port::EarthPoint& place) {
 }
 
 // "10.394"; every digit that is not zero.
-std::string decimal_text(std::int64_t nano) {
+std::string shortest_decimal(std::int64_t count) {
   char text[40];
-  std::snprintf(text, sizeof text, "%s%lld.%09lld", nano < 0 ? "-" : "",
-                std::abs(static_cast<long long>(nano / site_nano)),
-                std::abs(static_cast<long long>(nano % site_nano)));
+  std::snprintf(text, sizeof text, "%s%lld.%09lld", count < 0 ? "-" : "",
+                std::abs(static_cast<long long>(count / site_nano)),
+                std::abs(static_cast<long long>(count % site_nano)));
   std::string shown = text;
   shown.erase(shown.find_last_not_of('0') + 1);
   if (shown.back() == '.') shown.pop_back();
@@ -88,8 +88,8 @@ std::string decimal_text(std::int64_t nano) {
 bool has_place_in_plane(const NodeSettings& node) { return node.x && node.y; }
 
 std::string in_degrees_instead(const NodeSettings& node) {
-  return "write longitude = \"" + decimal_text(*node.x) + "\" and latitude = \"" +
-         decimal_text(*node.y) + "\" in their place";
+  return "write longitude = \"" + shortest_decimal(*node.x) + "\" and latitude = \"" +
+         shortest_decimal(*node.y) + "\" in their place";
 }
 
 class SiteProjector {

@@ -173,13 +173,14 @@ class FollowedGuide(GatewayCase):
                     "4000,1053,join,10,0"], "[[feature]]\nfrom = 1002\nto = 1003\n", **SOON)
         self.gateway.wait_for_line(r"node 1003 is missing")
         wait_for("the alarm", self.on)
-        show, dismiss, find, check = commands_of(section_of("README.md", "Replace a node"))
+        show, find, check, dismiss, look = commands_of(section_of("README.md", "Replace a node"))
         self.assertIn("node 1003", self.follow(show))
-        self.assertIn("no longer missed", self.follow(dismiss))
         self.assertRegex(self.follow(find), rf"^{self.config}:\d+:to = 1003\n$")
         self.config.write_text(self.config.read_text().replace("1003", "1053"))
         self.assertIn("good", self.follow(check))
         wait_for("the feature", lambda: json.loads(self.ask("/status.json")[1])["features_active"] == 1)
+        self.assertIn("no longer missed", self.follow(dismiss))
+        wait_for("nothing to do", lambda: "nothing is wrong" in self.follow(look))
 
     def test_a_browser_that_is_let_in_finds_the_page_at_the_same_port(self):
         self.serve(["0,1,join,0,0", "0,2,join,1000,-5"])
