@@ -17,7 +17,7 @@ from pathlib import Path
 
 DAYS = "60"
 # Those that want a rare meeting of two faults.
-DAYS_OF = {"a_standstill_is_a_cost": "400"}
+DAYS_OF = {"a_standstill_is_a_cost": "400", "who_was_held_up_is_taken_for_dead": "200"}
 
 # Name: the file, a text that stands in it once, what stands there instead.
 MUTANTS = {
