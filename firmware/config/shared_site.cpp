@@ -7,21 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "etcm/files/decimal.h"
 #include "etcm/port/utf8.h"
 #include "firmware/config/configuration.h"
 #include "firmware/config/site_projection.h"
-#include "firmware/logging/text_line.h"
+#include "firmware/logging/nano_text.h"
 
 namespace etcm::firmware {
 
 namespace {
-
-std::string nano_text(std::int64_t count) {
-  TextLine text;
-  files::write_nano(text, count);
-  return std::string(std::string_view(text));
-}
 
 DocumentPlane plane_of(const SiteSettings& site) {
   if (site.center) {

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <utility>
 
+#include "firmware/logging/nano_text.h"
+
 namespace etcm::firmware {
 
 namespace {
@@ -73,23 +75,11 @@ std::string degrees_text(const port::EarthPoint& place) {
   return text;
 }
 
-// "10.394"; every digit that is not zero.
-std::string shortest_decimal(std::int64_t count) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%s%lld.%09lld", count < 0 ? "-" : "",
-                std::abs(static_cast<long long>(count / site_nano)),
-                std::abs(static_cast<long long>(count % site_nano)));
-  std::string shown = text;
-  shown.erase(shown.find_last_not_of('0') + 1);
-  if (shown.back() == '.') shown.pop_back();
-  return shown;
-}
-
 bool has_place_in_plane(const NodeSettings& node) { return node.x && node.y; }
 
 std::string in_degrees_instead(const NodeSettings& node) {
-  return "write longitude = \"" + shortest_decimal(*node.x) + "\" and latitude = \"" +
-         shortest_decimal(*node.y) + "\" in their place";
+  return "write longitude = \"" + nano_text(*node.x) + "\" and latitude = \"" + nano_text(*node.y) +
+         "\" in their place";
 }
 
 class SiteProjector {

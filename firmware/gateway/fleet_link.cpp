@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "etcm/files/decimal.h"
 #include "firmware/config/fleet_settings.h"
 #include "firmware/fleet/json_text.h"
+#include "firmware/logging/nano_text.h"
 #include "firmware/logging/text_line.h"
 
 namespace etcm::firmware {
@@ -17,13 +17,6 @@ using namespace std::chrono_literals;
 // In this run or an earlier one. Else the fleet alone has told of it.
 bool was_heard_here(const NodeRecord& node) {
   return !node.unit_index.is_none() || !node.last_unit.is_none();
-}
-
-// What is in 10^-9.
-std::string decimal_text(std::int64_t count) {
-  TextLine text;
-  files::write_nano(text, count);
-  return std::string(std::string_view(text));
 }
 
 }  // namespace
@@ -160,8 +153,8 @@ FleetNode FleetLink::told_of(const NodeRecord& node, const ReadingSnapshot& read
   }
   if (told.position) {
     if (const auto earth = earth_point(plane_, to_point(*told.position))) {
-      told.longitude = decimal_text(earth->longitude);
-      told.latitude = decimal_text(earth->latitude);
+      told.longitude = nano_text(earth->longitude);
+      told.latitude = nano_text(earth->latitude);
     }
   }
   for (const PublishedReading& reading : readings_of(readings, node.serial)) {

@@ -12,8 +12,7 @@ TextLine silence_cause(const Poller& poller, BusIndex bus, port::Instant now,
   };
   if (is_recent(counters.heard_at)) {
     return line << "its units answer, but with nothing sound; each has an alarm of its own, or a "
-                   "line in "
-                   "the log, that says why";
+                   "line in the log, that says why";
   }
   if (is_recent(counters.absence_told_at)) {
     return line << "the converter says that nobody is there; check the line behind it, and the "
