@@ -705,12 +705,8 @@ profile = "meter"
       "`serial` out; one of letters is read as type = \"u32\"");
 }
 
-// The sky is good for one that has a position at times, and for no other.
-TEST_F(DevicesInDegrees, ThatTellNoPositionSayWhy) {
-  bus_.put(4, 0, {181, 47});
-  bus_.put(5, 0, {0, 0});
-  bus_.put(7, 3, {1234});
-  start(R"(
+// A profile that tells a place in degrees, and one that measures.
+const std::string rover_and_meter = R"(
 [[profile]]
 name = "rover"
 longitude = { register = 0 }
@@ -720,7 +716,14 @@ name = "meter"
 [[profile.reading]]
 name = "level"
 value = { register = 3 }
-)" + device_line +
+)";
+
+// The sky is good for one that has a position at times, and for no other.
+TEST_F(DevicesInDegrees, ThatTellNoPositionSayWhy) {
+  bus_.put(4, 0, {181, 47});
+  bus_.put(5, 0, {0, 0});
+  bus_.put(7, 3, {1234});
+  start(rover_and_meter + device_line +
             R"([[bus.device]]
 units = "4-5"
 profile = "rover"
@@ -754,17 +757,7 @@ origin = ["8", "47"]
 TEST_F(DevicesInDegrees, AReceiverFarFromWhatWasSurveyedIsToldAtOnceOfTwo) {
   bus_.put(4, 0, {63, 10});
   bus_.put(7, 3, {1234});
-  start(R"(
-[[profile]]
-name = "rover"
-longitude = { register = 0 }
-latitude = { register = 1 }
-[[profile]]
-name = "meter"
-[[profile.reading]]
-name = "level"
-value = { register = 3 }
-)" + device_line +
+  start(rover_and_meter + device_line +
             R"([[bus.device]]
 units = "4"
 profile = "rover"
