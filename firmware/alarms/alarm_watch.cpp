@@ -189,7 +189,9 @@ void AlarmWatch::look_at_unheard() {
     if (!end.is_told) continue;
     TextLine text;
     unheard.explain(end, sources_.gateway.nodes(), text);
-    book_.hold({AlarmKind::unheard_end, end.serial.value}, {}, text, UnheardEnds::cure);
+    TextLine cure;
+    UnheardEnds::write_cure(end, sources_.gateway.nodes(), "there", cure);
+    book_.hold({AlarmKind::unheard_end, end.serial.value}, {}, text, cure);
   }
 }
 

@@ -34,7 +34,7 @@ std::optional<RefusalText> refusal_text(const Gateway& gateway, const Quarantine
     key = {AlarmKind::refused_feature, subject_of(feature)};
     text << PlacedFeature{entry.feature, feature} << " is not in the mesh";
     reason = reason_of(feature, entry.rejection.mesh, entry.blocker, gateway.features(),
-                       gateway.settings().site.plane());
+                       gateway.nodes(), gateway.settings().site.plane());
     if (reason) why = {.what = reason->what, .cure = reason->cure};
   } else {
     key = {AlarmKind::refused_anchor, subject_of(entry.position)};

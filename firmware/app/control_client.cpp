@@ -36,8 +36,9 @@ std::string failure_of(const std::string& socket, int error) {
     case ENOENT:
     case ECONNREFUSED:
       return why +
-             "no gateway listens there: start it (systemctl start etcm-gateway), or give its "
-             "`socket` of [control] with --socket";
+             "no gateway listens there: start it (systemctl start etcm-gateway; one that failed "
+             "starts "
+             "again by itself within 5 s), or give its `socket` of [control] with --socket";
     case EAGAIN:
       return why + "the gateway does not answer: systemctl status etcm-gateway";
     default:
@@ -127,6 +128,15 @@ std::string unknown_word(const std::string& command, const std::string& typed, c
          list_of(words);
 }
 
+// The option of a command that a word of the line is meant to be; empty: none.
+std::string option_meant(const CLI::App& command, const std::string& typed) {
+  std::vector<std::string> names;
+  for (const CLI::Option* const option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return std::string(likeliest_word({names.begin(), names.end()}, typed));
+}
+
 // Says which word of the line means nothing, and which was meant.
 void check_command(const CLI::App& ctl) {
   const std::vector<std::string> unknown = ctl.remaining(true);
@@ -140,8 +150,9 @@ void check_command(const CLI::App& ctl) {
   }
   if (given.empty()) fail(unknown_word("ctl", unknown.front(), commands));
   if (unknown.empty()) fail("ctl: one command at a time; give them one by one");
-  fail("ctl " + given.front()->get_name() + ": '" + unknown.front() +
-       "' means nothing here; take it out");
+  const std::string meant = option_meant(*given.front(), unknown.front());
+  fail("ctl " + given.front()->get_name() + ": '" + unknown.front() + "' means nothing here; " +
+       (meant.empty() ? "take it out" : "did you mean '" + meant + "'?"));
 }
 
 void check_shown(const std::vector<std::string>& words) {

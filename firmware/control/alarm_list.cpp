@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "etcm/port/utf8.h"
+#include "firmware/control/doubts.h"
 
 namespace etcm::firmware {
 
@@ -45,12 +46,11 @@ std::string_view ending_of(const Alarm& alarm) {
 
 bool AlarmList::write_next(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const {
   if (cursor.section == list_head) {
-    write_head(piece);
-    write_needs_restart(piece);
+    write_head(asked_at, piece);
     cursor.next_section();
     return true;
   }
-  if (cursor.section > (wants_ended_ ? list_ended : list_on)) return false;
+  if (cursor.section > (sources_ == nullptr ? list_ended : list_on)) return false;
   const bool is_lately = cursor.section == list_ended_lately;
   const Alarm* const alarm = is_lately
                                  ? next_ended_lately(cursor)
@@ -75,16 +75,22 @@ const Alarm* AlarmList::next_ended_lately(Cursor& cursor) const {
   return found;
 }
 
-void AlarmList::write_head(TextWriter& piece) const {
-  write_counts(piece);
-  if (!wants_ended_) return;
-  piece << "first those that are on, the worst before others; then what has ended, the newest "
-           "before older\n";
+void AlarmList::write_head(port::Instant asked_at, TextWriter& piece) const {
+  if (sources_ == nullptr) {
+    write_counts(false, piece);
+    piece << "first those that are on, the worst before others; then what has ended, the newest "
+             "before older\n";
+    return;
+  }
+  const Doubts doubts = doubts_of(*sources_, asked_at);
+  write_counts(doubts.count > 0, piece);
+  write_doubts(*sources_, doubts, piece);
+  write_needs_restart(piece);
 }
 
-void AlarmList::write_counts(TextWriter& piece) const {
+void AlarmList::write_counts(bool has_doubts, TextWriter& piece) const {
   if (book_.on_count() == 0) {
-    piece << "nothing is wrong\n";
+    piece << (has_doubts ? "no alarm is on\n" : "nothing is wrong\n");
     return;
   }
   piece << book_.on_count() << (book_.on_count() == 1 ? " alarm, " : " alarms, ")
@@ -95,13 +101,14 @@ void AlarmList::write_counts(TextWriter& piece) const {
 
 // No alarm: the gateway does what it was told before.
 void AlarmList::write_needs_restart(TextWriter& piece) const {
-  if (needs_restart_ == nullptr || needs_restart_->empty()) return;
+  const std::vector<std::string>* const keys = sources_->needs_restart;
+  if (keys == nullptr || keys->empty()) return;
   constexpr std::size_t keys_max = 20;
   constexpr std::size_t key_bytes_max = 60;
   piece << "waits for a restart:";
   std::string_view before = " ";
-  for (std::size_t i = 0; i < std::min(keys_max, needs_restart_->size()); ++i) {
-    piece << before << port::cut_utf8((*needs_restart_)[i], key_bytes_max);
+  for (std::size_t i = 0; i < std::min(keys_max, keys->size()); ++i) {
+    piece << before << port::cut_utf8((*keys)[i], key_bytes_max);
     before = ", ";
   }
   piece << "\n    do: sudo systemctl restart etcm-gateway\n";

@@ -2,34 +2,31 @@
 #pragma once
 
 #include "firmware/status/alarms_document.h"
+#include "firmware/status/status_sources.h"
 
 namespace etcm::firmware {
 
 class AlarmList final : public Document {
  public:
-  // All must outlive this. `wants_ended`: those that have ended too. `needs_restart`: keys of the
-  // settings that wait for one; or null.
-  AlarmList(const AlarmBook& book, const port::WallClock& wall_clock, bool wants_ended,
-            const std::vector<std::string>* needs_restart = nullptr)
-      : book_(book),
-        wall_clock_(wall_clock),
-        wants_ended_(wants_ended),
-        needs_restart_(needs_restart) {}
+  // All must outlive this. Without `sources` the alarms that are on and those that have ended; with
+  // them those that are on, and what is no alarm: settings that wait for a restart, doubts.
+  AlarmList(const AlarmBook& book, const port::WallClock& wall_clock,
+            const StatusSources* sources = nullptr)
+      : book_(book), wall_clock_(wall_clock), sources_(sources) {}
 
   bool write_next(Cursor& cursor, port::Instant asked_at, TextWriter& piece) const override;
 
  private:
   // Null behind the last.
   const Alarm* next_ended_lately(Cursor& cursor) const;
-  void write_head(TextWriter& piece) const;
-  void write_counts(TextWriter& piece) const;
+  void write_head(port::Instant asked_at, TextWriter& piece) const;
+  void write_counts(bool has_doubts, TextWriter& piece) const;
   void write_needs_restart(TextWriter& piece) const;
   void write_alarm(const Alarm& alarm, port::Instant asked_at, TextWriter& piece) const;
 
   const AlarmBook& book_;
   const port::WallClock& wall_clock_;
-  const bool wants_ended_;
-  const std::vector<std::string>* needs_restart_;
+  const StatusSources* const sources_;
 };
 
 }  // namespace etcm::firmware

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "firmware/alarms/alarm_subject.h"
+#include "firmware/control/doubts.h"
 #include "firmware/control/shown_names.h"
 #include "firmware/logging/text_line.h"
 #include "firmware/status/health.h"
@@ -39,8 +40,8 @@ Control::Control(Gateway& gateway, AlarmBook& alarms, const StatusSources& sourc
       meter_(gateway.poller()),
       alarms_document_(alarms, sources.wall_clock, AlarmsShown::open, &sources.gateway),
       history_document_(alarms, sources.wall_clock, AlarmsShown::all, &sources.gateway),
-      alarms_on_(alarms, sources.wall_clock, false, sources.needs_restart),
-      alarms_all_(alarms, sources.wall_clock, true),
+      alarms_on_(alarms, sources.wall_clock, &sources_),
+      alarms_all_(alarms, sources.wall_clock),
       status_(sources_, meter_),
       metrics_(sources_, meter_),
       units_(sources_),
@@ -75,6 +76,7 @@ void Control::begin(std::size_t number, std::string_view line) {
       answer << "ok\n";
       if (is_healthy(sources_, now_, answer)) answer << "ok";
       answer << "\n";
+      write_doubts(sources_, doubts_of(sources_, now_), answer);
     } else {
       answer << "error there is nothing of this name to show; there are ";
       std::string_view before;
@@ -133,21 +135,32 @@ void Control::dismiss(std::string_view what, TextWriter& answer) {
            << std::chrono::ceil<std::chrono::seconds>(*wait).count() + 1 << " s at the soonest\n";
     return;
   }
-  Serial called;
-  std::uint32_t count = 0;
-  for (const NodeRecord& node : gateway_.nodes().records()) {
-    if (!node.is_missing || gateway_.nodes().called(node).name != what) continue;
-    called = node.serial;
-    ++count;
-  }
-  if (count == 1 || serial) return dismiss(count == 1 ? called : Serial{*serial}, answer);
-  if (count > 1) {
-    answer << "error " << count << " nodes of this name are missing; give the serial of one\n";
+  const Called called = nodes_called(what);
+  if (called.missing_count == 1) return dismiss(called.missing, answer);
+  if (called.missing_count > 1) {
+    answer << "error " << called.missing_count
+           << " nodes of this name are missing; give the serial of one\n";
+  } else if (!called.other.is_none()) {
+    dismiss(called.other, answer);
+  } else if (serial) {
+    dismiss(Serial{*serial}, answer);
   } else {
-    answer << "error no node of this name is missing, and no gateway of this name is gone and "
-              "without nodes: it was dismissed already, or answers; sudo etcm-gateway ctl list "
-              "shows who is missing\n";
+    answer << "error no node and no gateway that has gone is called '" << what
+           << "'; sudo etcm-gateway ctl list shows who is missing\n";
   }
+}
+
+Control::Called Control::nodes_called(std::string_view name) const {
+  Called called;
+  for (const NodeRecord& node : gateway_.nodes().records()) {
+    if (!node.is_known() || gateway_.nodes().called(node).name != name) continue;
+    if (!node.is_missing) {
+      called.other = node.serial;
+    } else if (called.missing_count++ == 0) {
+      called.missing = node.serial;
+    }
+  }
+  return called;
 }
 
 void Control::dismiss(Serial serial, TextWriter& answer) {

@@ -36,6 +36,12 @@ class Control final : public port::CommandHandler {
   void end(std::size_t) override {}
 
  private:
+  struct Called {
+    Serial missing;
+    std::uint32_t missing_count = 0;
+    Serial other;  // that is not missing
+  };
+  Called nodes_called(std::string_view name) const;
   void dismiss(std::string_view what, TextWriter& answer);
   void dismiss(Serial serial, TextWriter& answer);
   void acknowledge(std::string_view what, TextWriter& answer);

@@ -44,6 +44,7 @@ void UnheardEnds::take_site(port::Instant now) {
     const auto known = std::lower_bound(before.begin(), before.end(), end, by_serial);
     if (known == before.end() || known->serial != end.serial) continue;
     end.is_heard = known->is_heard;
+    end.last_unit = known->last_unit;
     end.is_told = known->is_told;
   }
   since_ = now;
@@ -55,14 +56,18 @@ void UnheardEnds::look(const NodeTable& nodes, const Poller& poller, const Fleet
   is_known_ =
       is_known_ || (now - since_ >= patience && has_asked_all(poller) && knows_others(fleet));
   for (NodeEnd& end : ends_) {
-    const bool is_here = nodes.find(end.serial) != nullptr;
+    const NodeRecord* const node = nodes.find(end.serial);
+    const bool is_here = node != nullptr;
     end.is_heard |= is_here;
+    if (is_here) end.last_unit = node->last_unit;
     end.is_told = end.is_told && !is_here;
     const bool is_to_be_told = !is_here && (end.is_heard || is_known_);
     if (!is_to_be_told || std::exchange(end.is_told, true)) continue;
     TextLine line;
     explain(end, nodes, line);
-    log_.write(port::Level::warning, line << "; " << cure);
+    line << "; ";
+    write_cure(end, nodes, "there", line);
+    log_.write(port::Level::warning, line);
   }
 }
 
@@ -79,6 +84,17 @@ void UnheardEnds::explain(const NodeEnd& end, const NodeTable& nodes, TextLine& 
        << (end.is_heard ? " has left or was dismissed, and "
                         : " has not been heard since the start, and ")
        << PlacedFeature{end.feature + 1, feature} << " waits for it";
+}
+
+void UnheardEnds::write_cure(const NodeEnd& end, const NodeTable& nodes, std::string_view where,
+                             TextLine& cure) {
+  const NodeRecord* const other = end.last_unit.is_none() ? nullptr : nodes.at(end.last_unit);
+  if (other == nullptr) {
+    cure << "correct the serial " << where << ", or look for the node";
+  } else {
+    cure << nodes.called(*other) << " answers now where it was; if that is in its place: write "
+         << other->serial.value << " " << where << ", and reload";
+  }
 }
 
 }  // namespace etcm::firmware

@@ -21,6 +21,7 @@ struct NodeEnd {
   Serial serial;
   std::uint32_t feature = 0;  // the first that ends there, from 0
   bool is_heard = false;      // once, in this run
+  UnitIndex last_unit{};      // where it was then; none: not here
   bool is_told = false;       // to the log that it is not, or is not known any more
 };
 
@@ -41,9 +42,11 @@ class UnheardEnds {
   std::span<const NodeEnd> ends() const { return ends_; }
   // Null: no feature ends there. O(log n).
   const NodeEnd* find(Serial serial) const;
-  // What is wrong with one that is not heard; what to do about it is `cure`.
+  // What is wrong with one that is not heard, and what to do about it, where the feature is said to
+  // be: "there", or "in " and its source.
   void explain(const NodeEnd& end, const NodeTable& nodes, TextLine& text) const;
-  static constexpr std::string_view cure = "correct the serial there, or look for the node";
+  static void write_cure(const NodeEnd& end, const NodeTable& nodes, std::string_view where,
+                         TextLine& cure);
 
  private:
   const FeatureTable& features_;

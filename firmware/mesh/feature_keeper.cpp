@@ -181,7 +181,7 @@ void FeatureKeeper::reject(std::uint32_t number, Status status,
   if (!is_news) return;
   TextLine text;
   text << features.name(number) << " refused: ";
-  const auto reason = reason_of(number, features.records(), {});
+  const auto reason = reason_of(number, features.records(), nodes_, {});
   if (reason) {
     text << reason->what.view() << "; " << reason->cure.view();
   } else {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "firmware/mesh/length_text.h"
 #include "firmware/mesh/place_text.h"
 
 namespace etcm::firmware {
@@ -23,14 +24,30 @@ bool is_drawn_too(const FeatureSettings& listed, std::span<const FeatureRecord> 
   return is_end(listed.from) && is_end(listed.to);
 }
 
-// Of two that are drawn in a site file, or of two [[feature]].
-void write_cure_of_crossing(TextLine& cure, bool are_drawn) {
-  cure << (are_drawn
-               ? "in the site file give both lines a vertex there, at the same coordinates, or let "
-                 "one end there, or take one out"
-               : "let both end at a node that is near there, each as two [[feature]], or draw both "
-                 "in a site file with a vertex there and take both [[feature]] out, or take one "
-                 "out");
+// Null: no node is in the mesh.
+const NodeRecord* nearest_node(const NodeTable& nodes, Position place) {
+  const NodeRecord* nearest = nullptr;
+  for (const NodeRecord& node : nodes.records()) {
+    if (!node.is_placed()) continue;
+    const bool is_nearer = nearest == nullptr || squared_distance(node.placed, place) <
+                                                     squared_distance(nearest->placed, place);
+    if (is_nearer) nearest = &node;
+  }
+  return nearest;
+}
+
+// Of two [[feature]], which meet at nodes alone.
+void write_cure_of_listed(TextLine& cure, const NodeTable& nodes, const SitePlane& plane,
+                          const std::optional<Position>& crossing) {
+  const NodeRecord* const near = crossing ? nearest_node(nodes, *crossing) : nullptr;
+  cure << "let both end at a node that is near there";
+  if (near != nullptr) {
+    cure << " (";
+    write_distance(cure, plane, *crossing, near->placed, ": ");
+    cure << nodes.called(*near) << ")";
+  }
+  cure << ", each as two [[feature]], or draw both in a site file with a vertex there and take "
+          "both [[feature]] out, or take one out";
 }
 
 // Of a line of the site file and a [[feature]] that are in each other's way. Most often somebody
@@ -55,7 +72,7 @@ void write_cure_of_drawn(TextLine& cure, Status status, const FeatureSettings& l
 std::optional<FeatureReason> reason_of(const FeatureSettings& feature, Status status,
                                        const std::optional<Blocker>& blocker,
                                        std::span<const FeatureRecord> features,
-                                       const SitePlane& plane) {
+                                       const NodeTable& nodes, const SitePlane& plane) {
   if (!blocker || blocker->number >= features.size()) return std::nullopt;
   const FeatureSettings& other = features[blocker->number].settings;
   const PlacedFeature named{blocker->number + 1, other};
@@ -72,7 +89,12 @@ std::optional<FeatureReason> reason_of(const FeatureSettings& feature, Status st
     case Status::crossing_features:
       reason.what << "it crosses " << named;
       if (blocker->near) write_site_place(reason.what << " at ", plane, *blocker->near);
-      write_cure_of_crossing(reason.cure, is_drawn(feature));
+      if (is_drawn(feature)) {
+        reason.cure << "in the site file give both lines a vertex there, at the same coordinates, "
+                       "or let one end there, or take one out";
+      } else {
+        write_cure_of_listed(reason.cure, nodes, plane, blocker->near);
+      }
       break;
     default:
       return std::nullopt;
@@ -87,9 +109,9 @@ std::optional<FeatureReason> reason_of(const FeatureSettings& feature, Status st
 
 std::optional<FeatureReason> reason_of(std::uint32_t number,
                                        std::span<const FeatureRecord> features,
-                                       const SitePlane& plane) {
+                                       const NodeTable& nodes, const SitePlane& plane) {
   const FeatureRecord& feature = features[number];
-  return reason_of(feature.settings, feature.rejection, feature.blocker, features, plane);
+  return reason_of(feature.settings, feature.rejection, feature.blocker, features, nodes, plane);
 }
 
 }  // namespace etcm::firmware

@@ -36,10 +36,12 @@ void explain_end(const Gateway& gateway, const FeatureSettings& feature, const F
   reason.what << gateway.nodes().called(end.serial);
   if (node == nullptr) {
     const NodeEnd* const unheard = gateway.unheard_ends().find(end.serial);
-    const bool is_gone = unheard != nullptr && unheard->is_heard;
-    reason.what << (is_gone ? ", where it ends, has left or was dismissed"
-                            : ", where it ends, has not been heard since the start");
-    reason.cure << "correct the serial in " << feature.source << ", or look for the node";
+    const NodeEnd who = unheard != nullptr ? *unheard : NodeEnd{.serial = end.serial};
+    reason.what << (who.is_heard ? ", where it ends, has left or was dismissed"
+                                 : ", where it ends, has not been heard since the start");
+    TextLine where;
+    where << "in " << feature.source;
+    UnheardEnds::write_cure(who, gateway.nodes(), where, reason.cure);
   } else if (node->is_missing) {
     reason.what << ", where it ends, is missing";
     write_missing_cure(reason.cure, gateway, *node);
@@ -63,7 +65,8 @@ FeatureReason reason_for(const Gateway& gateway, const FeatureRecord& feature,
                          std::uint32_t number) {
   if (feature.rejection != Status::ok) {
     const SitePlane plane = gateway.settings().site.plane();
-    if (const auto reason = reason_of(number, gateway.features(), plane)) return *reason;
+    if (const auto reason = reason_of(number, gateway.features(), gateway.nodes(), plane))
+      return *reason;
     FeatureReason reason;
     const Sentence why = parts_of(explain(Rejection(feature.rejection)));
     reason.what << why.what;

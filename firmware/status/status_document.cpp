@@ -346,8 +346,9 @@ void StatusDocument::write_why(const QuarantineEntry& entry, TextWriter& piece) 
     piece.json(explain(entry));
     return;
   }
-  const auto reason = reason_of(features[entry.feature - 1].settings, entry.rejection.mesh,
-                                entry.blocker, features, sources_.gateway.settings().site.plane());
+  const auto reason =
+      reason_of(features[entry.feature - 1].settings, entry.rejection.mesh, entry.blocker, features,
+                sources_.gateway.nodes(), sources_.gateway.settings().site.plane());
   if (!reason) {
     piece.json(explain(entry));
     return;
@@ -371,7 +372,7 @@ void StatusDocument::write_unheard(Cursor& cursor, TextWriter& piece) const {
     if (!end.is_told) continue;
     TextLine text;
     unheard_ends.explain(end, sources_.gateway.nodes(), text);
-    text << "; " << UnheardEnds::cure;
+    UnheardEnds::write_cure(end, sources_.gateway.nodes(), "there", text << "; ");
     piece << cursor.separator() << "{\"serial\":" << end.serial.value;
     write_name(end.serial, piece);
     piece << ",\"why\":";

@@ -30,10 +30,22 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return last.back();
 }
 
+// The one word that begins so; empty: none, or more than one.
+std::string_view only_longer(const std::vector<std::string_view>& words, std::string_view typed) {
+  std::string_view found;
+  for (const std::string_view word : words) {
+    if (typed.size() < 2 || !word.starts_with(typed)) continue;
+    if (!found.empty()) return {};
+    found = word;
+  }
+  return found;
+}
+
 }  // namespace
 
 std::string_view likeliest_word(const std::vector<std::string_view>& words,
                                 std::string_view typed) {
+  if (const std::string_view whole = only_longer(words, typed); !whole.empty()) return whole;
   std::string_view best;
   std::size_t best_distance = std::max<std::size_t>(typed.size() / 3, 1) + 1;
   for (const std::string_view word : words) {

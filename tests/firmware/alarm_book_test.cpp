@@ -322,6 +322,14 @@ TEST_F(AlarmBookTest, RefusesBytesThatMakeNoSense) {
   }
 }
 
+TEST_F(AlarmBookTest, ALongCureIsCutBetweenWords) {
+  book_.begin_look(now_);
+  const std::string cure(Alarm::text_max - 20, 'c');
+  book_.hold(node_7, {}, "text", cure + " how: /guide/site.html");
+  book_.end_look(always);
+  EXPECT_EQ(only().cure(), cure + " how:");
+}
+
 TEST_F(AlarmBookTest, ALongTextLosesTheEndOfItsCureAndStaysUtf8) {
   book_.begin_look(now_);
   std::string long_text;
@@ -354,7 +362,7 @@ TEST_F(AlarmBookTest, TheWorstTextFitsInAPieceOfEachDocument) {
     ASSERT_TRUE(book.restore(worst));
     const AlarmsDocument history(book, wall_, AlarmsShown::all);
     const AlarmsCsv table(book, wall_);
-    const AlarmList list(book, wall_, true);
+    const AlarmList list(book, wall_);
     for (const Document* const document :
          std::initializer_list<const Document*>{&history, &table, &list}) {
       std::array<char, piece_bytes_max> room;

@@ -157,6 +157,25 @@ TEST_F(AlarmWatchTest, AMissingNodeIsOneUntilItIsDismissed) {
       << tell("show history");
 }
 
+TEST_F(AlarmWatchTest, TheListTellsOfAUnitThatIsAskedInVainBeforeItsAlarm) {
+  rig_.put_square();
+  run(10s);
+  rig_.bus.silence(2);
+  run(1s);
+  const std::string doubt =
+      "no alarm yet: unit 2 of yard does not answer (timeout); an alarm tells it after 3 s\n";
+  EXPECT_EQ(wrong(), Lines{});
+  EXPECT_EQ(tell("show alarms"), "ok\nno alarm is on\n" + doubt);
+  EXPECT_EQ(tell("show health"), "ok\nok\n" + doubt);
+  rig_.bus.silence(3);
+  run(1s);
+  EXPECT_NE(tell("show alarms").find("(timeout); and 1 more; an alarm"), std::string::npos)
+      << tell("show alarms");
+  run(10s);
+  EXPECT_EQ(wrong().size(), 2u);
+  EXPECT_EQ(tell("show alarms").find("no alarm yet"), std::string::npos);
+}
+
 TEST_F(AlarmWatchTest, AMissingNodeWhoseUnitAnotherHasMayBeReplaced) {
   rig_.put_square();
   run(10s);
@@ -350,7 +369,8 @@ TEST_F(AlarmWatchOfACrossing, TheOtherFeatureIsNamed) {
       (Lines{
           "major: feature 2 (1002-1004, site.toml:1) is not in the mesh: it crosses feature 1 "
           "'north fence' (site.toml:1) at (50, 50) -> let both end at a node that is near "
-          "there, each as two [[feature]], or draw both in a site file with a vertex there and "
+          "there (node 1001), each as two [[feature]], or draw both in a site file with a vertex "
+          "there and "
           "take both [[feature]] out, or take one out; how: /guide/site.html#where-lines-meet"}));
 }
 
@@ -360,7 +380,8 @@ TEST_F(AlarmWatchOfACrossing, HealthNamesAFeatureThatIsRefused) {
   EXPECT_EQ(
       tell("show health"),
       "ok\nfeature 2 (1002-1004, site.toml:1) is not in the mesh: it crosses feature 1 'north "
-      "fence' (site.toml:1) at (50, 50); let both end at a node that is near there, each as "
+      "fence' (site.toml:1) at (50, 50); let both end at a node that is near there (node 1001), "
+      "each as "
       "two [[feature]], or draw both in a site file with a vertex there and take both [[feature]] "
       "out, or take one out; "
       "how: /guide/site.html#where-lines-meet\n");
@@ -409,11 +430,18 @@ TEST_F(AlarmWatchOfACrossing, ANodeIsDismissedByItsName) {
   EXPECT_EQ(tell("dismiss gate"),
             "error 2 nodes of this name are missing; give the serial of one\n");
   EXPECT_EQ(tell("dismiss pump house"), "ok\nnode 1003 'pump house' is no longer missed\n");
-  EXPECT_EQ(
-      tell("dismiss pump"),
-      "error no node of this name is missing, and no gateway of this name is gone and "
-      "without nodes: it was dismissed already, or answers; sudo etcm-gateway ctl list shows who "
-      "is missing\n");
+  EXPECT_EQ(tell("dismiss pump"),
+            "error no node and no gateway that has gone is called 'pump'; sudo etcm-gateway ctl "
+            "list shows who is missing\n");
+}
+
+TEST_F(AlarmWatchOfACrossing, ANodeThatAnswersIsNotDismissedByItsName) {
+  rig_.settings.node_names = {{.serial = Serial{1003}, .name = "pump house"}};
+  rig_.put_square();
+  run(1s);
+  EXPECT_EQ(tell("dismiss pump house"),
+            "error node 1003 'pump house' answers, so there is nothing to dismiss; sudo "
+            "etcm-gateway ctl list shows who is missing\n");
 }
 
 TEST_F(AlarmWatchOfACrossing, AFeatureWhoseNodeWasDismissedIsSaidToWait) {
@@ -428,6 +456,13 @@ TEST_F(AlarmWatchOfACrossing, AFeatureWhoseNodeWasDismissedIsSaidToWait) {
   run(3s);
   ASSERT_EQ(wrong().size(), 1u);
   EXPECT_TRUE(wrong()[0].starts_with("minor: node 1005 has left or was dismissed, and feature 1 ("))
+      << wrong()[0];
+  rig_.bus.set(5, {.serial = Serial{1099}, .position = {9, 9}, .status = node_status::fix_valid});
+  run(3s);
+  ASSERT_EQ(wrong().size(), 1u);
+  EXPECT_TRUE(
+      wrong()[0].ends_with(" waits for it -> node 1099 answers now where it was; if that is "
+                           "in its place: write 1099 there, and reload"))
       << wrong()[0];
   rig_.put(5, 50, 20);
   run(3s);
