@@ -162,6 +162,21 @@ void read_transfer(TomlTable& table, Profile& profile) {
   }
 }
 
+// The first digit of a manual's number says which table it is of.
+void check_table_read(TomlTable& table, const Profile& profile) {
+  const std::uint32_t first = profile.counts_from;
+  if (first < 30001) return;
+  const bool is_input = first == 30001 || first == 300001;
+  const int function = is_input ? 4 : 3;
+  if (profile.function == function) return;
+  table.mistake(*table.find("counts_from"),
+                std::string("'counts_from' is of ") + (is_input ? "input" : "holding") +
+                    " registers, which function " + std::to_string(function) +
+                    " reads, and 'function' is " + std::to_string(profile.function) +
+                    "; write function = " + std::to_string(function) +
+                    ", or number the registers from 1, with counts_from = 1");
+}
+
 // Whether no key of it, sound or not, names a register.
 bool names_no_register(TomlTable& table) {
   for (const char* const key : {"x", "y", "longitude", "latitude", "reading"}) {
@@ -197,6 +212,7 @@ Profile read_profile(TomlTable& table) {
   profile.counts_from = static_cast<std::uint32_t>(counts_from.value_or(0));
   const FieldReader fields(counts_from);
   read_transfer(table, profile);
+  check_table_read(table, profile);
   read_serial(table, fields, profile);
   read_position(table, fields, profile);
   table.each("reading", [&](TomlTable& inner) { read_reading(inner, fields, profile); });

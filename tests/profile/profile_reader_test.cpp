@@ -82,6 +82,12 @@ TEST(ProfileMistakes, OfAProfile) {
        "p.toml:4: 'block_max' has no room for a number of 4 registers, which must come in one "
        "block; give at least 4"},
       {"serial = { register = 0 }\ncounts_from = 2", "give 0, 1, 30001, 40001, 300001 or 400001"},
+      {"serial = { register = 30001 }\ncounts_from = 30001",
+       "p.toml:4: 'counts_from' is of input registers, which function 4 reads, and 'function' is "
+       "3; "
+       "write function = 4, or number the registers from 1, with counts_from = 1"},
+      {"serial = { register = 400001 }\ncounts_from = 400001\nfunction = 4",
+       "p.toml:4: 'counts_from' is of holding registers, which function 3 reads"},
       {"serial = { register = 0 }\nlongitud = 1",
        "p.toml:4: 'longitud' is unknown in [[profile]]; did you mean 'longitude'? known here: "},
       {"serial = 7", "'serial' must be a table; write it as serial = { register = 200 }"},
