@@ -73,7 +73,7 @@ void TransactionQueue::advance(Instant now) {
   for (Entry& entry : entries_) {
     if (entry.state != State::held || entry.until > now) continue;
     entry.state = State::remembered;
-    if (!is_proven_) hold_ = hold_ / 2 < hold_least ? Duration{} : hold_ / 2;
+    shrink_hold();
   }
   start_heads(now);
 }
@@ -142,6 +142,16 @@ void TransactionQueue::learn(const Entry& late, Duration latency) {
   least_patience_ = slow_count_ == 1 ? learned : std::min(least_patience_, learned);
   note_late({.address = late.request.address, .has_come = true, .latency = latency});
   if (!late.is_overtaken) prove(latency);
+}
+
+// Nothing came, so the line was free before. What a slow answer has taught is not for ever: each
+// wait in vain costs all others what it says.
+void TransactionQueue::shrink_hold() {
+  if (is_proven_) {
+    hold_ = std::max(std::min(hold_, hold_unheard), hold_ / 2);
+  } else {
+    hold_ = hold_ / 2 < hold_least ? Duration{} : hold_ / 2;
+  }
 }
 
 void TransactionQueue::note_late(const LateTransaction& late) {

@@ -7,9 +7,9 @@
 //   unit has not failed;
 // - a request that was waited for in vain keeps its room, and those behind it their time, until it
 //   is answered after all or for as long as the slowest answer took (at first hold_at_first, or
-//   hold_unheard as long as nothing has ever come; half as long each time nothing comes). Where
-//   none is behind it, others may be sent at once until a late answer has shown that there is a
-//   queue;
+//   hold_unheard as long as nothing has ever come; half as long each time nothing comes, where a
+//   queue was seen down to hold_unheard). Where none is behind it, others may be sent at once until
+//   a late answer has shown that there is a queue;
 // - an answer that comes too late makes the unit waited for longer, by a quarter more than that
 //   took, up to learned_patience_max, and halves the requests under way; one more is allowed after
 //   grows_after answers without such. Where slow_units_of_a_line are slow the line is, and all are
@@ -127,6 +127,7 @@ class TransactionQueue {
   void learn(const Entry& late, Duration latency);
   void note_late(const LateTransaction& late);
   void prove(Duration latency);
+  void shrink_hold();
   void start_heads(Instant now);
   void forget_some();
 

@@ -196,6 +196,24 @@ TEST_F(Transactions, OnALineThatIsProvenNothingIsSentIntoTheTimeOfOneInVain) {
   EXPECT_TRUE(answer(behind));
 }
 
+TEST_F(Transactions, OneSlowAnswerIsNotPaidForEver) {
+  const auto slow = send(1);
+  pass(4s);
+  EXPECT_FALSE(answer(slow));
+  pass(1ms);
+  EXPECT_EQ(queue_.hold(), hold_max) << "half as much more than it took";
+  send(2);
+  EXPECT_EQ(pass(200ms), Units{2});
+  pass(hold_max);
+  EXPECT_EQ(queue_.hold(), hold_max / 2);
+  for (int i = 0; i < 5; ++i) {
+    send(2);
+    pass(200ms + queue_.hold());
+  }
+  EXPECT_EQ(queue_.hold(), hold_unheard) << "converters are that patient";
+  EXPECT_TRUE(queue_.is_one_line());
+}
+
 TEST_F(Transactions, WhenNothingComesAtAllEachHasItsTimeFromItsStart) {
   send(1);
   send(2);

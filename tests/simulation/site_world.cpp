@@ -77,7 +77,8 @@ void SiteWorld::draw_features(SiteFile& of) {
 
 Duration SiteWorld::found_again_within(std::size_t bus) const {
   const std::int64_t units{whole.buses[bus].units};
-  return running.stale_after + running.absent_interval + 15s + units * 130s;
+  const Duration forgotten_within = buses[bus].line ? Duration{} : Duration(10min);
+  return running.stale_after + running.absent_interval + 15s + units * 130s + forgotten_within;
 }
 
 Position SiteWorld::free_place() {

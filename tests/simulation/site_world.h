@@ -49,7 +49,8 @@ class SiteWorld {
   Instant next() const;
 
   // Once nothing is wrong with a unit, it is asked again and known to be there. Questions in vain
-  // have a hundredth of the time of a line that is busy, and each may take a second.
+  // have a hundredth of the time of a line that is busy, and each may take a second; behind a
+  // converter the first of them five, where a unit has taken so long before it was well.
   Duration found_again_within(std::size_t bus) const;
 
   // So old is the position of a unit at the most with which nothing is wrong, however ill others of
