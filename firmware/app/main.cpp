@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "firmware/logging/limited_log.h"
 #include "firmware/publish/mesh_registers.h"
 #include "firmware/status/recent_events.h"
+#include "posix/exhaustion.h"
 #include "posix/steady_clock.h"
 #include "posix/stream_log.h"
 #ifdef ETCM_WITH_PROJ
@@ -74,6 +76,13 @@ int run(const std::string& config, bool is_check, bool is_verbose) {
     firmware::Program(config, std::move(settings), projections, clock, limited, events).run();
     limited.flush();
     return EXIT_SUCCESS;
+  } catch (const std::system_error& error) {
+    std::string why = std::string("cannot start: ") + error.what();
+    if (port::is_out_of_descriptors(error.code().value())) {
+      why += std::string("; ") + port::descriptors_cure + " (systemctl edit etcm-gateway)";
+    }
+    log.write(port::Level::error, why);
+    return EXIT_FAILURE;
   } catch (const std::exception& error) {
     log.write(port::Level::error, error.what());
     return EXIT_FAILURE;

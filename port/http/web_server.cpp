@@ -6,13 +6,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "http/host_check.h"
@@ -230,13 +231,14 @@ WebServer::WebServer(EventLoop& loop, WebSite& site, const WebServerOptions& opt
   for (Client& client : clients_) client.server = this;
   // It is handed its connections: left to accept them itself, it would try all the time where there
   // are no descriptors.
+  errno = 0;
   daemon_.reset(MHD_start_daemon(
       MHD_USE_EPOLL | MHD_USE_NO_LISTEN_SOCKET, 0, nullptr, nullptr, &Callbacks::request, this,
       MHD_OPTION_CONNECTION_LIMIT, static_cast<unsigned>(options.clients_max),
       MHD_OPTION_CONNECTION_MEMORY_LIMIT, connection_memory, MHD_OPTION_NOTIFY_CONNECTION,
       &Callbacks::connection_changed, this, MHD_OPTION_NOTIFY_COMPLETED, &Callbacks::completed,
       this, MHD_OPTION_END));
-  if (!daemon_) throw std::runtime_error("cannot start the web server");
+  if (!daemon_) throw std::system_error(errno, std::generic_category(), "no web server");
   descriptor_ = MHD_get_daemon_info(daemon_.get(), MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
   loop_.add(descriptor_, *this, true, false);
   counters_.is_listening = acceptor_.is_listening();

@@ -21,6 +21,7 @@
 
 #include "modbus/line_speed.h"
 #include "modbus/rs485.h"
+#include "posix/exhaustion.h"
 
 namespace etcm::port {
 
@@ -147,6 +148,7 @@ FileDescriptor open_serial(const SerialLine& line, std::string& why) {
     if (error == EACCES) why += "; whoever runs this must be in the group dialout";
     if (error == EPERM) why += "; a service needs DeviceAllow for its driver (systemctl edit)";
     if (error == ENOENT) why += where_ports_are;
+    if (is_out_of_descriptors(error)) why += std::string("; ") + descriptors_cure;
     return {};
   }
   if (!lock(port.get(), why) || !set_up(line, why)) return {};

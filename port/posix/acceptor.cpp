@@ -4,15 +4,9 @@
 #include <cstring>
 #include <utility>
 
+#include "posix/exhaustion.h"
+
 namespace etcm::port {
-
-namespace {
-
-bool is_exhaustion(int error) {
-  return error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
-}
-
-}  // namespace
 
 Acceptor::Acceptor(EventLoop& loop, AcceptHandler& handler, const SocketAddress& address)
     : loop_(loop), handler_(handler), wanted_(address) {
@@ -87,7 +81,7 @@ std::string Acceptor::cure(const std::string& listen) const {
     case EACCES:
       return "ports below 1024 are the system's: grant CAP_NET_BIND_SERVICE, or change " + listen;
     default:
-      return is_exhaustion(error_) ? "raise LimitNOFILE of the service" : "look at " + listen;
+      return is_exhaustion(error_) ? descriptors_cure : "look at " + listen;
   }
 }
 

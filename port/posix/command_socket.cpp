@@ -10,6 +10,8 @@
 #include <optional>
 #include <utility>
 
+#include "posix/exhaustion.h"
+
 namespace etcm::port {
 
 namespace {
@@ -79,9 +81,10 @@ void CommandSocket::try_to_listen() {
   if (std::exchange(is_told_, true)) return;
   const int error = errno;
   log_.write(Level::warning, "takes no commands: " + std::string(failure) + " at " + path_ + " (" +
-                                 std::strerror(error) +
-                                 "); goes on, and tries again; look who has that path, or change "
-                                 "`socket` of [control]");
+                                 std::strerror(error) + "); goes on, and tries again; " +
+                                 (is_out_of_descriptors(error)
+                                      ? descriptors_cure
+                                      : "look who has that path, or change `socket` of [control]"));
 }
 
 CommandSocket::Client* CommandSocket::free_place() {

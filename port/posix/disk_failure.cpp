@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "etcm/port/utf8.h"
+#include "posix/exhaustion.h"
 
 namespace etcm::port {
 
@@ -29,6 +30,9 @@ const char* cure_of(int error) {
       return "end the other program, or give this gateway a folder of its own";
     case EIO:
       return "the disk may be failing: replace it";
+    case EMFILE:
+    case ENFILE:
+      return descriptors_cure;
     default:
       return nullptr;
   }

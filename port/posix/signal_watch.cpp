@@ -14,7 +14,7 @@ SignalWatch::SignalWatch(EventLoop& loop, std::initializer_list<int> signals) : 
   for (const int signal : signals) sigaddset(&set, signal);
   sigprocmask(SIG_BLOCK, &set, nullptr);
   descriptor_ = FileDescriptor(::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC));
-  if (!descriptor_.is_open()) throw std::system_error(errno, std::generic_category(), "signalfd");
+  if (!descriptor_.is_open()) throw std::system_error(errno, std::generic_category(), "no signals");
   loop_.add(descriptor_.get(), *this, true, false);
 }
 

@@ -8,7 +8,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <system_error>
 #include <utility>
+
+#include "posix/exhaustion.h"
 
 namespace etcm::port {
 
@@ -135,6 +138,9 @@ StateFile::Found StateFile::load(Copy copy, std::vector<std::byte>& bytes, std::
     return found;
   };
   const auto unreadable = [&](const char* action, int error) {
+    if (is_out_of_descriptors(error)) {
+      throw std::system_error(error, std::generic_category(), folder_ + ": " + action);
+    }
     return fault(Found::unreadable, std::string(action) + ": " + std::strerror(error));
   };
   if (const Failure failure = open_folder(false); failure.action != nullptr) {

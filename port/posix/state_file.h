@@ -41,7 +41,9 @@ class StateFile {
     broken,      // there is a file, but not one that was saved here, or not whole
     unreadable,  // the disk or the rights do not allow to tell
   };
-  // `why` says what is wrong with a broken or unreadable one.
+  // `why` says what is wrong with a broken or unreadable one. Where this program is given no more
+  // descriptors it throws std::system_error: what is kept there is most likely sound, and to go on
+  // without would be to forget it.
   Found load(Copy copy, std::vector<std::byte>& bytes, std::string& why);
 
   // Renames it to `state.refused-1`, or the first free number, and returns that name. Where that is

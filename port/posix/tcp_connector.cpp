@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "posix/exhaustion.h"
 #include "posix/tcp_socket.h"
 
 namespace etcm::port {
@@ -26,7 +27,7 @@ std::string with_cure(int error) {
     case ETIMEDOUT:
       return why + unreachable_cure;
     default:
-      return why;
+      return is_out_of_descriptors(error) ? why + "; " + descriptors_cure : why;
   }
 }
 
