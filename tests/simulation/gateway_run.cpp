@@ -76,13 +76,19 @@ std::vector<firmware::PolledBus> GatewayRun::open_buses(std::size_t first) {
   for (std::size_t i = first; i < settings_->buses.size(); ++i) {
     const firmware::BusSettings& bus = settings_->buses[i];
     if (site_.buses[i].line) {
-      lines_.push_back(std::make_unique<port::RtuBus>(
-          *site_.buses[i].line, events_,
-          port::RtuBusOptions{.name = bus.name,
-                              .serial_line = std::get<port::SerialLine>(bus.link),
-                              .clearing = bus.timeout + port::late_answer_max,
-                              .quiet = bus.quiet,
-                              .reopen_interval = 1s}));
+      port::RtuBusOptions options{.name = bus.name,
+                                  .serial_line = {},
+                                  .clearing = bus.timeout + port::late_answer_max,
+                                  .quiet = bus.quiet,
+                                  .reopen_interval = 1s};
+      if (const auto* const line = std::get_if<port::SerialLine>(&bus.link)) {
+        options.serial_line = *line;
+      } else {
+        // As the program has it: what a server still passes on.
+        options.quiet = 50ms;
+        options.address = to_string(std::get<port::Endpoint>(bus.link));
+      }
+      lines_.push_back(std::make_unique<port::RtuBus>(*site_.buses[i].line, events_, options));
       opened.push_back({.bus = lines_.back().get(), .settings = &bus});
     } else {
       connections_.push_back(

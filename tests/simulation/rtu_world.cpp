@@ -23,12 +23,13 @@ std::uint16_t checksum(std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-RtuWorld::RtuWorld(const port::SerialLine& line, Duration timeout, std::vector<Device*>& devices,
-                   inputs::Random& random)
+RtuWorld::RtuWorld(const port::SerialLine& line, Duration network_max, Duration timeout,
+                   std::vector<Device*>& devices, inputs::Random& random)
     : asked_at(256),
       asked_before(256),
       character_(character_time(line)),
       silence_(frame_silence(line)),
+      network_max_(network_max),
       timeout_(timeout),
       devices_(devices),
       random_(random) {}
@@ -51,14 +52,14 @@ bool RtuWorld::write(std::span<const std::uint8_t> frame, std::string& why) {
     why = "it is gone";
     return false;
   }
-  const Instant asked = now_ + time_of(frame.size());
+  const Instant asked = now_ + on_the_network() + time_of(frame.size());
   if (frame.size() == 8 && (frame[1] == 3 || frame[1] == 4)) {
     asked_before[frame[0]] = std::exchange(asked_at[frame[0]], now_);
   }
   // Two who talk at once spoil each other's bytes.
   bool is_heard = true;
   for (Sending& sending : sendings_) {
-    if (sending.begin < asked && now_ < sending.end) {
+    if (sending.begin < asked && asked - time_of(frame.size()) < sending.end) {
       spoil(sending);
       is_heard = false;
     }
@@ -71,8 +72,6 @@ bool RtuWorld::write(std::span<const std::uint8_t> frame, std::string& why) {
   for (Device* const device : devices_) {
     if (device->unit == frame[0]) answer(*device, frame, asked);
   }
-  std::sort(sendings_.begin(), sendings_.end(),
-            [](const Sending& a, const Sending& b) { return a.end < b.end; });
   return true;
 }
 
@@ -101,6 +100,12 @@ void RtuWorld::answer(Device& device, std::span<const std::uint8_t> frame, Insta
     }
     sending.answered = nullptr;
   }
+  if (network_max_ > Duration{}) {
+    sending.piece = random_.index(sending.bytes.size());
+    sending.piece_at = sending.begin + time_of(sending.piece) + on_the_network();
+    sending.end = std::max(sending.end, sending.piece_at) + on_the_network();
+    if (sending.end - now_ > timeout_) sending.answered = nullptr;
+  }
   for (Sending& other : sendings_) {
     if (other.begin < sending.end && sending.begin < other.end) {
       spoil(other);
@@ -115,7 +120,9 @@ void RtuWorld::spoil(Sending& sending) {
   sending.answered = nullptr;
   if (sending.is_spoilt) return;
   sending.is_spoilt = true;
-  const std::size_t at = random_.index(sending.bytes.size());
+  const std::size_t left = sending.bytes.size() - sending.heard;
+  if (left == 0) return;
+  const std::size_t at = sending.heard + random_.index(left);
   const std::size_t next = std::min(at + 1, sending.bytes.size() - 1);
   sending.bytes[at] = static_cast<std::uint8_t>(sending.bytes[at] ^ (1 + random_.below(255)));
   if (next != at) {
@@ -124,17 +131,31 @@ void RtuWorld::spoil(Sending& sending) {
 }
 
 void RtuWorld::pass_to(Instant now) {
-  std::size_t done = 0;
-  while (done < sendings_.size() && sendings_[done].end <= now) {
-    Sending& sending = sendings_[done++];
-    if (!is_open_ || is_cut) continue;
-    hear(sending.bytes);
-    if (sending.answered != nullptr) sending.answered->note_answer(sending.end);
+  const auto is_sooner = [](const Sending& a, const Sending& b) { return a.next() < b.next(); };
+  while (next() <= now) {
+    const auto sending = std::min_element(sendings_.begin(), sendings_.end(), is_sooner);
+    const bool is_whole = sending->heard >= sending->piece;
+    const std::size_t upto = is_whole ? sending->bytes.size() : sending->piece;
+    if (is_open_ && !is_cut) {
+      hear(std::span(sending->bytes).subspan(sending->heard, upto - sending->heard));
+      if (is_whole && sending->answered != nullptr) sending->answered->note_answer(sending->end);
+    } else {
+      sending->answered = nullptr;
+    }
+    sending->heard = upto;
+    if (is_whole) sendings_.erase(sending);
   }
-  sendings_.erase(sendings_.begin(), sendings_.begin() + static_cast<std::ptrdiff_t>(done));
   now_ = now;
 }
 
-Instant RtuWorld::next() const { return sendings_.empty() ? port::never : sendings_.front().end; }
+Instant RtuWorld::next() const {
+  Instant next = port::never;
+  for (const Sending& sending : sendings_) next = std::min(next, sending.next());
+  return next;
+}
+
+Duration RtuWorld::on_the_network() {
+  return network_max_ > Duration{} ? random_.below(network_max_ / 1ms) * 1ms : Duration{};
+}
 
 }  // namespace etcm::simulation

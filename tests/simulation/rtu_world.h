@@ -1,5 +1,6 @@
 // A serial line with devices on it, byte by byte in simulated time: answers that are late, meet
-// each other or a question, and bytes that nobody has sent.
+// each other or a question, and bytes that nobody has sent. It may be behind a server that hands
+// its bytes on over a network, in pieces.
 #pragma once
 
 #include <vector>
@@ -12,8 +13,10 @@ namespace etcm::simulation {
 
 class RtuWorld final : public port::RtuLine {
  public:
-  RtuWorld(const port::SerialLine& line, Duration timeout, std::vector<Device*>& devices,
-           inputs::Random& random);
+  // `network_max`: what bytes take over the network at the most, each way; nothing where there is
+  // none.
+  RtuWorld(const port::SerialLine& line, Duration network_max, Duration timeout,
+           std::vector<Device*>& devices, inputs::Random& random);
 
   bool open(Instant now, std::string& why) override;
   void close() override;
@@ -38,6 +41,10 @@ class RtuWorld final : public port::RtuLine {
     Instant begin;
     Instant end;
     std::vector<std::uint8_t> bytes;
+    std::size_t heard = 0;  // of them
+    std::size_t piece = 0;  // so many are heard before the others, at `piece_at`
+    Instant piece_at{};
+    Instant next() const { return heard < piece ? piece_at : end; }
     Device* answered = nullptr;  // soundly, where it arrives as it is
     bool is_spoilt = false;
   };
@@ -45,18 +52,20 @@ class RtuWorld final : public port::RtuLine {
   bool write(std::span<const std::uint8_t> frame, std::string& why) override;
   void answer(Device& device, std::span<const std::uint8_t> frame, Instant asked);
   void spoil(Sending& sending);
+  Duration on_the_network();
   Duration time_of(std::size_t bytes) const {
     return static_cast<std::int64_t>(bytes) * character_;
   }
 
   const Duration character_;
   const Duration silence_;
+  const Duration network_max_;
   const Duration timeout_;
   std::vector<Device*>& devices_;
   inputs::Random& random_;
   bool is_open_ = false;
   Instant now_{};
-  std::vector<Sending> sendings_;  // by their end
+  std::vector<Sending> sendings_;
 };
 
 }  // namespace etcm::simulation

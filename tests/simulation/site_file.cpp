@@ -15,6 +15,8 @@ void write_bus(std::ostream& out, std::size_t number, const BusText& bus) {
   if (bus.kind == LinkKind::serial) {
     out << "rtu = \"/dev/simulated" << number << "\"\nbaud = " << bus.baud
         << "\nquiet = \"50ms\"\n";
+  } else if (bus.kind == LinkKind::serial_over_tcp) {
+    out << "tcp = \"192.0.2." << number + 1 << ":4001\"\nframing = \"rtu\"\n";
   } else {
     out << "tcp = \"192.0.2." << number + 1 << ":502\"\noutstanding = " << bus.outstanding << "\n";
   }

@@ -12,7 +12,7 @@ namespace etcm::simulation {
 
 using port::Duration;
 
-enum class LinkKind : std::uint8_t { serial, converter };
+enum class LinkKind : std::uint8_t { serial, serial_over_tcp, converter };
 
 struct BusText {
   LinkKind kind = LinkKind::serial;

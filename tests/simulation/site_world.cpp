@@ -35,13 +35,17 @@ SiteWorld::SiteWorld(inputs::Random& chance, Instant now) : random(chance), disk
 
 void SiteWorld::open_bus(std::size_t number, std::uint8_t units) {
   BusText text{.units = units};
+  // Drawn aside, so that lives are what they were before there were such lines.
+  inputs::Random aside = random;
   text.kind = random.below(3) != 0 ? LinkKind::serial : LinkKind::converter;
+  if (text.kind == LinkKind::serial && aside.below(9) > 6) text.kind = LinkKind::serial_over_tcp;
   BusWorld& bus = buses[number];
-  if (text.kind == LinkKind::serial) {
+  if (text.kind != LinkKind::converter) {
     text.baud = random.below(2) == 0 ? 9600 : 19200;
     port::SerialLine line;
     line.baud = text.baud;
-    bus.line = std::make_unique<RtuWorld>(line, unit_timeout, bus.devices, random);
+    const Duration network_max = text.kind == LinkKind::serial ? Duration{} : Duration(20ms);
+    bus.line = std::make_unique<RtuWorld>(line, network_max, unit_timeout, bus.devices, random);
   } else {
     text.outstanding = static_cast<std::uint32_t>(1 + random.below(4));
     const ConverterHabits habits{.hold = random.below(2) == 0 ? Duration(300ms) : Duration(1s),
