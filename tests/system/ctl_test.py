@@ -84,9 +84,9 @@ class OnTheMachine(GatewayCase):
     def test_what_cannot_be_done_is_said(self):
         self.start_with_two_silent()
         self.assertIn("node 3 answers, so there is nothing to dismiss", self.refused("dismiss", "3"))
-        self.assertIn("no gateway of this name is gone", self.refused("dismiss", "north"))
+        self.assertIn("no gateway that has gone is called 'north'", self.refused("dismiss", "north"))
         self.assertIn("no alarm that is on has the number 77", self.refused("acknowledge", "77"))
-        self.assertIn("no node of this name", self.refused("dismiss", "1 2"))
+        self.assertIn("is called '1 2'", self.refused("dismiss", "1 2"))
         self.assertEqual(self.ctl("dismiss", "1\n2").returncode, 2)
         for command, hint in (("dismiss", "serials, names of nodes or gateways, or all"),
                               ("acknowledge", "their numbers, or all")):
@@ -110,6 +110,8 @@ class OnTheMachine(GatewayCase):
     def test_a_word_that_means_nothing_is_named_with_what_was_meant(self):
         commands = "list, dismiss, acknowledge, show, bundle"
         self.assertIn(f"ctl: there is no 'lsit'; did you mean 'list'? There are {commands}", self.misread("lsit"))
+        self.assertIn(f"ctl: there is no 'ack'; did you mean 'acknowledge'?", self.misread("ack", "1"))
+        self.assertIn("ctl list: '--al' means nothing here; did you mean '--all'?", self.misread("list", "--al"))
         self.assertIn(f"ctl: there is no 'nonsense'; there are {commands}", self.misread("nonsense"))
         self.assertIn(f"ctl: it is not said what to do; add one of {commands}", self.misread())
         self.assertIn("ctl list: 'foo' means nothing here; take it out", self.misread("list", "foo"))
