@@ -25,7 +25,7 @@ class Alarms(BrowserCase):
         for node in "2", "3":
             gateway.wait_for_line(rf"node {node} is missing")
         self.wait_for_text("#alarms-title", r"^Alarms \(2\)")
-        self.wait_for_text("#state", rf"^2 nodes are missing: node \d, .*\n2 alarms\nthe first of the worst since {MOMENT}$")
+        self.wait_for_text("#state", rf"^Major: node \d, unit \d of \S+, is missing, since {MOMENT}\n.*ctl dismiss \d\nand 1 more alarm")
         self.assertFalse(self.find("#ended").is_displayed(), "none has ended")
         self.ctl("acknowledge", "all")
         self.ctl("dismiss", "2")
@@ -76,7 +76,7 @@ class Alarms(BrowserCase):
             const done = arguments[0];
             import('/alarms.js').then(({ showAlarms }) => {
               const alarms = ['critical', 'major', 'minor'].map((severity, at) => ({ number: at + 1, times: 1, severity,
-                on: true, acknowledged: false, since: 'then', since_ms: 1000, text: `alarm ${at}`, cure: '' }));
+                on: true, acknowledged: false, since: '2026-11-23T15:08:24Z', since_ms: 1000, text: `alarm ${at}`, cure: '' }));
               showAlarms({ instance: 'x', alarms: { edition: 1 } }, { alarms, untold: 0 });
               const looks = () => [...document.querySelectorAll('#alarm-list .severity')].map((part) =>
                 [getComputedStyle(part, '::before').content.slice(0, 3), getComputedStyle(part).color]);
@@ -105,28 +105,51 @@ class Alarms(BrowserCase):
         self.assertNotIn("no longer known", self.text("#ended-list"))
         self.assertRegex(self.ctl("list", "--all").stdout, r"until \S+, cured\n")
 
+    def said(self, *alarms, untold=0, **more):
+        """The banner where those alarms are on: severity, text and, in minutes, for how long."""
+        on = [{"on": True, "severity": severity, "text": text, "cure": f"mend {text}; how: /guide/ctl.html#alarms",
+               "since": f"2026-11-23T15:{60 - minutes:02}:00Z", "since_ms": minutes * 60000}
+              for severity, text, minutes in alarms]
+        return self.browser.execute_async_script("""
+            const [alarms, untold, more, done] = arguments;
+            import('/banner.js').then(({ stateInWords }) => done(stateInWords({
+              state: {}, nodes: 2, waiting_nodes: 0, quarantined: 0, stale_nodes: 0, features_configured: 0,
+              features_active: 0, disagreeing_sensors: 0, troubles: [], ...more }, { alarms, untold })));""",
+            on, untold, more)
+
     def test_while_an_alarm_is_on_not_all_is_well(self):
         self.start_page(["0,1,join,0,0", "0,2,join,1000,0"])
         self.browser.get(self.url)
         self.wait_for_text("#state", r"^All well$")
+        self.assertEqual(self.said(), ["good", "All well"])
+        self.assertEqual(self.said(stale_nodes=3), ["note", "3 stale"])
+        self.assertEqual(self.said(nodes=0), ["note", "No node in the mesh"])
+        # Before it is an alarm.
+        self.assertEqual(self.said(troubles=["node 5 is missing; how: /guide/nodes.html"]), ["major", "node 5 is missing"])
 
-        def said(on=0, critical=0, major=0, **more):
-            return self.browser.execute_async_script("""
-                const [on, critical, major, more, done] = arguments;
-                import('/model.js').then(({ stateInWords }) => done(stateInWords({
-                  state: {}, nodes: 2, waiting_nodes: 0, quarantined: 0, stale_nodes: 0,
-                  features_configured: 0, features_active: 0, disagreeing_sensors: 0, troubles: [],
-                  alarms: { on, critical, major }, ...more })));""", on, critical, major, more)
-        self.assertEqual(said(), ["good", "All well"])
-        self.assertEqual(said(1), ["note", "1 alarm"])
-        self.assertEqual(said(2, 0, 1), ["warn", "2 alarms"])
-        self.assertEqual(said(3, 1, 1), ["bad", "3 alarms"])
-        self.assertEqual(said(2, stale_nodes=3), ["warn", "2 alarms, 3 stale"])
-        self.assertEqual(said(1, 1, nodes=0), ["bad", "No node in the mesh, 1 alarm"])
-        self.assertEqual(said(nodes=0), ["warn", "No node in the mesh"])
-        self.assertEqual(said(1, 0, 1, troubles=["node 5 is missing"]), ["bad", "node 5 is missing"])
-        self.assertEqual(said(2, 0, 1, troubles=["node 5 is missing"]),
-                         ["bad", "node 5 is missing\n2 alarms"])
+    def test_the_banner_is_of_the_worst_alarm_and_of_these_the_longest(self):
+        self.start_page(["0,1,join,0,0", "0,2,join,1000,0"])
+        self.browser.get(self.url)
+        self.wait_for_text("#state", r"^All well$")
+        colour, words = self.said(("minor", "a", 9))
+        self.assertEqual(colour, "minor")
+        self.assertRegex(words, rf"^Minor: a, since 23 Nov 2026, \d\d:51:00 \S+\nmend a$")
+        # Who is only stale has no part in its time, and a lesser alarm neither.
+        colour, words = self.said(("minor", "a", 9), ("major", "b", 3), ("major", "c", 5), stale_nodes=3)
+        self.assertEqual(colour, "major")
+        self.assertRegex(words, r"^Major: c, since 23 Nov 2026, \d\d:55:00 \S+\nmend c\nand 2 more alarms, 3 stale$")
+        colour, words = self.said(("major", "b", 3), ("critical", "d", 1), untold=4, troubles=["b"], nodes=0)
+        self.assertEqual(colour, "critical")
+        self.assertRegex(words, r"^Critical: d, since .*:59:00 \S+\nmend d\nand 5 more alarms, no node in the mesh$")
+        looks = self.browser.execute_script("""
+            const chip = document.querySelector('#state');
+            return ['critical', 'major', 'minor', 'note', 'good'].map((name) => {
+              chip.className = `chip ${name}`;
+              return [getComputedStyle(chip, '::before').content, getComputedStyle(chip).color,
+                getComputedStyle(chip).backgroundColor];
+            });""")
+        for at in range(3):
+            self.assertEqual(len({look[at] for look in looks}), 5, looks)
 
     def focused(self):
         return self.browser.execute_script("return document.activeElement.innerText")
@@ -220,7 +243,7 @@ class Alarms(BrowserCase):
             const done = arguments[0];
             import('/alarms.js').then(({ showAlarms }) => {
               const alarms = Array.from({ length: 150 }, (_, at) => ({ number: at + 1, times: 1, severity: 'major',
-                on: true, acknowledged: false, since: 'then', since_ms: 1000, text: `alarm ${at}`, cure: '' }));
+                on: true, acknowledged: false, since: '2026-11-23T15:08:24Z', since_ms: 1000, text: `alarm ${at}`, cure: '' }));
               showAlarms({ instance: 'x', alarms: { edition: 1 } }, { alarms, untold: 0 });
               const more = document.querySelector('#alarms-more');
               const seen = () => [document.querySelectorAll('#alarm-list li').length, more.hidden ? '' : more.textContent];
@@ -241,8 +264,9 @@ class Alarms(BrowserCase):
         shown = self.browser.execute_async_script("""
             const done = arguments[0];
             import('/ended.js').then(({ countEnded, showEnded }) => {
+              const ago = (ms) => new Date(Date.now() - ms).toISOString();
               const alarm = (number, until_ms) => ({ number, times: 1, severity: 'major', on: false,
-                acknowledged: false, since: 'then', since_ms: until_ms + 60000, until: 'then', until_ms,
+                acknowledged: false, since: ago(until_ms + 60000), since_ms: until_ms + 60000, until: ago(until_ms), until_ms,
                 text: `alarm ${number}`, cure: '' });
               const ended = Array.from({ length: 100 }, (_, at) => alarm(2000 - at, 2e6 + at * 1000));
               const lately = [alarm(2001, 9000), alarm(2003, 5000),

@@ -3,7 +3,6 @@
 ETCM_BIN is the programs' folder. ETCM_SCREENSHOTS, where it is set, is a folder for screenshots.
 Every wait is for a condition.
 """
-import datetime
 import json
 import re
 import signal
@@ -81,9 +80,40 @@ class Units(BrowserCase):
         self.browser.get(self.url)
         self.wait_for_text("#alarm-list", MOMENT)
         self.wait_for_text("#missed", MOMENT)
-        moments = [re.search(MOMENT, self.text(part)).group() for part in ("#alarm-list", "#missed")]
-        seconds = [datetime.datetime.strptime(moment.rsplit(" ", 1)[0], "%d %b %Y, %H:%M:%S") for moment in moments]
-        self.assertLessEqual(abs(seconds[0] - seconds[1]), datetime.timedelta(seconds=1), moments)
+        self.find("#buses summary").click()
+        self.wait_for_text("#buses .units", rf"silent since {MOMENT}")
+        self.find("#missed button").click()
+        self.wait_for_text("#facts", rf"no answer since {MOMENT}")
+        # To the second that ctl says.
+        said = re.search(r"node 3,.*\n.*\n\s+since (\S+)", self.ctl("list").stdout).group(1)
+        moment = self.browser.execute_async_script("""
+            const [said, done] = arguments;
+            import('/model.js').then(({ momentText }) => done(momentText(new Date(said))));""", said)
+        for part in ("#state", "#alarm-list", "#missed", "#facts", "#buses .units"):
+            self.assertIn(f"since {moment}", self.text(part), part)
+
+    def test_the_time_of_an_alarm_is_not_reckoned_by_the_clock_of_the_browser(self):
+        self.start_page(["0,1,join,0,0"])
+        self.browser.get(self.url)
+        self.wait_for_text("#nodes-title", r"\(1\)")
+        said = self.browser.execute_async_script("""
+            const done = arguments[0];
+            import('/model.js').then(({ momentOf, momentText, setBeginnings, sinceText }) => {
+              const began = Math.floor(Date.now() / 1000) * 1000 - 60000;
+              const since = new Date(began).toISOString();
+              // As much as an answer takes.
+              const texts = [-900, 100, 1100].map((late) => {
+                setBeginnings({ alarms: [{ on: true, kind: 'missing_node', about: { node: 7 }, since }] });
+                return sinceText(Date.now() - began + late, 'node 7').split(' (')[0];
+              });
+              setBeginnings({ alarms: [] });
+              const other = sinceText(Date.now() - began + 60000, 'node 7').split(' (')[0];
+              done([texts.every((text) => text === momentText(new Date(began))), other === momentText(new Date(began)),
+                momentOf({ since, since_ms: 1 }, 'since').getTime() === began,
+                Math.abs(momentOf({ since: '', since_ms: 5000 }, 'since') - Date.now() + 5000) < 5000,
+                momentOf({ since: '', since_ms: 0 }, 'since')]);
+            });""")
+        self.assertEqual(said, [True, False, True, True, None])
 
     def test_a_unit_that_fell_silent_before_a_kill_is_so_since_its_last_answer(self):
         buses = self.start_nodes([f"0,{n},join,{n * 100},{n * n * 20}" for n in (1, 2, 3)] + ["2000,3,silent,,"])
@@ -191,12 +221,12 @@ class Units(BrowserCase):
         self.size(1280, 800)
         self.browser.get(self.url)
         self.wait_for_text("#alarm-list", r"low battery|battery is low")
-        self.wait_for_text("#state", rf"^1 alarm\nsince {MOMENT}$")
+        self.wait_for_text("#state", rf"^Minor: node 2, .*battery.*, since {MOMENT}\n")
         # It stays what it is, and is that of the alarm, but for what is left of a second.
         said = self.text("#state")
         self.wait_for_turns(4)
         self.assertEqual(self.text("#state"), said)
-        self.assertEqual(self.find("#state").get_attribute("class"), "chip note")
+        self.assertEqual(self.find("#state").get_attribute("class"), "chip minor")
         self.screenshot("low-battery")
 
     def test_what_a_node_says_is_of_the_node_that_is_there_now(self):

@@ -1,12 +1,13 @@
 // What is wrong, since when, and what to do: the worst first.
+import { severities } from "./banner.js";
 import { byId, element, linked, setText, showRows } from "./dom.js";
-import { dateOf, momentText } from "./model.js";
+import { momentOf, momentText } from "./model.js";
 
 // More are on the gateway itself, and on paper.
 const shownMax = 100;
 let isWhole = false;
 let shown = null;   // what showAlarms() was called with
-const ranks = { critical: 0, major: 1, minor: 2 };
+const rankOf = (alarm) => severities.indexOf(alarm.severity);
 
 // Whether the list that is shown is an older one.
 export function isOldList(status) {
@@ -22,7 +23,7 @@ export function showAlarms(status, document, follow) {
   shown = [status, document, follow];
   const on = document.alarms.filter((alarm) => alarm.on);
   section.hidden = on.length === 0;
-  on.sort((a, b) => ranks[a.severity] - ranks[b.severity] || a.since_ms - b.since_ms);
+  on.sort((a, b) => rankOf(a) - rankOf(b) || a.since_ms - b.since_ms);
   const known = on.filter((alarm) => alarm.acknowledged).length;
   setText(byId("alarms-title"), `Alarms (${on.length})${known > 0 ? `, ${known} acknowledged` : ""}`);
   const seen = on.slice(0, isWhole ? on.length : shownMax);
@@ -66,10 +67,9 @@ export function headOf(alarm, follow) {
 
 // "since 23 Nov 2026, 14:03:10 CET"; `name` is that of a time of an alarm.
 export function timeOf(alarm, name) {
-  const ageMs = alarm[`${name}_ms`];
+  const date = momentOf(alarm, name);
   // Of an earlier run whose clock was not set.
-  if (alarm[name] === "" && ageMs === 0) return element("time", `${name} a time that is not known`);
-  const date = dateOf(ageMs);
+  if (!date) return element("time", `${name} a time that is not known`);
   const time = element("time", `${name} ${momentText(date)}`);
   time.dateTime = date.toISOString();
   return time;

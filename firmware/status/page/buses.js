@@ -164,7 +164,7 @@ export class BusList {
 
 function answeringText(bus) {
   const why = bus.no_link ? `: ${bus.no_link}` : "";
-  if (bus.silent_ms !== undefined) return `silent since ${sinceText(bus.silent_ms)}${why}`;
+  if (bus.silent_ms !== undefined) return `silent since ${sinceText(bus.silent_ms, `bus ${bus.name}`)}${why}`;
   if (bus.no_link !== undefined) return `no connection${why}`;
   return `${bus.answering} of ${bus.units} units answer`;
 }

@@ -9,7 +9,7 @@ import { conditionsOf, errorsText, stateText } from "./units.js";
 
 function whyText(node) {
   if (node.never_heard) return "it has not answered since the start";
-  if (node.missing) return `no answer since ${sinceText(node.missingMs ?? 0)}`;
+  if (node.missing) return `no answer since ${sinceText(node.missingMs ?? 0, `node ${node.serial}`)}`;
   if (node.left) return `it has said that it leaves; ${leftText(node)}`;
   if (node.refused) return node.refused;
   if (node.far) return "it stands far from all others";

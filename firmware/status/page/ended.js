@@ -1,7 +1,7 @@
 // The alarms that have ended, the newest first. Asked for only while the list is open.
 import { factsOf, headOf, severityOf, timeOf } from "./alarms.js";
 import { byId, element, setText, showRows } from "./dom.js";
-import { ageText } from "./model.js";
+import { ageText, momentOf } from "./model.js";
 
 // As many as the gateway tells, but where many have ended lately.
 const shownMax = 100;
@@ -45,13 +45,9 @@ function endOf(alarm) {
 function row(alarm, follow) {
   const item = element("li", "", alarm.severity);
   item.append(severityOf(alarm), headOf(alarm, follow), timeOf(alarm, "since"), timeOf(alarm, "until"));
-  if (isKnown(alarm)) item.append(element("span", `for ${ageText(alarm.since_ms - alarm.until_ms)}`));
+  const isKnown = ["since", "until"].every((name) => momentOf(alarm, name));
+  if (isKnown) item.append(element("span", `for ${ageText(alarm.since_ms - alarm.until_ms)}`));
   if (endOf(alarm)) item.append(element("span", endOf(alarm)));
   item.append(...factsOf(alarm));
   return item;
-}
-
-// The gateway's clock was set by then.
-function isKnown(alarm) {
-  return (alarm.since !== "" || alarm.since_ms > 0) && (alarm.until !== "" || alarm.until_ms > 0);
 }

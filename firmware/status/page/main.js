@@ -12,7 +12,7 @@ import { featureItem, sameItem } from "./items.js";
 import { keepInAddress, serialInAddress } from "./keep.js";
 import { Leads } from "./leads.js";
 import { MeshMap } from "./map.js";
-import { dateOf, momentText, readMesh, setAges, setBatteries, setClock } from "./model.js";
+import { dateOf, momentText, readMesh, setAges, setBatteries, setBeginnings, setClock } from "./model.js";
 import {
   countLegend, makeLegend, showBands, showEvents, showMissing, showNoAnswer, showQuantities,
   showQuarantine, showStatus, showUnheard,
@@ -179,6 +179,7 @@ async function turn() {
   document.getElementById("empty").hidden = mesh.bounds !== null;
   if (isOldList(status)) {
     alarms = await ask("alarms.json");
+    setBeginnings(alarms);
     showAlarms(status, alarms, follow);
   }
   showStatus(status, alarms);

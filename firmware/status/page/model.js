@@ -156,8 +156,37 @@ export function setClock({ time_ms }) {
 
 export function dateOf(ageMs) { return new Date(Date.now() + clockAheadMs - ageMs); }
 
-// "23 Nov 2026, 14:03:10 CET (4 min)"
-export function sinceText(ageMs) { return `${momentText(dateOf(ageMs))} (${ageText(ageMs)})`; }
+// When that was, as `since` or another time by `name`: the instant that the gateway tells, which is the
+// same wherever it is told. Where the time of day is not known there, by how long ago it was; null: that
+// is not known either.
+export function momentOf(told, name) {
+  if (told[name]) return new Date(told[name]);
+  const ageMs = told[`${name}_ms`];
+  return ageMs > 0 || told[name] === undefined ? dateOf(ageMs) : null;
+}
+
+// When alarms began, by what they are about: "node 7", "bus yard".
+let beginnings = new Map();
+const sameMs = 2000;   // an alarm tells whole seconds, and an answer takes a while
+
+// Takes over from alarms.json since when nodes are missing and buses silent.
+export function setBeginnings({ alarms }) {
+  beginnings = new Map();
+  for (const { on, kind, about, since } of alarms) {
+    if (!on || !about || !since) continue;
+    if (kind === "missing_node") beginnings.set(`node ${about.node}`, new Date(since));
+    if (kind === "silent_bus") beginnings.set(`bus ${about.bus}`, new Date(since));
+  }
+}
+
+// "23 Nov 2026, 14:03:10 CET (4 min)"; where an alarm about `subject` is on since then, as it has it, to
+// the second.
+export function sinceText(ageMs, subject) {
+  const date = dateOf(ageMs);
+  const told = beginnings.get(subject);
+  const began = told && Math.abs(told - date) < sameMs ? told : date;
+  return `${momentText(began)} (${ageText(ageMs)})`;
+}
 
 export function placeText(point) {
   return point.hasPlace ? `${coordinate(point.x)}, ${coordinate(point.y)}` : "–";
@@ -212,83 +241,4 @@ export function blockerText(feature) {
 export function nameOf(point) {
   if (point.isNode) return `Node ${calledText(point.serial, point.name)}`;
   return point.kind === "anchor" ? `Anchor (${point.x}, ${point.y})` : `Proposed relay ${point.id}`;
-}
-
-function fleetTroubles(fleet) {
-  if (!fleet.connected) return ["no connection to the fleet"];
-  const troubles = fleet.site_trouble ? ["something is wrong with the site of the fleet"] : [];
-  const isOdd = fleet.agreeing < fleet.members.length;
-  if (isOdd) troubles.push(`${fleet.agreeing} of ${fleet.members.length} gateways agree`);
-  return troubles;
-}
-
-// As one sentence; nothing of nothing.
-function upperCased(troubles) {
-  const text = troubles.join(", ");
-  return text ? [text[0].toUpperCase() + text.slice(1)] : [];
-}
-
-// What is wrong and is none of what the gateway itself calls a trouble.
-function smallTroubles(status) {
-  const troubles = [];
-  if (status.state.budget_hit) troubles.push("room or budget is too small");
-  // Those that the mesh refuses, the gateway itself calls a trouble.
-  const refused = (status.quarantine ?? []).filter((entry) => entry.feature !== undefined).length;
-  const quarantined = status.quarantined - refused;
-  if (quarantined > 0) troubles.push(`${quarantined} in quarantine`);
-  const waiting = status.features_configured - status.features_active - refused;
-  if (waiting > 0) troubles.push(`${waiting} ${waiting === 1 ? "feature waits" : "features wait"} for nodes`);
-  if (status.waiting_nodes > 0) troubles.push(`${status.waiting_nodes} without a fix`);
-  const sensors = status.disagreeing_sensors;
-  if (sensors > 0) troubles.push(`${sensors} ${sensors === 1 ? "sensor disagrees" : "sensors disagree"} with the nodes around`);
-  if (status.stale_nodes > 0) troubles.push(`${status.stale_nodes} stale`);
-  return troubles;
-}
-
-// Those that are on, as a word for the colour of the worst; the list of alarms has the same.
-function alarmColour({ on, critical, major }) {
-  if (critical > 0) return "bad";
-  if (major > 0) return "warn";
-  return on > 0 ? "note" : "good";
-}
-
-// How many there are, where the troubles do not say it.
-function alarmTroubles({ alarms, troubles }) {
-  if (alarms.on <= troubles.length) return [];
-  return [`${alarms.on} ${alarms.on === 1 ? "alarm" : "alarms"}`];
-}
-
-// Since when it is as the banner says: the first of the alarms of its colour.
-export function sinceInWords({ alarms }) {
-  const on = alarms.filter((alarm) => alarm.on);
-  const worst = ["critical", "major", "minor"].find((severity) => on.some((alarm) => alarm.severity === severity));
-  // The time of day: what is told of an alarm is asked for once, and its age is of then.
-  const those = on.filter((alarm) => alarm.severity === worst && alarm.since);
-  if (those.length === 0) return "";
-  const moment = momentText(new Date(Math.min(...those.map((alarm) => Date.parse(alarm.since)))));
-  return on.length === 1 ? `since ${moment}` : `the first of the worst since ${moment}`;
-}
-
-// How things stand, as a word for the colour and a sentence, or a line for each thing.
-export function stateInWords(status) {
-  const alarms = alarmTroubles(status);
-  const troubles = smallTroubles(status);
-  if (status.troubles.length > 0) {
-    // The guide is a click away, in the alarm.
-    const told = status.troubles.map((trouble) => trouble.replace(/; how: \/guide\/\S+$/, ""));
-    return ["bad", [...told, ...upperCased([...alarms, ...troubles])].join("\n")];
-  }
-  const colours = [alarmColour(status.alarms)];
-  if (status.nodes === 0 && !status.waiting_nodes) {
-    colours.push("warn");
-    return [worst(colours), ...upperCased(["no node in the mesh", ...alarms])];
-  }
-  if (status.fleet) troubles.push(...fleetTroubles(status.fleet));
-  if (troubles.length > 0) colours.push(status.state.budget_hit ? "bad" : "warn");
-  const words = upperCased([...alarms, ...troubles]);
-  return words.length === 0 ? ["good", "All well"] : [worst(colours), ...words];
-}
-
-function worst(colours) {
-  return ["bad", "warn", "note", "good"].find((colour) => colours.includes(colour));
 }

@@ -1,9 +1,10 @@
 // Counts, lists of what is wrong, events, quantities, legend.
+import { stateInWords } from "./banner.js";
 import { byId, element, linked, setText, showRows } from "./dom.js";
 import { endsText } from "./items.js";
 import { keepLayers, keptLayers } from "./keep.js";
 import { layers } from "./map.js";
-import { ageText, calledText, dateOf, momentText, sinceInWords, sinceText, stateInWords, whereText } from "./model.js";
+import { ageText, calledText, dateOf, momentText, sinceText, whereText } from "./model.js";
 import { decimal, isFresh, quantityText, valueText } from "./readings.js";
 
 function showState(colour, words) {
@@ -17,7 +18,7 @@ function showState(colour, words) {
 function relayCount(status) { return status.radio_range > 0 ? status.relays : status.steiner_vertices; }
 
 export function showNoAnswer() {
-  showState("bad", "No answer");
+  showState("critical", "No answer");
 }
 
 // `alarms` as alarms.json has them.
@@ -25,8 +26,7 @@ export function showStatus(status, alarms) {
   // Of several gateways in several tabs.
   document.title = status.name ? `${status.name} – ETCM gateway` : "ETCM gateway";
   document.querySelector("h1").textContent = status.name || "ETCM gateway";
-  const [colour, words] = stateInWords(status);
-  showState(colour, colour === "good" ? words : [words, sinceInWords(alarms)].filter(Boolean).join("\n"));
+  showState(...stateInWords(status, alarms));
   showNotice(status);
   const counts = [
     ["Version (generation)", status.generation],
@@ -74,7 +74,7 @@ export function showMissing(entries, go) {
   entries.forEach((entry, row) => {
     const at = entry.bus === undefined ? "" : `unit ${whereText(entry)}, `;
     const where = entry.gateway === undefined ? at : `of gateway ${entry.gateway}, `;
-    list.children[row].lastChild.textContent = `${where}since ${sinceText(entry.since_ms)}`;
+    list.children[row].lastChild.textContent = `${where}since ${sinceText(entry.since_ms, `node ${entry.serial}`)}`;
   });
 }
 

@@ -43,7 +43,7 @@ export function byUrgency(a, b) {
 // Who is silent is looked for in what happened then; who answers has done so for a while.
 export function stateText(unit) {
   if (unit.state === "answering") return `answering for ${ageText(unit.since_ms)}`;
-  if (unit.since_ms !== undefined) return `${unit.state} since ${sinceText(unit.since_ms)}`;
+  if (unit.since_ms !== undefined) return `${unit.state} since ${sinceText(unit.since_ms, `node ${unit.serial}`)}`;
   if (unit.state === "faulty") return "faulty since the start";
   const start = momentText(dateOf(unit.uptimeMs));
   return unit.answered_before ? `silent, not heard since the start of the gateway, ${start}`
