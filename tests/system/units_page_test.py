@@ -221,7 +221,7 @@ class Units(BrowserCase):
         self.size(1280, 800)
         self.browser.get(self.url)
         self.wait_for_text("#alarm-list", r"low battery|battery is low")
-        self.wait_for_text("#state", rf"^Minor: node 2, .*battery.*, since {MOMENT}\n")
+        self.wait_for_text("#state", rf"^Minor: node 2, .*battery.*, since {MOMENT}$")
         # It stays what it is, and is that of the alarm, but for what is left of a second.
         said = self.text("#state")
         self.wait_for_turns(4)

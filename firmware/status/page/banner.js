@@ -1,5 +1,5 @@
-// How things stand, in words: the worst of the alarms that are on, since when, what to do, and how many
-// more there are. Knows nothing of the screen.
+// How things stand, in words: the worst of the alarms that are on, since when, and how many more there
+// are. Knows nothing of the screen.
 import { momentOf, momentText } from "./model.js";
 
 // The worst first.
@@ -44,11 +44,10 @@ function smallTroubles(status) {
   return troubles;
 }
 
-// The alarm that is named, a line for what it is and one for what to do.
-function alarmLines(alarm) {
+// What to do is said where the alarms are listed.
+function alarmText(alarm) {
   const since = momentOf(alarm, "since");
-  const head = `${upperCased(alarm.severity)}: ${alarm.text}${since ? `, since ${momentText(since)}` : ""}`;
-  return [head, withoutGuide(alarm.cure)].filter(Boolean);
+  return `${upperCased(alarm.severity)}: ${alarm.text}${since ? `, since ${momentText(since)}` : ""}`;
 }
 
 // A severity, "note" or "good" for colour and sign, and a line for each thing. `alarms` as alarms.json
@@ -60,7 +59,7 @@ export function stateInWords(status, alarms) {
   if (named) {
     const others = alarms.alarms.filter((alarm) => alarm.on).length - 1 + (alarms.untold ?? 0);
     if (others > 0) troubles.unshift(`and ${others} more ${others === 1 ? "alarm" : "alarms"}`);
-    return [named.severity, [...alarmLines(named), troubles.join(", ")].filter(Boolean).join("\n")];
+    return [named.severity, [alarmText(named), troubles.join(", ")].filter(Boolean).join("\n")];
   }
   // For a moment, before it is an alarm.
   if (status.troubles.length > 0) {

@@ -1,5 +1,5 @@
 // The buses, and below each the units that are named or have ever answered: trouble first.
-import { byId, element, focusOn, setText } from "./dom.js";
+import { byId, element, focusOn, labelCells, setText } from "./dom.js";
 import { calledText, sinceText } from "./model.js";
 import {
   byUrgency, errorsText, hasGone, isExactly, isUnheard, matchesUnit, notesOf, stateText, wordsOf,
@@ -143,6 +143,7 @@ export class BusList {
     body.append(...units.map((unit) => this.makeUnit(unit)));
     table.append(element("thead"), body);
     table.tHead.append(head);
+    labelCells(table);
     return table;
   }
 

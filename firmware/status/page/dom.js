@@ -41,6 +41,24 @@ export function showRows(list, entries, keyOf, make) {
   });
 }
 
+// Says of each cell what it is, for who sees no head above it; and what it is for who hears it, whatever it
+// looks like.
+export function labelCells(table) {
+  const heads = [...table.tHead.rows[0].cells];
+  table.setAttribute("role", "table");
+  for (const part of table.querySelectorAll("thead, tbody")) part.setAttribute("role", "rowgroup");
+  for (const row of table.rows) row.setAttribute("role", "row");
+  for (const head of heads) head.setAttribute("role", "columnheader");
+  for (const body of table.tBodies) {
+    for (const row of body.rows) {
+      [...row.cells].forEach((cell, at) => {
+        cell.setAttribute("role", "cell");
+        cell.dataset.label = heads[at].textContent;
+      });
+    }
+  }
+}
+
 // What has no focus of its own has it until somebody goes on; `seen` comes into view.
 export function focusOn(part, seen = part) {
   if (!part) return;

@@ -1,5 +1,5 @@
 // The features of the site as a table, those that are not in the mesh first.
-import { byId, element, linked, setText } from "./dom.js";
+import { byId, element, labelCells, linked, setText } from "./dom.js";
 import { featureName, lineOf, toldFeatures } from "./features.js";
 import { endsText } from "./items.js";
 import { lengthText } from "./model.js";
@@ -36,6 +36,7 @@ export function showFeatures(mesh, go) {
     row.dataset.key = rowKey;
     return row;
   }));
+  labelCells(body.closest("table"));
   byId("features-more").hidden = seen.length === all.length;
   setText(byId("features-more"), `The first ${seen.length} of ${all.length}.`);
 }

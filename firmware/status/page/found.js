@@ -1,6 +1,6 @@
 // What the map shows beside nodes, as a table: coverage holes, barrier gaps, links too long, refused
 // features and proposed relays, for who does not see the map.
-import { byId, element } from "./dom.js";
+import { byId, element, labelCells } from "./dom.js";
 import { itemFacts, itemsOf, titleOf } from "./items.js";
 import { featureText, nameOf, placeText } from "./model.js";
 
@@ -28,6 +28,7 @@ export function showFound(mesh, go) {
     }));
     return row;
   }));
+  labelCells(body.closest("table"));
   byId("found-more").hidden = all.length <= rowsMax;
   byId("found-more").textContent = `The first ${rowsMax} of ${all.length}.`;
 }

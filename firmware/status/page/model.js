@@ -220,11 +220,14 @@ function coordinate(value) {
   return Number.isInteger(value) ? String(value) : value.toFixed(2);
 }
 
-// A node whose unit another one has now is somewhere else, if anywhere.
-export function whereText(node) {
-  if (node.owner !== undefined) return `at ${node.owner}`;
-  return node.bus === undefined ? "–" : `${node.unit}, ${node.bus}`;
+// Where a node is heard, as two texts: its unit and its bus. One whose unit another node has now is
+// somewhere else, if anywhere.
+export function whereParts(node) {
+  if (node.owner !== undefined) return [`at ${node.owner}`, ""];
+  return node.bus === undefined ? ["–", ""] : [String(node.unit), node.bus];
 }
+
+export function whereText(node) { return whereParts(node).filter(Boolean).join(", "); }
 
 // "7", or "7 'pump house'": a node, a feature or what is told of one, by its number and its name.
 export function calledText(number, name) { return name ? `${number} '${name}'` : String(number); }

@@ -4,20 +4,19 @@
 import { byId, element, setText, showRows } from "./dom.js";
 import { featureName, featuresFound } from "./features.js";
 import {
-  ageText, calledText, dateOf, degreesText, leftText, nameOf, nodeStates, placeText, shortMomentText, whereText, wordOfState,
+  ageText, calledText, dateOf, degreesText, leftText, nameOf, nodeStates, placeText, shortMomentText, whereParts, whereText, wordOfState,
 } from "./model.js";
 import { conditionsOfNode, isExactly, unitIn, wordsOf } from "./units.js";
 
-const rowHeight = 31;   // of style.css, with its line
 const spareRows = 8;
 const featuresMax = 20;   // that a search shows
 
 const columns = [
-  { name: "serial", text: "Serial", isLong: true, value: (node) => node.serial },
+  { name: "serial", text: "Serial", value: (node) => node.serial },
   { name: "state", text: "State", 
     value: (node) => nodeStates.indexOf(node.state) + (node.lowBattery ? 0.5 : 0) },
   { name: "age", text: "Age", number: true, value: (node) => node.ageMs ?? Infinity },
-  { name: "where", text: "Unit, bus", isLong: true, value: (node) => node.bus ?? "", then: (node) => node.unit },
+  { name: "where", text: "Unit, bus", value: (node) => node.bus ?? "", then: (node) => node.unit },
   { name: "place", text: "Position", optional: true, value: (node) => node.x ?? Infinity,
     then: (node) => node.y },
   { name: "neighbours", text: "Neighbours", number: true, optional: true, value: (node) => node.neighbours.length },
@@ -135,7 +134,11 @@ export class NodeTable {
     });
   }
 
+  // With its line, as style.css has it for the room that there is.
+  get rowHeight() { return parseFloat(getComputedStyle(this.area).getPropertyValue("--row")); }
+
   draw() {
+    const { rowHeight } = this;
     const above = Math.max(0, Math.floor(this.area.scrollTop / rowHeight) - spareRows);
     const first = this.isWhole ? 0 : above;
     const shown = Math.ceil(this.area.clientHeight / rowHeight) + 2 * spareRows;
@@ -154,8 +157,8 @@ export class NodeTable {
       this.place(row, 1 + at);
     });
     this.place(this.below, 1 + seen.length);
-    setSpace(this.above, first);
-    setSpace(this.below, this.found.length - last);
+    setSpace(this.above, first * rowHeight);
+    setSpace(this.below, (this.found.length - last) * rowHeight);
   }
 
   place(row, at) {
@@ -175,8 +178,10 @@ export class NodeTable {
       row.append(cell);
     }
     const button = document.createElement("button");
+    button.append(element("span", "", "lines"));
     row.cells[0].append(button);
     row.cells[1].append(element("span"), element("span", "", "below"), element("span", "low battery", "battery"));
+    row.cells[3].append(element("span"), element("span", "", "below"));
     row.cells[4].append(element("span"), element("span", "", "below"));
     this.rows.set(serial, row);
     return row;
@@ -186,7 +191,7 @@ export class NodeTable {
     row.className = node === this.choice ? "row chosen" : "row";
     row.dataset.index = index;
     row.setAttribute("aria-rowindex", index + 2);
-    setText(row.cells[0].firstChild, calledText(node.serial, node.name));
+    setText(row.cells[0].firstChild.firstChild, calledText(node.serial, node.name));
     row.cells[0].title = calledText(node.serial, node.name);
     const state = row.cells[1].firstChild;
     state.className = `mark ${node.state}`;
@@ -197,7 +202,9 @@ export class NodeTable {
     row.cells[1].lastChild.hidden = !node.lowBattery;
     row.cells[1].lastChild.title = "low battery";
     setText(row.cells[2], ageText(node.ageMs));
-    setText(row.cells[3], whereText(node));
+    const [unit, bus] = whereParts(node);
+    setText(row.cells[3].firstChild, unit);
+    setText(row.cells[3].lastChild, bus);
     row.cells[3].title = whereText(node);
     const degrees = degreesText(node);
     setText(row.cells[4].firstChild, placeText(node));
@@ -217,7 +224,7 @@ function matches(node, word) {
 }
 
 function classOf(column) {
-  return [column.number && "number", column.optional && "optional", column.isLong && "long"].filter(Boolean).join(" ");
+  return [column.name, column.number && "number", column.optional && "optional"].filter(Boolean).join(" ");
 }
 
 // Stands for the rows that are not made.
@@ -230,7 +237,7 @@ function spacer() {
   return row;
 }
 
-function setSpace(row, rows) {
-  row.hidden = rows === 0;
-  row.cells[0].style.height = `${rows * rowHeight}px`;
+function setSpace(row, height) {
+  row.hidden = height === 0;
+  row.cells[0].style.height = `${height}px`;
 }
