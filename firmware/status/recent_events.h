@@ -20,7 +20,8 @@ struct RecentEvent {
   std::uint64_t number = 0;  // from 1, in the order in which they came
   port::Instant at{};
   port::Level level = port::Level::info;
-  std::string_view text;  // its beginning, where it is very long; good until the next is written
+  std::string_view
+      text;  // its beginning with "…", where it is very long; good until the next is written
 };
 
 // "info", "warning" or "error".
@@ -45,7 +46,7 @@ class RecentEvents final : public port::Log {
     port::Instant at{};
     port::Level level = port::Level::info;
     std::uint16_t size = 0;
-    std::array<char, 320> text;
+    std::array<char, 400> text;
   };
 
   // In the ring.

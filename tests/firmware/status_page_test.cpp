@@ -281,12 +281,24 @@ TEST_F(StatusPageTest, NamesAndEventsMayHoldAnything) {
   open_page();
   put_square();
   events_.write(port::Level::error, "quote \" and \\ and \x02 and " + std::string(5000, '\x01'));
+  events_.write(port::Level::error, std::string(5000, '\x01'));
   run(12s);
   EXPECT_TRUE(is_sound_json(get("/mesh.geojson")));
   EXPECT_TRUE(is_sound_json(get("/status.json")));
   const std::string metrics = get("/metrics");
   EXPECT_EQ(metrics.find("<script> \n"), std::string::npos);
   EXPECT_NE(metrics.find("bus=\"a \\\"b\\\" \\\\ \\n"), std::string::npos) << metrics;
+}
+
+TEST_F(StatusPageTest, AnEventThatIsVeryLongIsCutBehindAWord) {
+  open_page();
+  std::string line = "it crosses feature 1 'main pipe'";
+  while (line.size() < 380) line += " and";
+  events_.write(port::Level::warning, line + "; how: /guide/site.html#where-lines-meet");
+  events_.write(port::Level::warning, line);
+  const std::string status = get("/status.json");
+  EXPECT_EQ(count(status, line + "; how:\u2026\""), 1u) << status;
+  EXPECT_EQ(count(status, line + "\""), 1u);
 }
 
 TEST_F(StatusPageTest, TheNewestEventsAreKeptAndTheNewestIsFirst) {

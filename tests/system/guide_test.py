@@ -119,7 +119,7 @@ class GuidePictures(BrowserCase):
     def test_something_is_wrong(self):
         x, y = place(9)
         self.start_site([f"0,{1000 + NODES + 1},join,{x},{y}", "6000,1005,silent,,"], **SOON)
-        self.wait_for_text("#state", r"node 1005\b.* is missing")
+        self.wait_for_text("#alarm-list", r"node 1005\b.* is missing")
         self.wait_for_text("#refused", r"Node 1049.*")
         self.find("#missed button").click()
         self.wait_for_text("#details-title", r"^Node 1005$")

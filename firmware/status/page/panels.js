@@ -133,7 +133,9 @@ export function showEvents(status) {
     const item = element("li");
     const time = element("time", momentText(dateOf(event.age_ms)));
     time.dateTime = dateOf(event.age_ms).toISOString();
-    item.append(time, element("span", event.text, event.level));
+    const text = element("span", "", event.level);
+    text.append(...linked(event.text));
+    item.append(time, text);
     return item;
   }));
 }
