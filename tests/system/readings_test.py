@@ -261,6 +261,26 @@ class OnTheMap(BrowserCase, MeasuringCase):
                 MeshMap.prototype.labelOf.call(map, { serial: 101 })]); });""")
         self.assertEqual(label, [{"text": "east tank: 4 m", "short": "4 m"}, {"text": "4 m", "short": None}])
 
+    def test_only_what_lies_among_sensors_is_shaded(self):
+        self.start_tanks(SQUARE, {1: 0, 2: 4000, 3: 0, 4: 0})
+        self.browser.get(self.url)
+        # Three sensors with something in their middle, and something beside them.
+        shaded = lambda middle, beside: self.browser.execute_async_script("""
+            const [middle, beside, done] = arguments;
+            Promise.all(["model", "shading"].map((name) => import(`./${name}.js`)))
+              .then(([{ readMesh }, { Shading }]) => {
+                const point = (id, x, y, kind, neighbours, open) => ({ id, geometry: { coordinates: [x, y] },
+                  properties: { kind, neighbours, open, in_mesh: true, serial: kind === "node" ? id : undefined } });
+                const mesh = readMesh({ features: [point(0, 0, 0, "node", [1, 3, 2], [2]),
+                  point(1, 10, 0, "node", [4, 2, 3, 0], [3]), point(2, 5, 8, "node", [0, 3, 1, 4], [3]),
+                  point(3, 5, 3, middle, [2, 0, 1]), point(4, 15, 8, beside, [2, 1], [1])] });
+                const readings = new Map([0, 1, 2].map((id) => [id, { value: id, isStale: false }]));
+                done(new Shading(mesh, { name: "level" }, readings).shaded.length);
+              });""", middle, beside)
+        self.assertEqual(shaded("anchor", "node"), 3, "a fence makes no hole")
+        self.assertEqual(shaded("anchor", "anchor"), 3, "nothing beyond")
+        self.assertEqual(shaded("node", "node"), 0, "what is not measured is not made up")
+
     def test_without_devices_there_is_nothing_to_choose(self):
         self.start_page(["0,1,join,0,0", "0,2,join,1000,0"])
         self.browser.get(self.url)

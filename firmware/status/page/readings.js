@@ -36,7 +36,7 @@ export function valuesOn(mesh, ofSerial) {
     const reading = ofSerial.get(node.serial);
     if (node.id !== undefined && isFresh(reading)) values.set(node.id, reading.value);
   }
-  fill(mesh, ofSerial, values);
+  fill(mesh, values);
   const atNodes = new Map(values);
   for (const point of mesh.steiner) {
     const value = betweenNodes(mesh, point, atNodes);
@@ -45,14 +45,15 @@ export function valuesOn(mesh, ofSerial) {
   return values;
 }
 
-// Where no sensor is (anchors, nodes that measure something else) the value is the mean of those
-// around, the near ones first, so that a map of few sensors has no holes. A sensor that is stale or
-// says nothing is one that is there: it stays bare.
+// An anchor among sensors has the mean of those around, the near ones first, so that a fence makes no
+// hole in the map. Beyond the sensors nobody knows anything, and what a node does not measure is not
+// made up.
 const fillRounds = 200;
 
-function fill(mesh, ofSerial, values) {
+function fill(mesh, values) {
+  const hull = hullOf([...values.keys()].map((id) => mesh.points.get(id)));
   const bare = [...mesh.points.values()]
-    .filter((point) => point.kind !== "steiner" && !values.has(point.id) && !ofSerial.has(point.serial))
+    .filter((point) => point.kind === "anchor" && isWithin(hull, point))
     .map((point) => [point.id, weightsAround(mesh, point)]);
   for (let round = 0; round < fillRounds; ++round) {
     let greatest = 0;
@@ -65,6 +66,27 @@ function fill(mesh, ofSerial, values) {
     }
     if (!(greatest > 1e-6 * spreadOf(values))) return;
   }
+}
+
+// Twice the area of a triangle, above 0 where it goes round counterclockwise.
+function turn(a, b, c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
+
+// The corners of the convex hull, counterclockwise.
+function hullOf(places) {
+  const sorted = [...places].sort((a, b) => a.x - b.x || a.y - b.y);
+  const half = (ordered) => {
+    const corners = [];
+    for (const place of ordered) {
+      while (corners.length > 1 && turn(corners.at(-2), corners.at(-1), place) <= 0) corners.pop();
+      corners.push(place);
+    }
+    return corners.slice(0, -1);
+  };
+  return [...half(sorted), ...half(sorted.reverse())];
+}
+
+function isWithin(hull, place) {
+  return hull.length > 2 && hull.every((corner, at) => turn(corner, hull[(at + 1) % hull.length], place) >= 0);
 }
 
 function meanOf(around, values) {

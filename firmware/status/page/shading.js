@@ -1,5 +1,5 @@
-// One quantity over the mesh: linear in each triangle of the domain whose corners all have a value,
-// in bands of colour with isolines between them. Between two sensors there is a line and no area, so
+// One quantity over the mesh: linear in each triangle of the domain whose corners all have a value
+// (readings.js), in bands of colour with isolines between them. Between two sensors there is a line and no area, so
 // fewer than three shade nothing.
 import { bandOf, boundsOf, isFresh, valuesOn } from "./readings.js";
 
