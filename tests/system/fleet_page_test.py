@@ -79,7 +79,7 @@ class FleetPage(Looking, FleetCase):
         # After two periods, for until then it can be what is on its way.
         self.wait_for_text("#members", r'its mesh has its own nodes alone, 12 of 24; set share = "site" in '
                                        r'\[mqtt\] there for the mesh of all\s*another mesh')
-        self.wait_for_text("#state", r"gateway east has another mesh than this one")
+        self.wait_for_text("#state", r"^Critical: gateway east has another mesh\b")
         self.assertEqual(self.find("#state").get_attribute("class"), "chip critical")
         self.wait_for_text("#alarm-list", r"gateway east")
         self.screenshot("fleet-differs")
