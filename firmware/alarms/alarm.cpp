@@ -46,13 +46,6 @@ constexpr std::array<KindOfAlarm, alarm_kinds_end> alarm_kinds{{
 
 bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
 
-// Half of a link leads nowhere.
-std::string_view cut_words(std::string_view text, std::size_t size_max) {
-  if (text.size() <= size_max) return text;
-  const std::string_view cut = port::cut_utf8(text, size_max);
-  return cut.substr(0, std::min(cut.size(), cut.rfind(' ')));
-}
-
 }  // namespace
 
 std::string_view to_string(Severity severity) {
@@ -97,7 +90,7 @@ std::int64_t AlarmTime::time_of_day_ms(port::Instant now, std::int64_t unix_now_
 
 bool Alarm::set_words(std::string_view text, std::string_view cure) {
   text = port::cut_utf8(text, text_max);
-  cure = cut_words(cure, text_max - text.size());
+  cure = port::cut_words(cure, text_max - text.size());
   const auto printable = [](char c) { return is_control(c) ? ' ' : c; };
   std::array<char, text_max> next;
   const auto cure_begin = std::transform(text.begin(), text.end(), next.begin(), printable);

@@ -10,15 +10,6 @@ namespace {
 
 constexpr std::string_view ellipsis = "\u2026";
 
-// As much of `text` as fits, up to the end of a word: a name, a number or an address that is cut is
-// another one. Where there are no words, up to the end of a character.
-std::string_view cut_at_word(std::string_view text, std::size_t bytes_max) {
-  const std::string_view fits = port::cut_utf8(text, bytes_max);
-  if (fits.size() == text.size() || text[fits.size()] == ' ') return fits;
-  const std::size_t space = fits.rfind(' ');
-  return space == std::string_view::npos ? fits : fits.substr(0, space);
-}
-
 }  // namespace
 
 RecentEvents::RecentEvents(const port::Clock& clock, port::Log& next)
@@ -32,7 +23,7 @@ void RecentEvents::write(port::Level level, std::string_view line) {
   kept.level = level;
   const bool is_whole = line.size() <= kept.text.size();
   const std::string_view fits =
-      is_whole ? line : cut_at_word(line, kept.text.size() - ellipsis.size());
+      is_whole ? line : port::cut_words(line, kept.text.size() - ellipsis.size());
   auto end = std::copy(fits.begin(), fits.end(), kept.text.begin());
   if (!is_whole) end = std::copy(ellipsis.begin(), ellipsis.end(), end);
   kept.size = static_cast<std::uint16_t>(end - kept.text.begin());

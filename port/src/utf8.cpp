@@ -47,4 +47,10 @@ std::string_view cut_utf8(std::string_view text, std::size_t bytes_max) {
   return text.substr(0, bytes_max);
 }
 
+std::string_view cut_words(std::string_view text, std::size_t bytes_max) {
+  const std::string_view fits = cut_utf8(text, bytes_max);
+  if (fits.size() == text.size() || text[fits.size()] == ' ') return fits;
+  return fits.substr(0, fits.rfind(' '));
+}
+
 }  // namespace etcm::port

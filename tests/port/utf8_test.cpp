@@ -42,5 +42,13 @@ TEST(Utf8, ATextIsCutBeforeTheCharacterThatDoesNotFit) {
   EXPECT_EQ(cut_utf8("a\x80\x80\x80\x80\x80\x80", 5).size(), 5u);
 }
 
+TEST(Utf8, WordsStayWhole) {
+  EXPECT_EQ(cut_words("see /guide now", 14), "see /guide now");
+  EXPECT_EQ(cut_words("see /guide now", 11), "see /guide");
+  EXPECT_EQ(cut_words("see /guide now", 10), "see /guide");
+  EXPECT_EQ(cut_words("see /guide now", 9), "see");
+  EXPECT_EQ(cut_words("a\u00e4\u00e4", 4), "a\u00e4") << "there is one word";
+}
+
 }  // namespace
 }  // namespace etcm::port
