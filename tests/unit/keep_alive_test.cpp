@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(Of, LongCalls,
                                                       7)),
                          graph_of);
 
-// All nodes on one circle: marking a chord turns ties that nobody knew of.
+// All nodes on one circle: marking a chord turns ties.
 TEST(KeepAliveOfTies, IsCalledWhileTheyTurn) {
   const Graph ring = inputs::exact_circle(20, 3);
   inputs::OwnedMesh mesh(inputs::config_for(ring, 2000));

@@ -27,9 +27,8 @@ struct Run {
   std::uint64_t used = 0;
   std::uint64_t needed = 0;
   std::uint64_t kept = 0;  // for going back, where the call did
-  std::uint64_t ties = 0;  // of what was used, what no limit holds for
   std::int64_t left() const {
-    return static_cast<std::int64_t>(limit + ties) - static_cast<std::int64_t>(used);
+    return static_cast<std::int64_t>(limit) - static_cast<std::int64_t>(used);
   }
 };
 
@@ -83,7 +82,6 @@ class Court {
     m.outcome = nullptr;
     made.used = mesh.work_used().units;
     made.needed = mesh.work_needed().units;
-    made.ties = m.work.ties();
     if (m.work.is_going_back()) made.kept = taken(m.work) - made.used;
     if (way_ == Way::dry_run && outcome.status == Status::ok) {
       made.status = Status::ok;
@@ -153,8 +151,7 @@ class Court {
     }
     found_.nearness = std::max(found_.nearness, nearness_of(made));
     if (made.limit < least_limit_of_ratio || made.kept == 0) return;
-    const double ratio =
-        static_cast<double>(made.used) / static_cast<double>(made.limit + made.ties);
+    const double ratio = static_cast<double>(made.used) / static_cast<double>(made.limit);
     if (ratio <= found_.greatest_ratio) return;
     found_.greatest_ratio = ratio;
     found_.limit_of_ratio = made.limit;
@@ -163,10 +160,10 @@ class Court {
   const char* fault_of(const Run& made) {
     if (last_.verb == Verb::rebuild) {
       // All vertices come back at once: lib/docs/work.md.
-      return made.used <= 2 * (made.limit + made.ties) ? nullptr : "used more than twice its limit";
+      return made.used <= 2 * made.limit ? nullptr : "used more than twice its limit";
     }
     if (made.left() < 0) return "used more than its limit";
-    if (made.needed > made.limit + made.ties) return "says that it needs more than its limit";
+    if (made.needed > made.limit) return "says that it needs more than its limit";
     if (made.used > made.needed && way_ == Way::change) return "used more than it says it needs";
     if (found_.answer != Status::ok) {
       const bool is_refused = made.status == Status::work_limit;
@@ -177,7 +174,7 @@ class Court {
       if (stage_.mesh().hash() != hash_) return "makes another mesh with a limit";
       return nullptr;
     }
-    if (found_.answer == Status::ok && made.status != Status::work_limit && made.ties == 0) {
+    if (found_.answer == Status::ok && made.status != Status::work_limit) {
       return "does with less than it says it needs";
     }
     if (made.status != Status::work_limit) return nullptr;

@@ -26,7 +26,7 @@
 //
 // Work: each of these calls takes a limit (work.h). One that would need more answers work_limit,
 // and what it has done until then, going back included, was within the limit. That holds for work
-// that is counted; work_used() and work_needed() tell of it. Ties and rebuild() may take more
+// that is counted; work_used() and work_needed() tell of it. rebuild() may take more
 // (docs/work.md). Without a limit a call always ends, too.
 //
 // Room: what a change takes out, Steiner vertices and segments of features that turn to another

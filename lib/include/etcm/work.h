@@ -34,7 +34,7 @@ struct Work {
 // units and one walk: once around a vertex, along a line or across the mesh, which is tens of units
 // as a rule and never more than twice as many as there are triangles, for a step of it may take as
 // long as two; or along a list of segments. That holds for
-// work that no limit knows of too, such as ties (docs/work.md); only the time that a policy of
+// work that no limit knows of too (docs/work.md); only the time that a policy of
 // one's own takes adds to it.
 //
 // The mesh is in the middle of a change then: `call` must not use it, nor its storage, nor what the

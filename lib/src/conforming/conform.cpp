@@ -122,7 +122,7 @@ void constrain_finished(MeshState& m, VertexId v, VertexId end) noexcept {
   } else {
     const Subsegment subsegment = between(m, v, end);
     m.work.add(subsegment.steps);
-    constrain_subsegment(m, subsegment);
+    static_cast<void>(constrain_subsegment(m, subsegment));
   }
 }
 
@@ -137,8 +137,8 @@ Status conform_subsegment(Change& change, SegmentId s, Subsegment& subsegment,
   for (;;) {
     if (m.work.is_over()) return fail(m, Status::work_limit, s, subsegment);
     if (can_be_edge(m, subsegment)) {
-      constrain_subsegment(m, subsegment);
-      return Status::ok;
+      return constrain_subsegment(m, subsegment) ? Status::ok
+                                                 : fail(m, Status::work_limit, s, subsegment);
     }
     SplitSite site = site_of(m, s, subsegment);
     site.is_lone = s == change.lone;
@@ -149,6 +149,7 @@ Status conform_subsegment(Change& change, SegmentId s, Subsegment& subsegment,
     const bool finishes_head = t <= site.feasible_head, finishes_tail = t >= site.feasible_tail;
     if (finishes_head) constrain_finished(m, v, subsegment.head);
     if (finishes_tail) constrain_finished(m, v, subsegment.tail);
+    if (m.work.is_over()) return fail(m, Status::work_limit, s, subsegment);
     if (finishes_head == finishes_tail) {
       is_whole = finishes_head;
       return Status::ok;
@@ -190,7 +191,7 @@ Status conform_segment(Change& change, SegmentId s) noexcept {
       return fail(m, Status::crossing_features, s, subsegment);
     }
     if (subsegment.is_edge) {
-      constrain_subsegment(m, subsegment);
+      if (!constrain_subsegment(m, subsegment)) return fail(m, Status::work_limit, s, subsegment);
       v = tail;
       continue;
     }
@@ -214,13 +215,10 @@ bool can_be_edge(const MeshState& m, const Subsegment& subsegment) noexcept {
                        m.at(m.topology.target(e)), m.at(subsegment.tail)) >= 0;
 }
 
-void constrain_subsegment(MeshState& m, const Subsegment& subsegment) noexcept {
-  if (subsegment.is_edge) {
-    // It is in the canonical mesh without the mark, so the mark changes nothing.
-    m.topology.mark(subsegment.edge);
-  } else {
-    constrain(m, flip_in(m, subsegment));
-  }
+bool constrain_subsegment(MeshState& m, const Subsegment& subsegment) noexcept {
+  if (!may_constrain(m, subsegment)) return false;
+  constrain(m, subsegment);
+  return true;
 }
 
 Status conform(Change& change) noexcept {
@@ -241,10 +239,10 @@ std::uint32_t constrain_rest(Change& change) noexcept {
   for (SegmentId s = change.dirty.pop(m); !s.is_none(); s = change.dirty.pop(m)) {
     const VertexId end = m.segment(s).to;
     for (VertexId v = m.segment(s).from; v != end;) {
-      const Subsegment subsegment = march(m, v, end);
-      if (crossed_section(m, s, subsegment).is_none() && can_be_edge(m, subsegment)) {
-        constrain_subsegment(m, subsegment);
-      } else {
+      const Subsegment subsegment = march(m, v, end, m.work.left());
+      if (!m.work.spend(subsegment.steps)) return missing;
+      const bool is_free = crossed_section(m, s, subsegment).is_none();
+      if (!is_free || !can_be_edge(m, subsegment) || !constrain_subsegment(m, subsegment)) {
         ++missing;
       }
       v = subsegment.tail;

@@ -59,7 +59,7 @@ constexpr Units work_of_linking = 32;
     if (status != Status::ok) return status;
     if (!is_kept) return Status::work_limit;
     if (can_be_edge(m, whole)) {
-      constrain_subsegment(m, whole);
+      if (!constrain_subsegment(m, whole)) return Status::work_limit;
       at.take();
     } else {
       at.advance();
@@ -111,7 +111,7 @@ Status constrain_segment(MeshState& m, SegmentId s) noexcept {
     const SegmentId other = met_by(m, s, subsegment);
     if (!other.is_none()) return reject_meeting(m, s, other);
     if (!can_be_edge(m, subsegment)) return Status::mesh_unresolved;
-    constrain_subsegment(m, subsegment);
+    if (!constrain_subsegment(m, subsegment)) return Status::work_limit;
     v = subsegment.tail;
   }
   return Status::ok;

@@ -23,7 +23,7 @@ bool keep_for_mark(MeshState& m, const Subsegment& subsegment) noexcept {
          m.work.may_keep(2 * Units{degree} + 2 * Units{subsegment.steps} + 8);
 }
 
-// Around the vertex four turns are made beside the removal; it is found by a short walk and put
+// Around the vertex five turns are made beside the removal; it is found by a short walk and put
 // back, which turns an edge less than its degree, and its edges are looked at twice.
 bool may_remove(Change& change, std::uint32_t degree) noexcept {
   MeshState& m = change.mesh;
@@ -55,9 +55,23 @@ bool may_remove_touching(Change& change, VertexId v, unsigned& degree) noexcept 
   return true;
 }
 
+namespace {
+
+bool may_release_marks(MeshState& m, VertexId steiner) noexcept {
+  if (m.work.is_going_back()) return true;
+  const OwnEdges own = own_edges(m, steiner);
+  for (const Edge e : {own.back, own.onward}) {
+    if (!e.is_none() && !may_release(m, e)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 bool detach(Change& change, VertexId steiner) noexcept {
   MeshState& m = change.mesh;
   unsigned degree = 0;
+  if (!may_release_marks(m, steiner)) return false;
   if (!may_remove_touching(change, steiner, degree)) return false;
   const Owner owner = m.owner(steiner);
   if (owner.role() == Role::steiner) note_place(change, m.at(steiner));
@@ -122,6 +136,7 @@ bool strip_segment(Change& change, SegmentId s) noexcept {
   Subsegment subsegment = march(m, m.segment(s).from, to, m.work.left());
   if (!m.work.spend(subsegment.steps)) return false;
   if (subsegment.tail == to && subsegment.is_edge && m.topology.is_constrained(subsegment.edge)) {
+    if (!may_release(m, subsegment.edge)) return false;
     note_mark(change, subsegment.edge);
     release_constraint(m, subsegment.edge);
   }

@@ -86,7 +86,7 @@ bool explore(Change& change, SegmentId s) noexcept {
     if (!m.work.spend(subsegment.steps)) return false;
     if (!subsegment.is_edge) {
       // What was laid has broken it, and has been taken out again.
-      constrain_subsegment(m, subsegment);
+      if (!constrain_subsegment(m, subsegment)) return false;
       subsegment = march(m, v, to);
     }
     const VertexId tail = subsegment.tail;

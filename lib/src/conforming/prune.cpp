@@ -12,6 +12,7 @@
 #include "triangulation/mesh_state.h"
 #include "triangulation/remove.h"
 #include "triangulation/segment_store.h"
+#include "triangulation/ties.h"
 
 namespace etcm::internal {
 namespace {
@@ -150,6 +151,7 @@ bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
       continue;
     }
     const std::uint32_t degree = m.topology.degree(v, m.work.left());
+    if (!may_release(m, beside.back) || !may_release(m, beside.onward)) return false;
     if (!may_remove(change, degree) || !keep_to_come_back(change, v, before, degree)) return false;
     note_taken_out(change, s, v);
     queue_around(change, queue, v);
@@ -158,11 +160,10 @@ bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
     if (!is_all && r.first == v) r.first = before;
     if (!is_all && r.last == v) r.last = after;
     const Subsegment subsegment = between(m, before, after, m.work.left());
-    if (!m.work.spend(subsegment.steps)) {
+    if (!m.work.spend(subsegment.steps) || !constrain_subsegment(m, subsegment)) {
       touch(change, s, before, after);
       return false;
     }
-    constrain_subsegment(m, subsegment);
     // Both neighbours have lost an edge: what was needed may be no longer.
     if (last < m.at(after)) last = m.at(after);
     v = before == from ? after : before;

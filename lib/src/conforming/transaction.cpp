@@ -63,7 +63,7 @@ void restore_marks(MeshState& m, SegmentId s) noexcept {
     const Subsegment subsegment = march(m, v, r.to);
     m.work.add(subsegment.steps);
     ETCM_VERIFY_THAT(can_be_edge(m, subsegment));
-    constrain_subsegment(m, subsegment);
+    static_cast<void>(constrain_subsegment(m, subsegment));
     v = subsegment.tail;
   }
 }

@@ -229,10 +229,11 @@ Status insert_steiner(Change& change, const SteinerPlace& place) noexcept {
 
 // A build ends early: what it has not come to is dirty.
 // Not inline, or the deepest call, a build that goes on, would have the room of this too.
-[[gnu::noinline]] Status keep_what_stands(Change& change, Status status) noexcept {
+[[gnu::noinline]] Status keep_what_stands(Mesh& mesh, Change& change, Status status) noexcept {
   MeshState& m = change.mesh;
   const ErrorDetail error_detail = m.error_detail;
   m.unresolved = constrain_rest(change);
+  if (m.work.is_over()) return reject(mesh, change, Status::work_limit);
   ETCM_VERIFY_THAT(m.unresolved != 0);
   end_change(change);
   m.error_detail = error_detail;
@@ -254,7 +255,7 @@ Status Mesh::build(std::span<const Position> nodes, std::span<const FeatureEnds>
   status = conform_features(change, pending);
   if (status == Status::ok) status = lay_lone_again(change);
   if (leaves_nothing(status)) return reject(*this, change, status);
-  if (status != Status::ok) return keep_what_stands(change, status);
+  if (status != Status::ok) return keep_what_stands(*this, change, status);
   status = commit(change);
   return status == Status::ok ? status : reject(*this, change, status);
 }

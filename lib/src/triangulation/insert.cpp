@@ -11,6 +11,7 @@
 #include "triangulation/relative.h"
 #include "triangulation/remove.h"
 #include "triangulation/segment_store.h"
+#include "triangulation/ties.h"
 
 namespace etcm::internal {
 namespace {
@@ -43,6 +44,14 @@ Units work_of_flips(Units flips) noexcept { return work_of_flip * flips + 18; }
 Units work_back(Units flips) noexcept {
   // Those that come after it may leave it with more neighbours than it has now.
   return removal_work(3 + flips) + 24 * flips + 16;
+}
+
+// A subsegment that breaks may have been a chord of an empty circle: when it comes back ties turn.
+// All that stand on that circle are in the way of what has come into it, and few of them are within
+// what is kept anyway.
+Units work_of_chords(Units breaks, Units flips) noexcept {
+  constexpr Units few = 8;
+  return flips < few ? 0 : work_of_chord * breaks * flips;
 }
 
 // Of many flips the meter is told while they are made. Those of a removal are counted before.
@@ -95,8 +104,8 @@ class Conflicts {
   }
   void add_flips(std::uint32_t flips) noexcept { flips_ += flips; }
   Units needed() const noexcept {
-    return work_of_flips(flips_) + m_.work.to_keep(work_back(flips_) + kept_) + work_of_breaks_ +
-           work_in_doubt(breaks_, flips_);
+    return work_of_flips(flips_) + work_of_breaks_ + work_in_doubt(breaks_, flips_) +
+           m_.work.to_keep(work_back(flips_) + kept_ + work_of_chords(breaks_, flips_));
   }
 
  private:
@@ -231,6 +240,7 @@ bool insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
   m.work.keep(work_back(flips));
   const std::uint32_t broken = change.broken_count - broken_before;
   if (broken != 0) {
+    m.work.keep(work_of_chords(broken, flips));
     static_cast<void>(m.work.fits(turns_of_subsegment * work_in_doubt(broken, flips) +
                                   work_in_doubt(broken, 2 * Units{flips})));
   }

@@ -87,13 +87,6 @@ class WorkMeter {
   ETCM_COUNTING void pass_entry(std::size_t index) noexcept {
     if (index % entries_between == 0) pass(2 * entries_between);
   }
-  // Of ties: nobody knows of them beforehand, so what they take is beyond the limit where there is
-  // no room for it.
-  ETCM_COUNTING void add_ties(Units units) noexcept {
-    ties_ += units;
-    add(units);
-    keep(2 * units);
-  }
   // For going back.
   ETCM_COUNTING void keep(Units units) noexcept {
     kept_ += to_keep(units);
@@ -129,8 +122,6 @@ class WorkMeter {
     taken_ = units_of(used);
     peak_ = units_of(needed);
   }
-  // So much of used() was for ties.
-  [[nodiscard]] Units ties() const noexcept { return ties_; }
   // See Mesh::work_used() and Mesh::work_needed().
   [[nodiscard]] Work used() const noexcept { return {done()}; }
   [[nodiscard]] Work needed() const noexcept {
@@ -167,7 +158,6 @@ class WorkMeter {
   Units taken_ = 0;  // what has been done, and what is kept
   Units kept_ = 0;
   Units peak_ = 0;
-  Units ties_ = 0;               // of what has been done, for ties
   Units next_beat_ = ~Units{0};  // the units taken at which the hook is due
   const KeepAlive* keep_alive_ = nullptr;
   std::uint8_t calls_out_ = 0;
