@@ -54,6 +54,15 @@ constexpr Mended all_mended[] = {
     {"node_comes_back_from_afar",
      "ring 16 0 217 1, row 61 0 0 0 -61, line 7 75, ring 2 0 -2970 2, "
      "move 72 -1 0"},
+    {"chord_of_a_circle", "ring 18 0 0 2202, line -8012 -78"},
+    {"chord_of_a_circle_goes", "ring 30 0 0 3795, line 50 12, unline 1"},
+    {"end_of_chords_moves", "ring 17 0 0 493, line 14 58, line 9 23, line 84 43, move 65 0 -16"},
+    {"move_beside_a_feature_that_rows_split",
+     "node 0 0, node 7524 0, row 44 85 -22 171 0, row 44 52 22 171 0, node 3762 5647, line 0 1, "
+     "move 33 15 5"},
+    {"feature_of_hundreds_of_splits",
+     "scatter 47 0 0 3 4833374, row 33 -3517 19 14 -108921, line 60 34, canonicalize, line 28 60, "
+     "line 43 43, line 19 16, leave 0, line 27 -47150"},
 };
 
 class MendedWork : public testing::TestWithParam<Mended> {

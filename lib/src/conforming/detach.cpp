@@ -1,5 +1,6 @@
 #include "conforming/detach.h"
 
+#include "base/linked_sort.h"
 #include "conforming/canonical.h"
 #include "triangulation/change.h"
 #include "triangulation/insert.h"
@@ -39,12 +40,13 @@ bool may_remove_touching(Change& change, VertexId v, unsigned& degree) noexcept 
   degree = 0;
   if (m.topology.triangle_count() == 0) return m.work.spend(1);
   // Nothing is touched before it is known that all of it may be: what is touched is looked at again
-  // when the call goes back.
+  // when the call goes back. Then nobody prunes.
   Spokes counted(m.topology, v, m.work.left());
   while (counted.turn()) {
   }
   degree = counted.turns();
   if (!may_remove(change, degree)) return false;
+  if (m.work.is_going_back()) return true;
   Spokes spokes(m.topology, v);
   do {
     const VertexId w = spokes.target();
@@ -174,34 +176,68 @@ VertexId next_on(MeshState& m, SegmentId s, VertexId v, VertexId end) noexcept {
   return stands_on(m, subsegment.tail, s) ? subsegment.tail : end;
 }
 
-void drop_fresh_of(Change& change, SegmentId s) noexcept {
+// A list of fresh vertices that are about to go, linked in place of their segments.
+VertexId next_fresh(const MeshState& m, VertexId v) noexcept {
+  return VertexId{m.owner(v).segment().value};
+}
+void link_fresh(MeshState& m, VertexId v, VertexId next) noexcept {
+  m.owner(v) = Owner(Role::fresh, SegmentId{next.value});
+}
+
+// Lists those of a segment. From here on it is touched from vertex to vertex that stay.
+void list_fresh_of(Change& change, SegmentId s, VertexId& first, std::uint32_t& count) noexcept {
   MeshState& m = change.mesh;
   const SegmentRecord& r = m.segment(s);
   const bool is_all = r.first.is_none();
   VertexId v = is_all ? r.from : r.first;
   while (m.owner(v).role() == Role::fresh) v = next_on(m, s, v, r.from);
   const Point last = m.at(is_all ? r.to : r.last);
-  const VertexId first = v;
+  const VertexId begin = v;
   // Past the last one where that is fresh.
-  while (v != r.to && m.at(v) < last) {
-    v = next_on(m, s, v, r.to);
-    // The next one is found while this one stands: from there it is near.
-    while (m.owner(v).role() == Role::fresh) {
-      const VertexId next = next_on(m, s, v, r.to);
-      static_cast<void>(detach(change, v));
-      v = next;
+  while (v != r.to && (m.at(v) < last || m.owner(v).role() == Role::fresh)) {
+    const VertexId next = next_on(m, s, v, r.to);
+    if (m.owner(v).role() == Role::fresh) {
+      link_fresh(m, v, first);
+      first = v;
+      ++count;
     }
+    v = next;
   }
-  if (!is_all) touch(change, s, first, v);
+  if (!is_all) touch(change, s, begin, v);
 }
 
 }  // namespace
 
+// They go in the reverse of the order in which they came, so each has the neighbours that it had
+// then, for which room is kept. A change that has not begun to prune gives out ids from the least
+// on, and takes none back.
 void drop_fresh(Change& change) noexcept {
-  const MeshState& m = change.mesh;
-  for (SegmentId s = change.touched; !s.is_none() && change.fresh_count != 0;
+  MeshState& m = change.mesh;
+  VertexId fresh{};
+  std::uint32_t count = 0;
+  for (SegmentId s = change.touched; !s.is_none() && count != change.fresh_count;
        s = m.segment(s).next_touched) {
-    if (is_linked(m, s) && m.segment(s).first != infinite_vertex) drop_fresh_of(change, s);
+    if (is_linked(m, s) && m.segment(s).first != infinite_vertex) {
+      list_fresh_of(change, s, fresh, count);
+    }
+  }
+  struct Links {
+    MeshState& m;
+    VertexId next(VertexId v) const noexcept { return next_fresh(m, v); }
+    void link(VertexId v, VertexId next) const noexcept { link_fresh(m, v, next); }
+    bool precedes(VertexId a, VertexId b) const noexcept { return a.value > b.value; }
+    void step() const noexcept { m.work.add(1); }
+  };
+  fresh = sorted(fresh, Links{m});
+  while (!fresh.is_none()) {
+    const VertexId v = fresh;
+    fresh = next_fresh(m, v);
+    const Units degree = m.topology.degree(v);
+    m.work.add(removal_work(degree) + 2 * degree);
+    remove_steiner(m, v);
+    free_vertex(m, v);
+    --m.steiner_count;
+    --change.fresh_count;
   }
 }
 

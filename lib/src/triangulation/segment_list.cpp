@@ -1,5 +1,6 @@
 #include "triangulation/segment_list.h"
 
+#include "base/linked_sort.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/segment_store.h"
 
@@ -47,37 +48,14 @@ void SegmentList::add(MeshState& m, SegmentId s) noexcept {
 }
 
 void SegmentList::sort(MeshState& m) noexcept {
-  // Bottom-up: runs of 1, 2, 4, ... are merged pairwise until one is left. No recursion, no memory.
-  const auto next = [&m](SegmentId s) noexcept -> SegmentId& { return m.segment(s).next_listed; };
-  for (std::uint32_t run = 1;; run *= 2) {
-    SegmentId rest = first_;
-    SegmentId* end = &first_;
-    std::uint32_t merges = 0;
-    while (!rest.is_none()) {
-      ++merges;
-      SegmentId a = rest;
-      SegmentId b = a;
-      std::uint32_t a_left = 0;
-      while (a_left < run && !b.is_none()) {
-        ++a_left;
-        b = next(b);
-      }
-      std::uint32_t b_left = run;
-      while (a_left > 0 || (b_left > 0 && !b.is_none())) {
-        const bool take_b = a_left == 0 || (b_left > 0 && !b.is_none() && precedes(m, b, a));
-        m.work.pass(1);
-        SegmentId& taken = take_b ? b : a;
-        (take_b ? b_left : a_left) -= 1;
-        *end = taken;
-        SegmentId& link = next(taken);
-        taken = link;
-        end = &link;
-      }
-      rest = b;
-    }
-    *end = SegmentId::none();
-    if (merges <= 1) return;
-  }
+  struct Links {
+    MeshState& m;
+    SegmentId next(SegmentId s) const noexcept { return m.segment(s).next_listed; }
+    void link(SegmentId s, SegmentId next) const noexcept { m.segment(s).next_listed = next; }
+    bool precedes(SegmentId a, SegmentId b) const noexcept { return internal::precedes(m, a, b); }
+    void step() const noexcept { m.work.pass(1); }
+  };
+  first_ = sorted(first_, Links{m});
 }
 
 void DirtySegments::add(MeshState& m, SegmentId s) noexcept {
