@@ -54,6 +54,9 @@ constexpr Mended all_mended[] = {
     {"node_comes_back_from_afar",
      "ring 16 0 217 1, row 61 0 0 0 -61, line 7 75, ring 2 0 -2970 2, "
      "move 72 -1 0"},
+    {"rows_are_laid_again",
+     "node 3559 -1380, line -1547 31, node 238 1183, unline 50, optimise 28 3559, "
+     "row 13 -1 -5 196 525, line 57 85, row 47 -1612634 -63836 123 -10, rebuild"},
     {"chord_of_a_circle", "ring 18 0 0 2202, line -8012 -78"},
     {"chord_of_a_circle_goes", "ring 30 0 0 3795, line 50 12, unline 1"},
     {"end_of_chords_moves", "ring 17 0 0 493, line 14 58, line 9 23, line 84 43, move 65 0 -16"},

@@ -158,10 +158,6 @@ class Court {
   }
 
   const char* fault_of(const Run& made) {
-    if (last_.verb == Verb::rebuild) {
-      // All vertices come back at once: lib/docs/work.md.
-      return made.used <= 2 * made.limit ? nullptr : "used more than twice its limit";
-    }
     if (made.left() < 0) return "used more than its limit";
     if (made.needed > made.limit) return "says that it needs more than its limit";
     if (made.used > made.needed && way_ == Way::change) return "used more than it says it needs";
@@ -205,7 +201,7 @@ class Court {
         if (made.status != found_.answer) found_.fault = "after refusals it answers otherwise";
         return;
       }
-      if (made.left() < 0 && last_.verb != Verb::rebuild && found_.fault.empty()) {
+      if (made.left() < 0 && found_.fault.empty()) {
         found_.fault = "after refusals, used more than its limit: limit " + std::to_string(limit) +
                        ", used " + std::to_string(made.used);
       }

@@ -26,8 +26,8 @@
 //
 // Work: each of these calls takes a limit (work.h). One that would need more answers work_limit,
 // and what it has done until then, going back included, was within the limit. That holds for work
-// that is counted; work_used() and work_needed() tell of it. rebuild() may take more
-// (docs/work.md). Without a limit a call always ends, too.
+// that is counted (docs/work.md); work_used() and work_needed() tell of it. Without a limit a call
+// always ends, too.
 //
 // Room: what a change takes out, Steiner vertices and segments of features that turn to another
 // line, keeps its place until the change ends. So a full mesh may answer out_of_vertices or

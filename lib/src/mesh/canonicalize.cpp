@@ -32,7 +32,7 @@ bool triangulate(Change& change) noexcept {
   const std::uint32_t count = m.vertex_count();
   if (count == 0) return true;
   if (!m.work.spend_whole(Units{work_of_order} * count)) return false;
-  const OrderEntry* const order = hilbert_order(m);
+  const OrderEntry* const order = hilbert_order(m, Rounds::even);
   for (std::uint32_t i = 0; i < count; ++i) {
     const VertexId v{static_cast<IdValue>(order[i].vertex)};
     const Found found = find(m, m.at(v), m.walk_start, m.work.left());

@@ -30,13 +30,17 @@ std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y, int levels) noexcept
 // Nodes go in in four rounds, each three quarters of what is left counted from the last, and each
 // along the curve: a coarse mesh of all places first, so that a new node never meets the long thin
 // triangles at the edge of what the curve has filled (Amenta, Choi, Rote: Incremental constructions
-// con BRIO, 2003). Which round is a hash of the index; the mesh does not depend on it.
-std::uint32_t round_of(std::uint32_t index) noexcept {
+// con BRIO, 2003). Which round is a hash of the index; the mesh does not depend on it. Where it
+// matters more what the worst takes, there are eight rounds, each a half: however the nodes stand,
+// each turns few edges then, in the mean.
+std::uint32_t round_of(std::uint32_t index, Rounds rounds) noexcept {
   std::uint32_t hash = index * 2654435761u;
   hash = (hash ^ (hash >> 15)) * 2246822519u;
   hash ^= hash >> 13;
-  std::uint32_t round = 3;
-  for (; round != 0 && (hash & 3u) == 0; hash >>= 2) --round;
+  const bool is_even = rounds == Rounds::even;
+  const std::uint32_t bits = is_even ? 1 : 2;
+  std::uint32_t round = is_even ? 7 : 3;
+  for (; round != 0 && (hash & ((1u << bits) - 1)) == 0; hash >>= bits) --round;
   return round;
 }
 
@@ -72,9 +76,9 @@ Position unit_position(const MeshState& m, IdValue i) noexcept {
           static_cast<std::int32_t>(m.points[i].y >> subunit_bits)};
 }
 
-// Sorts entries along the curve through their own bounding box, by rounds first where asked.
+// Sorts entries along the curve through their own bounding box, by rounds first where there are.
 void sort_along_curve(MeshState& m, OrderEntry* entries, OrderEntry* buffer, std::size_t count,
-                      bool by_rounds) noexcept {
+                      Rounds rounds) noexcept {
   Position low{position_max, position_max}, high{-position_max, -position_max};
   for (std::size_t i = 0; i < count; ++i) {
     m.work.pass_entry(i);
@@ -88,7 +92,7 @@ void sort_along_curve(MeshState& m, OrderEntry* entries, OrderEntry* buffer, std
   const auto height = static_cast<std::uint32_t>(high.y - low.y);
   // About one node a cell; finer would only take longer.
   int levels = 1;
-  while (levels < 15 && (std::size_t{1} << (2 * levels)) < count) ++levels;
+  while (levels < 14 && (std::size_t{1} << (2 * levels)) < count) ++levels;
   int cell_bits = 0;
   while (((width | height) >> (cell_bits + levels)) != 0) ++cell_bits;
   for (std::size_t i = 0; i < count; ++i) {
@@ -96,10 +100,10 @@ void sort_along_curve(MeshState& m, OrderEntry* entries, OrderEntry* buffer, std
     const Position p = unit_position(m, static_cast<IdValue>(entries[i].vertex));
     const auto x = static_cast<std::uint32_t>(p.x - low.x);
     const auto y = static_cast<std::uint32_t>(p.y - low.y);
-    const std::uint32_t round = by_rounds ? round_of(entries[i].vertex) : 0;
+    const std::uint32_t round = rounds == Rounds::none ? 0 : round_of(entries[i].vertex, rounds);
     entries[i].key = (round << (2 * levels)) | hilbert_key(x >> cell_bits, y >> cell_bits, levels);
   }
-  radix_sort(m, entries, buffer, count, 2 * levels + 2);
+  radix_sort(m, entries, buffer, count, 2 * levels + 3);
 }
 
 // Half as many of one cell need no order.
@@ -120,7 +124,7 @@ bool sort_crowds(MeshState& m, OrderEntry* entries, OrderEntry* buffer,
     while (first != 0 && entries[first - 1].key == key) --first;
     while (i < count && entries[i].key == key) ++i;
     if (i - first < crowd) continue;
-    sort_along_curve(m, entries + first, buffer, i - first, false);
+    sort_along_curve(m, entries + first, buffer, i - first, Rounds::none);
     found = true;
   }
   return found;
@@ -128,7 +132,7 @@ bool sort_crowds(MeshState& m, OrderEntry* entries, OrderEntry* buffer,
 
 }  // namespace
 
-OrderEntry* hilbert_order(MeshState& m) noexcept {
+OrderEntry* hilbert_order(MeshState& m, Rounds rounds) noexcept {
   const std::size_t count = m.vertex_count();
   auto* const triangle_memory = reinterpret_cast<std::byte*>(m.topology.triangle_memory());
   std::byte* const end = triangle_memory + m.config.vertices_max * bytes_per_vertex_triangles;
@@ -139,7 +143,7 @@ OrderEntry* hilbert_order(MeshState& m) noexcept {
     m.work.pass_entry(i);
     if (is_in_mesh(m.owners[i].role())) entries[found++].vertex = i;
   }
-  sort_along_curve(m, entries, buffer, count, true);
+  sort_along_curve(m, entries, buffer, count, rounds);
   for (int turn = 0; turn < turns_most && sort_crowds(m, entries, buffer, count); ++turn) {
   }
   return entries;

@@ -14,6 +14,9 @@ struct OrderEntry {
   std::uint32_t key;
   std::uint32_t vertex;
 };
-OrderEntry* hilbert_order(MeshState& m) noexcept;
+// The first ones along all of it, spread by a hash; none: in one round. The quick ones are the best
+// as a rule, the even ones at worst.
+enum class Rounds : std::uint8_t { none, quick, even };
+OrderEntry* hilbert_order(MeshState& m, Rounds rounds = Rounds::quick) noexcept;
 
 }  // namespace etcm::internal
