@@ -144,8 +144,8 @@ void release_group(Change& change) noexcept {
 }  // namespace
 
 Units work_to_lay_all(const MeshState& m) noexcept {
-  // A vertex that is put back, and its subsegments. In rounds of halves that are drawn it turns some
-  // four edges in the mean where it turns the most; here is room for five.
+  // A vertex that is put back, and its subsegments. In rounds of halves that are drawn it turns
+  // some four edges in the mean where it turns the most; here is room for five.
   constexpr Units work_of_vertex = 96;
   return (work_of_vertex + work_of_listing) * (Units{m.vertex_end} + m.segment_end);
 }
