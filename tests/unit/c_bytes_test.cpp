@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstring>
+#include <span>
 
 #include "etcm/etcm.h"
 
@@ -35,7 +36,9 @@ TEST(CBytes, AreAMeshAgainWhereverTheyAre) {
   ASSERT_EQ(etcm_reader_attach_copy(&reader, copy_of_c, sizeof copy_of_c), ETCM_OK);
   EXPECT_EQ(etcm_node_count(etcm_reader_mesh(&reader)), 4u);
 
-  std::array<unsigned char, 400> saved{};
+  static unsigned char saved_bytes[ETCM_SAVED_BYTES(40, 4)];
+  const std::span saved(saved_bytes);
+  ASSERT_EQ(saved.size(), etcm_saved_bytes_most(40, 4));
   ASSERT_LE(etcm_saved_bytes(&copy), saved.size());
   ASSERT_EQ(etcm_save(&copy, saved.data(), saved.size()), ETCM_OK);
   EXPECT_EQ(etcm_load(&mesh, saved.data(), saved.size(), ETCM_UNLIMITED), ETCM_MESH_NOT_EMPTY);

@@ -18,6 +18,9 @@ static_assert(sizeof(etcm_id_t) == sizeof(IdValue));
 // A constant.
 ETCM_STORAGE(storage, 200, 20);
 static_assert(sizeof storage == storage_bytes(200, 20));
+static_assert(ETCM_SAVED_BYTES(200, 20) == saved_bytes_most(200, 20));
+static_assert(ETCM_SAVED_BYTES(vertices_limit, features_limit) ==
+              saved_bytes_most(vertices_limit, features_limit));
 
 TEST(ETCM_SUITE, IsTheSameConstantForAllCapacities) {
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(storage) % 8, 0u);

@@ -98,5 +98,15 @@ template <class Size>
   return storage_bytes(config.vertices_max, config.features_max);
 }
 
+// The most that Mesh::save() writes of a mesh of these capacities, for a buffer that is an array.
+// For what a std::size_t cannot tell, the greatest there is.
+[[nodiscard]] constexpr std::size_t saved_bytes_most(std::uint32_t vertices_max,
+                                                     std::uint32_t features_max) noexcept {
+  const std::uint64_t bytes =
+      48 + 8 * std::uint64_t{vertices_max} + 16 * std::uint64_t{features_max};
+  constexpr std::size_t most = std::numeric_limits<std::size_t>::max();
+  return bytes < most ? static_cast<std::size_t>(bytes) : most;
+}
+
 }  // namespace ETCM_IDS
 }  // namespace etcm

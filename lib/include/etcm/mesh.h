@@ -146,7 +146,7 @@ class Mesh {
                  std::span<const SteinerPlace> steiner, Work limit = Work::unlimited()) noexcept;
 
   // The bytes that save() writes: 48, 8 for each vertex id and 16 for each segment of a feature
-  // that has been in use at once.
+  // that has been in use at once; at most saved_bytes_most() of its capacities (config.h).
   [[nodiscard]] std::size_t saved_bytes() const noexcept;
 
   // Writes the mesh, for a file, a radio or flash: what cannot be told from the rest is left out,

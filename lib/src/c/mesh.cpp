@@ -57,6 +57,10 @@ size_t etcm_storage_bytes(uint32_t vertices_max, uint32_t features_max) {
   return storage_bytes(vertices_max, features_max);
 }
 
+size_t etcm_saved_bytes_most(uint32_t vertices_max, uint32_t features_max) {
+  return saved_bytes_most(vertices_max, features_max);
+}
+
 etcm_status_t etcm_open(etcm_mesh_t* mesh, void* storage, size_t bytes,
                         const etcm_config_t* config) {
   return number(mesh_of(mesh).open({static_cast<std::byte*>(storage), bytes}, config_of(*config)));

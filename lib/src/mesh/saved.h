@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <span>
 
+#include "etcm/config.h"
 #include "etcm/types.h"
 
 namespace etcm::internal {
@@ -36,6 +37,8 @@ constexpr std::uint64_t saved_size(std::uint32_t vertex_end, std::uint32_t segme
   return saved_head_bytes + saved_vertex_bytes * (std::uint64_t{vertex_end} - 1) +
          saved_segment_bytes * std::uint64_t{segment_end} + saved_tail_bytes;
 }
+
+static_assert(saved_size(201, 20) == saved_bytes_most(200, 20));
 
 struct SavedHead {
   std::uint64_t magic = saved_magic;

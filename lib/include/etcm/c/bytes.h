@@ -47,7 +47,8 @@ const etcm_mesh_t* etcm_reader_mesh(const etcm_reader_t* reader);
 
 // --- Saved meshes
 
-// The bytes that etcm_save() writes: 48, 8 for each vertex id and 16 for each segment.
+// The bytes that etcm_save() writes: 48, 8 for each vertex id and 16 for each segment; at most
+// ETCM_SAVED_BYTES() of the mesh's capacities.
 size_t etcm_saved_bytes(const etcm_mesh_t* mesh);
 // Writes the mesh compactly, the same bytes on every machine. Every later version of the library
 // loads what this one saves; an older one may answer ETCM_WRONG_VERSION. Errors:

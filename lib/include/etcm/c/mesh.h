@@ -98,6 +98,15 @@ extern "C" {
    12u * (uint64_t)sizeof(etcm_id_t) * (uint64_t)(features) +                \
    (uint64_t)sizeof(etcm_id_t) * ETCM_HINT_CELLS(vertices))
 
+// The most bytes that etcm_save() writes of a mesh of these capacities: a constant where they are.
+// For what a size_t cannot tell, the greatest there is.
+#define ETCM_SAVED_BYTES(vertices, features)             \
+  (ETCM_SAVED_BYTES_64(vertices, features) < SIZE_MAX    \
+       ? (size_t)ETCM_SAVED_BYTES_64(vertices, features) \
+       : SIZE_MAX)
+#define ETCM_SAVED_BYTES_64(vertices, features) \
+  (48u + 8u * (uint64_t)(vertices) + 16u * (uint64_t)(features))
+
 // Declares an array that etcm_open() takes: static ETCM_STORAGE(storage, vertices, segments);
 #define ETCM_STORAGE(name, vertices, features) \
   unsigned char name[ETCM_STORAGE_BYTES(vertices, features)] __attribute__((aligned(8)))
@@ -137,6 +146,8 @@ ETCM_MUST_USE etcm_status_t etcm_validate(const etcm_config_t* config);
 
 // ETCM_STORAGE_BYTES() for capacities that are known when the program runs.
 size_t etcm_storage_bytes(uint32_t vertices_max, uint32_t features_max);
+// Likewise ETCM_SAVED_BYTES().
+size_t etcm_saved_bytes_most(uint32_t vertices_max, uint32_t features_max);
 
 // The first call that any mesh needs has the width of ids in its name (types.h).
 #if ETCM_ID_BITS == 16
