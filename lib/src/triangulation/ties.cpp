@@ -16,7 +16,7 @@ namespace etcm::internal {
 namespace {
 
 // Each circle is settled by wide integers.
-constexpr std::uint32_t work_of_look = 2;
+constexpr std::uint32_t work_of_look = 3;
 constexpr Units looks_to_pass = 4;
 
 // An edge that could as well be the other diagonal, but for its mark: both triangles have one
@@ -132,7 +132,9 @@ void canonicalize_cocircular(MeshState& m, Edge e) noexcept {
 // What it takes to find a chord of the circle again and to bring its two sides to their form, of so
 // many looks along all of it: they are looked at once more, each corner twice, and each edge is
 // crossed and turns three times.
-constexpr Units work_of_turning(Units looks) noexcept { return 6 * looks + 16; }
+constexpr Units work_of_turning(Units looks) noexcept {
+  return (2 * work_of_look + 2) * looks + 16;
+}
 
 bool may_turn(MeshState& m, Edge e) noexcept {
   const std::uint32_t looks = looks_along(m, e, m.work.left() / work_of_look);
@@ -167,8 +169,8 @@ Edge flip_in(MeshState& m, const Subsegment& subsegment) noexcept {
 bool may_constrain(MeshState& m, const Subsegment& subsegment) noexcept {
   if (m.work.is_going_back()) return true;
   if (!subsegment.is_edge) return may_turn(m, subsegment.head_edge);
-  // Others may turn it while it is not marked.
-  return !is_on_one_circle(m, subsegment.edge) || may_turn(m, subsegment.edge);
+  // Nothing turns now; but others may turn it while it is not marked, when this is taken back.
+  return !m.work.keeps() || may_release(m, subsegment.edge);
 }
 
 void constrain(MeshState& m, const Subsegment& subsegment) noexcept {
@@ -186,7 +188,9 @@ void constrain(MeshState& m, const Subsegment& subsegment) noexcept {
 }
 
 bool may_release(MeshState& m, Edge e) noexcept {
-  return may_constrain(m, {.is_edge = true, .edge = e});
+  if (m.work.is_going_back()) return true;
+  if (!m.work.spend(work_of_look)) return false;
+  return !is_on_one_circle(m, e) || may_turn(m, e);
 }
 
 void release_constraint(MeshState& m, Edge e) noexcept {

@@ -98,6 +98,7 @@ class WorkMeter {
     return fits(0);
   }
   [[nodiscard]] Units to_keep(Units units) const noexcept { return keeps_ ? units : 0; }
+  [[nodiscard]] bool keeps() const noexcept { return keeps_; }
   // What has been changed stays.
   void settle() noexcept {
     // The units that are no longer kept will pass once more.

@@ -90,7 +90,7 @@ class Conformer {
     for (;;) {
       ++looked_at_;
       if (can_be_edge(mesh_, subsegment)) {
-        constrain_subsegment(mesh_, subsegment);
+        static_cast<void>(constrain_subsegment(mesh_, subsegment));
       } else {
         const Status status = split(s, forth, subsegment);
         if (status != Status::ok) return status;
