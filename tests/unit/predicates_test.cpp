@@ -175,14 +175,20 @@ TEST(Filters, DecideNearlyAllOfRandomInput) {
   constexpr int count = 100'000;
   int undecided_turns = 0;
   int undecided_sides = 0;
+  int coarsely_undecided_sides = 0;
   for (int i = 0; i < count; ++i) {
     FourPoints four;
     for (Point& p : four) p = random.point(etcm::test::coordinate_max);
     undecided_turns += orient2d_filter(four[0], four[1], four[2]) == 0;
     undecided_sides += incircle_filter(four[0], four[1], four[2], four[3]) == 0;
+    const Offset a = offset(four[0], four[3]), b = offset(four[1], four[3]),
+                 c = offset(four[2], four[3]);
+    coarsely_undecided_sides += incircle_coarse(lift(a), cross_value(b, c), lift(b),
+                                                cross_value(c, a), lift(c), cross_value(a, b)) == 0;
   }
   EXPECT_LT(undecided_turns, count / 1000);
   EXPECT_LT(undecided_sides, count / 1000);
+  EXPECT_LT(coarsely_undecided_sides, count / 1000);
 }
 
 TEST(NarrowFilters, DecideNearlyAllOfRandomInput) {

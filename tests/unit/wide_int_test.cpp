@@ -109,4 +109,18 @@ TYPED_TEST(WideInt, SumsProductsAndSignsOf128And256Bits) {
   }
 }
 
+// Where a compiler computes, a step beyond a number's limbs is an error.
+template <class Arithmetic>
+constexpr bool stays_within_its_limbs() {
+  const auto product = Arithmetic::product(std::int64_t{-3}, std::int64_t{1} << 40);
+  const auto square = Arithmetic::product(product, product);
+  const auto none = square + square - square - square;
+  return Arithmetic::sign(product) < 0 && Arithmetic::sign(square) > 0 &&
+         Arithmetic::sign(none) == 0;
+}
+static_assert(stays_within_its_limbs<LimbArithmetic>());
+#ifdef __SIZEOF_INT128__
+static_assert(stays_within_its_limbs<NativeArithmetic>());
+#endif
+
 }  // namespace
