@@ -1,0 +1,116 @@
+// Which segments depend on which: rings that join and do not part again until they are stale.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "conforming/canonical.h"
+#include "inputs/random.h"
+#include "support/meshes.h"
+#include "triangulation/mesh_state.h"
+
+namespace etcm::test {
+namespace {
+
+using internal::MeshState;
+using internal::SegmentId;
+
+constexpr IdValue count = 24;
+
+// Features that stand apart, so that none depends on another.
+class Dependence : public testing::Test {
+ protected:
+  Dependence() {
+    Graph graph{"apart", {}, {}};
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(count); ++i) {
+      graph.nodes.push_back({0, 100 * i});
+      graph.nodes.push_back({10, 100 * i});
+      graph.features.push_back(between_nodes(2 * std::size_t(i), 2 * std::size_t(i) + 1));
+    }
+    mesh_ = built(graph);
+    state().work.start(Work::unlimited(), nobody_);
+  }
+
+  MeshState& state() { return *internal::MeshAccess::state(**mesh_); }
+
+  std::set<IdValue> ring_of(IdValue of) {
+    std::set<IdValue> ring;
+    for (IdValue i = of; ring.insert(i).second;)
+      i = state().segment(SegmentId{i}).next_dependent.value;
+    return ring;
+  }
+
+  std::set<IdValue> stale() {
+    std::set<IdValue> found;
+    for (IdValue i = 0; i < count; ++i) {
+      if (is_stale(state(), SegmentId{i})) found.insert(i);
+    }
+    return found;
+  }
+
+  void join_all(std::initializer_list<IdValue> members) {
+    for (const IdValue i : members) {
+      make_dependent(state(), SegmentId{*members.begin()}, SegmentId{i});
+    }
+  }
+
+  KeepAlive nobody_;
+  std::unique_ptr<OwnedMesh> mesh_;
+};
+
+TEST_F(Dependence, JoinsRingsAndNeverPartsThem) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    inputs::Random random(seed);
+    for (IdValue i = 0; i < count; ++i) make_stale(state(), SegmentId{i});
+    std::vector<std::set<IdValue>> expected(count);
+    for (IdValue i = 0; i < count; ++i) expected[i] = {i};
+    for (int step = 0; step < 40; ++step) {
+      const auto a = static_cast<IdValue>(random.index(count));
+      const auto b = static_cast<IdValue>(random.index(count));
+      make_dependent(state(), SegmentId{a}, SegmentId{b});
+      std::set<IdValue> joined = expected[a];
+      joined.insert(expected[b].begin(), expected[b].end());
+      for (const IdValue i : joined) expected[i] = joined;
+      for (IdValue i = 0; i < count; ++i) {
+        ASSERT_EQ(ring_of(i), expected[i]) << "seed " << seed << ", step " << step;
+      }
+    }
+  }
+}
+
+TEST_F(Dependence, MakesStaleAllOfARingAndNobodyElse) {
+  join_all({3, 7, 12});
+  join_all({4, 8});
+  make_stale(state(), SegmentId{7});
+  EXPECT_EQ(stale(), (std::set<IdValue>{3, 7, 12}));
+  EXPECT_EQ(state().stale_count, 3u);
+  // Laid again, they depend on what is found then.
+  EXPECT_EQ(ring_of(3), (std::set<IdValue>{3}));
+  make_stale(state(), SegmentId{12});
+  EXPECT_EQ(state().stale_count, 3u) << "it was stale";
+  make_canonical(state(), SegmentId{12});
+  make_canonical(state(), SegmentId{12});
+  EXPECT_EQ(stale(), (std::set<IdValue>{3, 7}));
+  EXPECT_EQ(state().stale_count, 2u);
+}
+
+TEST_F(Dependence, OfASegmentThatGoesIsRememberedByThoseThatStay) {
+  join_all({3, 7, 12});
+  forget_segment(state(), SegmentId{7});
+  EXPECT_EQ(stale(), (std::set<IdValue>{3, 12}));
+  EXPECT_EQ(state().stale_count, 2u);
+  EXPECT_EQ(ring_of(7), (std::set<IdValue>{7}));
+}
+
+TEST_F(Dependence, MakesAllStaleWhereItIsNotKnown) {
+  state().knows_dependence = false;
+  make_stale(state(), SegmentId{3});
+  EXPECT_EQ(stale().size(), count);
+}
+
+}  // namespace
+}  // namespace etcm::test
