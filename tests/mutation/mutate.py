@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Plants small changes into sources, one at a time: the tests beside each group must catch them.
 
-Usage: mutate.py [GROUP...] [--sample N] [--seed S] [--file F] [--list]
+Usage: mutate.py [GROUP...] [--sample N] [--seed S] [--file F [--line L]] [--list]
 
 GROUP is one of those of groups.py; without one, all. Works on a copy of the tree in build/mutation, which it
 makes and builds first. A change that does not compile is none. One that lets a test fail, crash or
@@ -149,7 +149,8 @@ def drawn(changes, sample, seed):
 
 def run_group(group, tree, options, explained):
     """How many have survived that nothing explains."""
-    all_changes = changes_of_group(group, options.file)
+    all_changes = [change for change in changes_of_group(group, options.file)
+                   if options.line in (None, change.line)]
     changes = drawn(all_changes, options.sample, options.seed)
     if not changes:
         return 0
@@ -182,6 +183,7 @@ def main():
     parser.add_argument("--sample", type=int, help="so many of each group, drawn by chance")
     parser.add_argument("--seed", type=int, default=1, help="what the sample is drawn by")
     parser.add_argument("--file", help="the changes of this file alone")
+    parser.add_argument("--line", type=int, help="of these those of this line, to try a survivor again")
     parser.add_argument("--list", action="store_true", help="print the changes, and try none")
     parser.add_argument("--verbose", action="store_true", help="print who caught each")
     parser.add_argument("--work", type=Path, default=WORK, help="where the copy and its build are")

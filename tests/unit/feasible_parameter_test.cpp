@@ -4,6 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <tuple>
+#include <utility>
+
+#include "inputs/random.h"
+#include "support/exact.h"
+
 namespace etcm::test {
 namespace {
 
@@ -48,6 +55,67 @@ TEST(FeasibleParameter, IsFoundInTrianglesWhoseAreaIsNoneInDouble) {
     site.tail_right = needle.left;
     EXPECT_EQ(internal::feasible_from_tail(site), parameter_end - needle.farthest);
   }
+}
+
+// Two points ahead of a vertex, on either side of the line, from near to farther than the line is
+// long.
+std::pair<Point, Point> two_ahead(inputs::Random& random, const Point& end, std::int64_t dx,
+                                  std::int64_t dy) {
+  const auto part = [&](std::int64_t length, int digits) {
+    return length * random.between(1, 1000) / (std::int64_t{1} << digits);
+  };
+  const int ahead = random.between(6, 38), aside = random.between(6, 38);
+  const auto beside = [&](std::int64_t side) {
+    return Point{end.x + part(dx, ahead) - side * part(dy, aside),
+                 end.y + part(dy, ahead) + side * part(dx, aside)};
+  };
+  return {beside(-1), beside(1)};
+}
+
+TEST(FeasibleParameter, IsTheLastThatIsNotOutsideOfTheCircle) {
+  inputs::Random random(7);
+  int looked_at = 0, all = 0, none = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const int most = i % 2 == 0 ? 1000 : 100'000;
+    SplitSite site;
+    site.from = {random.between(-most, most), random.between(-most, most)};
+    site.to = {random.between(-most, most), random.between(-most, most)};
+    site.head = static_cast<Parameter>(random.below(parameter_end));
+    site.tail = static_cast<Parameter>(site.head + 1 + random.below(parameter_end - site.head));
+    const Point head = site.at(site.head), tail = site.at(site.tail);
+    std::tie(site.head_right, site.head_left) =
+        two_ahead(random, head, tail.x - head.x, tail.y - head.y);
+    std::tie(site.tail_left, site.tail_right) =
+        two_ahead(random, tail, head.x - tail.x, head.y - tail.y);
+    const auto inside_head = [&](Parameter t) {
+      return exact_incircle(head, site.head_right, site.head_left, site.at(t)) >= 0;
+    };
+    const auto inside_tail = [&](Parameter t) {
+      return exact_incircle(tail, site.tail_left, site.tail_right, site.at(t)) >= 0;
+    };
+    // Those that have an area, and the line between them.
+    if (exact_orientation(head, tail, site.head_left) > 0 &&
+        exact_orientation(head, tail, site.head_right) < 0 &&
+        exact_orientation(head, site.head_right, site.head_left) > 0) {
+      const Parameter found = internal::feasible_from_head(site);
+      ASSERT_TRUE(found >= site.head && found <= site.tail && inside_head(found)) << i;
+      ASSERT_TRUE(found == site.tail || !inside_head(found + 1)) << i;
+      ++looked_at;
+      all += found == site.tail;
+      none += found == site.head;
+    }
+    if (exact_orientation(tail, head, site.tail_right) > 0 &&
+        exact_orientation(tail, head, site.tail_left) < 0 &&
+        exact_orientation(tail, site.tail_left, site.tail_right) > 0) {
+      const Parameter found = internal::feasible_from_tail(site);
+      ASSERT_TRUE(found >= site.head && found <= site.tail && inside_tail(found)) << i;
+      ASSERT_TRUE(found == site.head || !inside_tail(found - 1)) << i;
+    }
+  }
+  EXPECT_GT(looked_at, 5'000);
+  EXPECT_GT(all, 500);
+  EXPECT_GT(looked_at - all - none, looked_at / 4);
+  EXPECT_GT(none, 10);
 }
 
 }  // namespace
