@@ -35,6 +35,9 @@ TEST(CBytes, AreAMeshAgainWhereverTheyAre) {
   ASSERT_EQ(etcm_attach_copy(&copy, copy_of_c, sizeof copy_of_c, nullptr), ETCM_OK);
   ASSERT_EQ(etcm_reader_attach_copy(&reader, copy_of_c, sizeof copy_of_c), ETCM_OK);
   EXPECT_EQ(etcm_node_count(etcm_reader_mesh(&reader)), 4u);
+  const etcm_split_policy_t policy{etcm_split_paper, nullptr};
+  etcm_seal(&copy);
+  ASSERT_EQ(etcm_attach(&copy, copy_of_c, sizeof copy_of_c, &policy), ETCM_OK);
 
   static unsigned char saved_bytes[ETCM_SAVED_BYTES(40, 4)];
   const std::span saved(saved_bytes);

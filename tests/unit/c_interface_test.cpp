@@ -527,6 +527,45 @@ TEST_F(CInterface, OpensAMeshWithTheHookItWasGivenBefore) {
   EXPECT_EQ(calls, own_calls);
 }
 
+TEST_F(CInterface, ARefusedCallLeavesWhatItWouldTell) {
+  build(inputs::random_graph(20, inputs::FeatureLength::any, 4));
+  etcm_vertex_t node = 77;
+  EXPECT_EQ(etcm_join(&c_, {ETCM_POSITION_MAX + 1, 0}, ETCM_UNLIMITED, &node), ETCM_BAD_COORDINATE);
+  EXPECT_EQ(node, 77u);
+  etcm_interpolated_t value{};
+  value.value = 77;
+  EXPECT_EQ(etcm_interpolate(&c_, etcm_point(&c_, 1), nullptr, 0, &value), ETCM_BUFFER_TOO_SMALL);
+  EXPECT_EQ(value.value, 77);
+
+  std::vector<std::uint32_t> numbers(ETCM_HANDLES_WORDS(vertices_max, features_max));
+  etcm_handles_t handles{};
+  ASSERT_EQ(etcm_handles_open(&handles, &c_, numbers.data(), numbers.size(), 0), ETCM_OK);
+  etcm_node_handle_t a, b{7, 7};
+  etcm_feature_handle_t feature{7, 7};
+  ASSERT_EQ(etcm_handles_join(&handles, {5001, 1}, ETCM_UNLIMITED, &a), ETCM_OK);
+  EXPECT_EQ(etcm_handles_join(&handles, {5001, 1}, ETCM_UNLIMITED, &b), ETCM_DUPLICATE_VERTEX);
+  EXPECT_EQ(b.number, 7u);
+  EXPECT_EQ(etcm_handles_add_feature(&handles, a, b, ETCM_UNLIMITED, &feature), ETCM_STALE_HANDLE);
+  EXPECT_EQ(feature.number, 7u);
+}
+
+TEST_F(CInterface, VisitsNoMoreOnceItIsToldToStop) {
+  build(inputs::random_graph(20, inputs::FeatureLength::any, 4));
+  int visits = 0;
+  EXPECT_FALSE(etcm_nodes_of(
+      &c_, [](void* context, etcm_vertex_t) { return ++*static_cast<int*>(context) < 2; },
+      &visits));
+  EXPECT_EQ(visits, 2);
+  EXPECT_FALSE(etcm_features_of(
+      &c_, [](void* context, etcm_feature_t) { return ++*static_cast<int*>(context) < 4; },
+      &visits));
+  EXPECT_EQ(visits, 4);
+  EXPECT_FALSE(etcm_edges_of(
+      &c_, [](void* context, const etcm_edge_t*) { return ++*static_cast<int*>(context) < 6; },
+      &visits));
+  EXPECT_EQ(visits, 6);
+}
+
 TEST_F(CInterface, RefusesWhatThatOfCxxRefuses) {
   etcm_mesh_t other{};
   etcm_config_t config{10, 0, 0, nullptr};
