@@ -10,6 +10,7 @@
 
 #include "conforming/canonical.h"
 #include "inputs/random.h"
+#include "inputs/random_graph.h"
 #include "support/meshes.h"
 #include "triangulation/mesh_state.h"
 
@@ -110,6 +111,15 @@ TEST_F(Dependence, MakesAllStaleWhereItIsNotKnown) {
   state().knows_dependence = false;
   make_stale(state(), SegmentId{3});
   EXPECT_EQ(stale().size(), count);
+}
+
+// Segments that stand alone are laid twice, and what stood there first is looked around.
+TEST(DependenceAfterABuild, IsKnownOfShortFeaturesWhoeverIsLaidTwice) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const auto mesh = built(inputs::random_graph(300, inputs::FeatureLength::in_reach, seed));
+    ASSERT_GT((*mesh)->steiner_count(), 0u);
+    EXPECT_TRUE(internal::MeshAccess::state(**mesh)->knows_dependence) << "seed " << seed;
+  }
 }
 
 }  // namespace

@@ -58,14 +58,19 @@ TEST(FeasibleParameter, IsFoundInTrianglesWhoseAreaIsNoneInDouble) {
 }
 
 // Two points ahead of a vertex, on either side of the line, from near to farther than the line is
-// long.
+// long. Of needles they are some sub-units from it: then doubles tell little of the circle.
 std::pair<Point, Point> two_ahead(inputs::Random& random, const Point& end, std::int64_t dx,
-                                  std::int64_t dy) {
+                                  std::int64_t dy, bool is_needle) {
   const auto part = [&](std::int64_t length, int digits) {
     return length * random.between(1, 1000) / (std::int64_t{1} << digits);
   };
   const int ahead = random.between(6, 38), aside = random.between(6, 38);
   const auto beside = [&](std::int64_t side) {
+    if (is_needle) {
+      const std::int64_t length = random.between(1, 1000);
+      return Point{end.x + dx / 1024 * length + random.between(-3, 3),
+                   end.y + dy / 1024 * length + random.between(-3, 3)};
+    }
     return Point{end.x + part(dx, ahead) - side * part(dy, aside),
                  end.y + part(dy, ahead) + side * part(dx, aside)};
   };
@@ -76,7 +81,8 @@ TEST(FeasibleParameter, IsTheLastThatIsNotOutsideOfTheCircle) {
   inputs::Random random(7);
   int looked_at = 0, all = 0, none = 0;
   for (int i = 0; i < 20'000; ++i) {
-    const int most = i % 2 == 0 ? 1000 : 100'000;
+    const bool is_needle = i % 4 == 0;
+    const int most = is_needle ? position_max : i % 2 == 0 ? 1000 : 100'000;
     SplitSite site;
     site.from = {random.between(-most, most), random.between(-most, most)};
     site.to = {random.between(-most, most), random.between(-most, most)};
@@ -84,9 +90,9 @@ TEST(FeasibleParameter, IsTheLastThatIsNotOutsideOfTheCircle) {
     site.tail = static_cast<Parameter>(site.head + 1 + random.below(parameter_end - site.head));
     const Point head = site.at(site.head), tail = site.at(site.tail);
     std::tie(site.head_right, site.head_left) =
-        two_ahead(random, head, tail.x - head.x, tail.y - head.y);
+        two_ahead(random, head, tail.x - head.x, tail.y - head.y, is_needle);
     std::tie(site.tail_left, site.tail_right) =
-        two_ahead(random, tail, head.x - tail.x, head.y - tail.y);
+        two_ahead(random, tail, head.x - tail.x, head.y - tail.y, is_needle);
     const auto inside_head = [&](Parameter t) {
       return exact_incircle(head, site.head_right, site.head_left, site.at(t)) >= 0;
     };
