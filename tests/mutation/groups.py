@@ -31,7 +31,7 @@ GROUPS = {
     "framing": Group(
         sources("port/modbus", "frame", "rtu_frame", "rtu_bus", "rtu_line", "rtu_serial_line", "rtu_tcp_line",
                 "owed_answers"),
-        ["port_test --gtest_filter=*Rtu*:*Serial*:*Frame*:*Request*:*Answer*:*Pdu*:*Line*:*Libmodbus*",
+        ["port_test --gtest_filter=*Rtu*:*Serial*:*Frame*:*Request*:*Answer*:*Pdu*:*Line*:*Libmodbus*:OwedAnswers.*",
          "firmware_test --gtest_filter=LateAnswers.*:BusSilence.*:*LineTime*:*BusyLine*:LostAnswers.*"]),
     "admission": Group(
         sources("firmware/nodes", "admission"),
