@@ -471,6 +471,26 @@ TEST_F(SerialBus, HalfAnAnswerThatCameTooLateDoesNotSpoilTheNext) {
   expect_health();
 }
 
+TEST_F(SerialBus, WhatWasWrongBeforeIsNotSaidOfTheNextRequest) {
+  request(9);
+  say(two_registers(5, 1));
+  EXPECT_EQ(wait_in_vain(), BusResult::bad_answer);
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+}
+
+TEST_F(SerialBus, WithHalfOfItsWaysOwedTheOthersAreAskedInTurn) {
+  const RegisterRead read{.address = 9, .first = 0, .count = 2, .timeout = answer_timeout};
+  become_ready();
+  EXPECT_LE(bus().read_free_at(read, now_), now_);
+  request(9);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  // Two ways: the second is asked half the time later in which an answer may come.
+  const Instant free_at = bus().read_free_at(read, now_);
+  EXPECT_GT(free_at, now_ + late_answer_max / 2 - 500ms);
+  EXPECT_LE(free_at, now_ + late_answer_max / 2);
+}
+
 TEST_F(SerialBus, WhatLiesThereBeforeARequestIsThrownAway) {
   become_ready();
   const Bytes stale = two_registers(7, 1);
