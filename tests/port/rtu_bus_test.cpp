@@ -534,6 +534,18 @@ TEST_F(SerialBus, AUnitThatOnceWasSlowGetsALongerQuiet) {
   EXPECT_TRUE(bus().ready());
 }
 
+TEST_F(SerialBus, TheQuietIsNotEndedByWhatIsNotOwed) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  pass(quiet + 300ms);
+  say(two_registers(7, 1));
+  request(7, read_holding_registers);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  say(rtu_of(7, {read_input_registers, 2, 0, 1}));
+  pass(quiet + 100ms);
+  EXPECT_FALSE(bus().ready()) << "it may still answer";
+}
+
 TEST_F(SerialBus, AUnitThatWasOnceVeryLateCostsTheOthersLittle) {
   request(7);
   EXPECT_EQ(wait_in_vain(), BusResult::timeout);
@@ -662,6 +674,17 @@ TEST_F(SerialBus, NoiseBeforeAnAnswerAndAnEchoOfTheRequestAreSkipped) {
   EXPECT_EQ(value_, 3);
 }
 
+// The answer stands where the room for what is heard ends.
+TEST_F(SerialBus, MoreNoiseThanThereIsRoomForDoesNotHideAnAnswer) {
+  request(7);
+  Bytes bytes(RtuLine::heard_bytes_max - 4, 0);
+  const Bytes answer = two_registers(7, 5);
+  bytes.insert(bytes.end(), answer.begin(), answer.end());
+  say(bytes);
+  EXPECT_EQ(result(), BusResult::ok);
+  EXPECT_EQ(value_, 5);
+}
+
 TEST_F(SerialBus, ABabblerDoesNotKeepTheLineForEver) {
   become_ready();
   int turns = 0;
@@ -688,6 +711,34 @@ TEST_F(SerialBus, AnUnpluggedPortComesBack) {
   pass(100ms);
   expect_health();
   EXPECT_EQ(log_.lines.size(), 3u) << "opened, gone, opened";
+}
+
+TEST_F(SerialBus, WhatWasAskedWhenAPortWentMayBeAnsweredWhenItIsBack) {
+  request(7);
+  unplug();
+  EXPECT_TRUE(turn_until(loop_, [&] {
+    bus().advance(now_);
+    return result() == BusResult::link_lost;
+  }));
+  plug_in();
+  pass(100ms);
+  become_ready();
+  bus().start_read({.address = 7, .first = 0, .count = 2, .timeout = answer_timeout}, now_);
+  EXPECT_EQ(take(rtu_read_request_bytes), rtu_of(7, {read_holding_registers, 0, 0, 0, 2}))
+      << "the other way is free";
+}
+
+TEST_F(SerialBus, ATransceiverIsLeftListeningWhereAPortGoes) {
+  send_enable_ = DigitalLine{0};
+  become_ready();
+  bus().start_read({.address = 7, .first = 0, .count = 2, .timeout = answer_timeout}, now_);
+  EXPECT_TRUE(lines_.active);
+  unplug();
+  EXPECT_TRUE(turn_until(loop_, [&] {
+    bus().advance(now_);
+    return result() == BusResult::link_lost;
+  }));
+  EXPECT_FALSE(lines_.active);
 }
 
 TEST_F(SerialBus, APortThatIsNotThereIsTriedAgainAndSaidOnce) {
