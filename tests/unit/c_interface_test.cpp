@@ -410,6 +410,8 @@ TEST_F(CInterface, HandlesNameTheSame) {
   EXPECT_EQ(etcm_handles_leave(&handles, a, ETCM_UNLIMITED), ETCM_OK);
   etcm_vertex_t id;
   EXPECT_EQ(etcm_handles_find_node(&handles, a, &id), ETCM_STALE_HANDLE);
+  ASSERT_EQ(etcm_handles_find_node(&handles, b, &id), ETCM_OK);
+  EXPECT_EQ(id, b.id);
   EXPECT_EQ(etcm_handles_given_out(&handles), 3u);
 }
 

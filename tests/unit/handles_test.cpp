@@ -187,6 +187,9 @@ TEST_F(HandlesTest, NoNumberIsGivenTwice) {
   ASSERT_EQ(mesh().join({4, 4}, id), Status::ok);
   EXPECT_EQ(handles_.handle_of(id, none), Status::out_of_handles);
   EXPECT_EQ(find(b), Status::stale_handle);
+  FeatureId line;
+  ASSERT_EQ(mesh().add_feature({b.id, id}, line), Status::ok);
+  EXPECT_EQ(handles_.handle_of(line, feature), Status::out_of_handles);
 }
 
 TEST_F(HandlesTest, OpenedAnewTheyKnowNobody) {
