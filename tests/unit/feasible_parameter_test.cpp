@@ -57,6 +57,22 @@ TEST(FeasibleParameter, IsFoundInTrianglesWhoseAreaIsNoneInDouble) {
   }
 }
 
+TEST(FeasibleParameter, IsThatOnTheCircleWhereOneIs) {
+  for (const Parameter on_circle : {1, 2, 7, 1000}) {
+    SplitSite site;
+    site.to = {8, 0};
+    // As far on as aside: the circle leaves the line twice as far from the end.
+    const std::int64_t half = 4 * std::int64_t{on_circle};
+    site.head_right = {half, -half};
+    site.head_left = {half, half};
+    EXPECT_EQ(internal::feasible_from_head(site), on_circle);
+    const Point tail = site.at(site.tail);
+    site.tail_left = {tail.x - half, half};
+    site.tail_right = {tail.x - half, -half};
+    EXPECT_EQ(internal::feasible_from_tail(site), parameter_end - on_circle);
+  }
+}
+
 // Two points ahead of a vertex, on either side of the line, from near to farther than the line is
 // long. Of needles they are some sub-units from it: then doubles tell little of the circle.
 std::pair<Point, Point> two_ahead(inputs::Random& random, const Point& end, std::int64_t dx,
