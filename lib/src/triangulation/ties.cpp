@@ -16,7 +16,7 @@ namespace etcm::internal {
 namespace {
 
 // Each circle is settled by wide integers.
-constexpr std::uint32_t work_of_look = 3;
+constexpr std::uint32_t work_of_look = 2;
 constexpr Units looks_to_pass = 4;
 
 // An edge that could as well be the other diagonal, but for its mark: both triangles have one

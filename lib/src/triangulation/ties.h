@@ -8,7 +8,7 @@ namespace etcm::internal {
 
 // What it takes at most to bring what is beside a chord of an empty circle to its canonical form,
 // for each corner.
-inline constexpr Units work_of_chord = 24;
+inline constexpr Units work_of_chord = 18;
 
 // Makes a subsegment a marked edge that is one, or crosses edges all of whose ends lie on one empty
 // circle with it, and brings the ties beside it to their canonical form. Beforehand there must be
