@@ -129,7 +129,11 @@ class GuidePictures(BrowserCase):
         self.find("#close").click()
         self.find("#buses summary").click()
         self.wait_for_text("#buses .units", r"(?s)^Unit.*silent since")
-        self.browser.execute_script("document.querySelector('#bus-list').scrollIntoView()")
+        # Painted at once, what scrolls within the panels would be where it was before.
+        self.browser.execute_async_script("""
+            const [done] = arguments;
+            document.querySelector('#bus-list').scrollIntoView();
+            requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)));""")
         self.guide_picture("page-units")
 
     def test_nobody_answers(self):

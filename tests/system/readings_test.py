@@ -279,7 +279,7 @@ class OnTheMap(BrowserCase, MeasuringCase):
               });""", middle, beside)
         self.assertEqual(shaded("anchor", "node"), 3, "a fence makes no hole")
         self.assertEqual(shaded("anchor", "anchor"), 3, "nothing beyond")
-        self.assertEqual(shaded("node", "node"), 0, "what is not measured is not made up")
+        self.assertEqual(shaded("node", "node"), 3, "nor does a node that measures something else")
 
     def test_without_devices_there_is_nothing_to_choose(self):
         self.start_page(["0,1,join,0,0", "0,2,join,1000,0"])

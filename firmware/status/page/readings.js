@@ -36,7 +36,7 @@ export function valuesOn(mesh, ofSerial) {
     const reading = ofSerial.get(node.serial);
     if (node.id !== undefined && isFresh(reading)) values.set(node.id, reading.value);
   }
-  fill(mesh, values);
+  fill(mesh, ofSerial, values);
   const atNodes = new Map(values);
   for (const point of mesh.steiner) {
     const value = betweenNodes(mesh, point, atNodes);
@@ -45,15 +45,16 @@ export function valuesOn(mesh, ofSerial) {
   return values;
 }
 
-// An anchor among sensors has the mean of those around, the near ones first, so that a fence makes no
-// hole in the map. Beyond the sensors nobody knows anything, and what a node does not measure is not
-// made up.
+// Among sensors an anchor, and a node that measures something else, has the mean of those around, the
+// near ones first, so that neither makes a hole in the map. Beyond the sensors nobody knows anything. A
+// sensor that is stale or says nothing is one that is there: it stays bare.
 const fillRounds = 200;
 
-function fill(mesh, values) {
+function fill(mesh, ofSerial, values) {
   const hull = hullOf([...values.keys()].map((id) => mesh.points.get(id)));
   const bare = [...mesh.points.values()]
-    .filter((point) => point.kind === "anchor" && isWithin(hull, point))
+    .filter((point) => point.kind !== "steiner" && !values.has(point.id) && !ofSerial.has(point.serial))
+    .filter((point) => isWithin(hull, point))
     .map((point) => [point.id, weightsAround(mesh, point)]);
   for (let round = 0; round < fillRounds; ++round) {
     let greatest = 0;
