@@ -44,6 +44,7 @@ AlarmBook::Slot* AlarmBook::add(std::vector<std::uint32_t>::const_iterator place
 
 void AlarmBook::begin_look(port::Instant now) {
   now_ = now;
+  wants_look_ = false;
   ++look_;
   untold_in_look_ = 0;
 }
@@ -81,7 +82,7 @@ void AlarmBook::hold(AlarmKey key, port::Instant since, std::string_view text,
 
 void AlarmBook::dismiss(AlarmKey key) {
   const auto place = place_of(key);
-  if (is_at(place, key)) slots_[*place].is_dismissed = true;
+  if (is_at(place, key)) slots_[*place].is_dismissed = wants_look_ = true;
 }
 
 void AlarmBook::end(Slot& slot, AlarmEnd why) {

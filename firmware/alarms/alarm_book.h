@@ -69,8 +69,10 @@ class AlarmBook {
   // How many have ended for good so far, in this run; the newest is the last of them.
   std::uint32_t ended_ever() const { return ended_ever_; }
 
-  // Somebody has dismissed what it is about; the next look tells whether that ends it. O(log n).
+  // Somebody has dismissed what it is about; the next look tells whether that ends it, and is
+  // wanted at once. O(log n).
   void dismiss(AlarmKey key);
+  bool wants_look() const { return wants_look_; }
 
   // Somebody knows of it. False: none with this number is on.
   bool acknowledge(std::uint32_t number);
@@ -123,6 +125,7 @@ class AlarmBook {
   std::uint32_t last_number_ = 0;
   std::uint32_t events_ever_ = 0;
   std::uint32_t rewordings_ = 0;
+  bool wants_look_ = false;
   bool is_reworded_ = false;  // since then
   port::Instant reworded_at_{};
   std::uint32_t on_ = 0;

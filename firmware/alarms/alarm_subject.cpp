@@ -148,15 +148,34 @@ std::uint64_t subject_of(const FeatureSettings& feature) {
   return subject;
 }
 
+namespace {
+
+// The settings name a node by its serial.
+bool is_written(const Settings& settings, Serial serial) {
+  const auto is_its = [serial](const auto& each) { return each.serial == serial; };
+  const auto ends_there = [&](const FeatureSettings& feature) {
+    return (!feature.from.is_anchor && is_its(feature.from)) ||
+           (!feature.to.is_anchor && is_its(feature.to));
+  };
+  return std::any_of(settings.features.begin(), settings.features.end(), ends_there) ||
+         std::any_of(settings.nodes.begin(), settings.nodes.end(),
+                     [serial](const NodeSettings& node) { return node.serial == serial.value; }) ||
+         std::any_of(settings.node_names.begin(), settings.node_names.end(), is_its);
+}
+
+}  // namespace
+
 void write_missing_cure(TextLine& cure, const Gateway& gateway, const NodeRecord& node) {
   const Poller& poller = gateway.poller();
   const NodeRecord* const other =
       node.last_unit.is_none() ? nullptr : gateway.nodes().at(node.last_unit);
   if (other != nullptr && other->serial != node.serial) {
-    cure << "node " << other->serial.value
-         << " answers there now; if it is in its place: sudo etcm-gateway ctl dismiss "
-         << node.serial.value
-         << ", write the new serial where the settings have the old one, and reload";
+    cure << "node " << other->serial.value << " answers there now; if it is in its place: ";
+    if (is_written(gateway.settings(), node.serial)) {
+      cure << "write " << other->serial.value << " where the settings have " << node.serial.value
+           << ", reload, and ";
+    }
+    cure << "sudo etcm-gateway ctl dismiss " << node.serial.value << "; how: /guide/#replace-a-node";
     return;
   }
   const bool is_heard = !node.last_unit.is_none() && poller.is_up(poller.bus_of(node.last_unit)) &&

@@ -12,7 +12,7 @@
 namespace etcm::firmware {
 
 void AlarmWatch::step(port::Instant now) {
-  if (now < look_due_) return;
+  if (now < look_due_ && !book_.wants_look()) return;
   look_due_ = now + look_interval;
   book_.begin_look(now);
   find_waiting_features();

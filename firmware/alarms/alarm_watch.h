@@ -33,9 +33,10 @@ class AlarmWatch {
   AlarmBook& book() { return book_; }
   const AlarmBook& book() const { return book_; }
 
-  // Looks, once in look_interval. O(n log n) in nodes, units, features and alarms.
+  // Looks, once in look_interval, and when something was dismissed. O(n log n) in nodes, units,
+  // features and alarms.
   void step(port::Instant now);
-  port::Instant next_deadline() const { return look_due_; }
+  port::Instant next_deadline() const { return book_.wants_look() ? port::Instant{} : look_due_; }
 
  private:
   // --- alarm_judging.cpp

@@ -36,18 +36,31 @@ const NodeRecord* nearest_node(const NodeTable& nodes, Position place) {
   return nearest;
 }
 
+bool ends_at(const FeatureSettings& feature, Serial serial) {
+  const auto is_there = [serial](const FeatureEnd& end) {
+    return !end.is_anchor && end.serial == serial;
+  };
+  return is_there(feature.from) || is_there(feature.to);
+}
+
 // Of two [[feature]], which meet at nodes alone.
-void write_cure_of_listed(TextLine& cure, const NodeTable& nodes, const SitePlane& plane,
-                          const std::optional<Position>& crossing) {
-  const NodeRecord* const near = crossing ? nearest_node(nodes, *crossing) : nullptr;
-  cure << "let both end at a node that is near there";
-  if (near != nullptr) {
-    cure << " (";
-    write_distance(cure, plane, *crossing, near->placed, ": ");
-    cure << nodes.called(*near) << ")";
+void write_cure_of_listed(TextLine& cure, const FeatureSettings& feature,
+                          const PlacedFeature& other, const NodeRecord* near,
+                          const CalledNode& called, const TextLine& far) {
+  if (near != nullptr && ends_at(feature, near->serial)) {
+    cure << "let " << other << " run over " << called
+         << ", where this one ends, as two [[feature]]";
+  } else if (near != nullptr && ends_at(other.settings, near->serial)) {
+    cure << "let it run over " << called << ", where "
+         << CalledFeature{other.number, other.settings.name} << " ends, as two [[feature]]";
+  } else {
+    cure << "let both end at a node that is near there";
+    if (near != nullptr) cure << " (" << far.view() << called << ")";
+    cure << ", each as two [[feature]]";
   }
-  cure << ", each as two [[feature]], or draw both in a site file with a vertex there and take "
-          "both [[feature]] out, or take one out";
+  cure
+      << ", or draw both in a site file with a vertex there and take both [[feature]] out, or take "
+         "one out";
 }
 
 // Of a line of the site file and a [[feature]] that are in each other's way. Most often somebody
@@ -93,7 +106,12 @@ std::optional<FeatureReason> reason_of(const FeatureSettings& feature, Status st
         reason.cure << "in the site file give both lines a vertex there, at the same coordinates, "
                        "or let one end there, or take one out";
       } else {
-        write_cure_of_listed(reason.cure, nodes, plane, blocker->near);
+        const NodeRecord* const near =
+            blocker->near ? nearest_node(nodes, *blocker->near) : nullptr;
+        TextLine far;
+        if (near != nullptr) write_distance(far, plane, *blocker->near, near->placed, ": ");
+        const CalledNode called = near != nullptr ? nodes.called(*near) : CalledNode{};
+        write_cure_of_listed(reason.cure, feature, named, near, called, far);
       }
       break;
     default:

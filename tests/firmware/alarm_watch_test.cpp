@@ -181,10 +181,34 @@ TEST_F(AlarmWatchTest, AMissingNodeWhoseUnitAnotherHasMayBeReplaced) {
   run(10s);
   rig_.bus.set(1, {.serial = Serial{77}, .position = {1, 1}, .status = node_status::fix_valid});
   run(10s);
-  EXPECT_EQ(wrong(),
-            (Lines{"major: node 1001, unit 1 of yard, is missing -> node 77 answers there "
-                   "now; if it is in its place: sudo etcm-gateway ctl dismiss 1001, write the "
-                   "new serial where the settings have the old one, and reload"}));
+  EXPECT_EQ(wrong(), (Lines{"major: node 1001, unit 1 of yard, is missing -> node 77 answers there "
+                            "now; if it is in its place: sudo etcm-gateway ctl dismiss 1001; how: "
+                            "/guide/#replace-a-node"}));
+}
+
+TEST_F(AlarmWatchOfFeatures, TheSerialOfOneThatIsReplacedIsWrittenAnewWhereTheSettingsHaveIt) {
+  rig_.put_square();
+  run(10s);
+  rig_.bus.set(1, {.serial = Serial{77}, .position = {1, 1}, .status = node_status::fix_valid});
+  run(10s);
+  const std::string list = tell("show alarms");
+  EXPECT_NE(
+      list.find("if it is in its place: write 77 where the settings have 1001, reload, and sudo "
+                "etcm-gateway ctl dismiss 1001; how: /guide/#replace-a-node\n"),
+      std::string::npos)
+      << list;
+}
+
+TEST_F(AlarmWatchTest, WhatIsDismissedIsNoAlarmInTheNextList) {
+  rig_.put_square();
+  run(10s);
+  rig_.bus.silence(1);
+  run(10s);
+  EXPECT_EQ(wrong().size(), 1u);
+  EXPECT_EQ(tell("dismiss 1001"), "ok\nnode 1001 is no longer missed\n");
+  EXPECT_LE(watch_->next_deadline(), rig_.clock.now());
+  watch_->step(rig_.clock.now());
+  EXPECT_EQ(tell("show alarms"), "ok\nnothing is wrong\n");
 }
 
 TEST_F(AlarmWatchTest, WhatIsOverAfterARestartEndsAsSoonAsThatIsKnown) {
@@ -368,8 +392,9 @@ TEST_F(AlarmWatchOfACrossing, TheOtherFeatureIsNamed) {
       wrong(),
       (Lines{
           "major: feature 2 (1002-1004, site.toml:1) is not in the mesh: it crosses feature 1 "
-          "'north fence' (site.toml:1) at (50, 50) -> let both end at a node that is near "
-          "there (node 1001), each as two [[feature]], or draw both in a site file with a vertex "
+          "'north fence' (site.toml:1) at (50, 50) -> let it run over node 1001, where "
+          "feature 1 'north fence' ends, as two [[feature]], or draw both in a site file with a "
+          "vertex "
           "there and "
           "take both [[feature]] out, or take one out; how: /guide/site.html#where-lines-meet"}));
 }
@@ -380,8 +405,8 @@ TEST_F(AlarmWatchOfACrossing, HealthNamesAFeatureThatIsRefused) {
   EXPECT_EQ(
       tell("show health"),
       "ok\nfeature 2 (1002-1004, site.toml:1) is not in the mesh: it crosses feature 1 'north "
-      "fence' (site.toml:1) at (50, 50); let both end at a node that is near there (node 1001), "
-      "each as "
+      "fence' (site.toml:1) at (50, 50); let it run over node 1001, where feature 1 'north fence' "
+      "ends, as "
       "two [[feature]], or draw both in a site file with a vertex there and take both [[feature]] "
       "out, or take one out; "
       "how: /guide/site.html#where-lines-meet\n");
