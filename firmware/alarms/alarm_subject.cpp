@@ -175,7 +175,8 @@ void write_missing_cure(TextLine& cure, const Gateway& gateway, const NodeRecord
       cure << "write " << other->serial.value << " where the settings have " << node.serial.value
            << ", reload, and ";
     }
-    cure << "sudo etcm-gateway ctl dismiss " << node.serial.value << "; how: /guide/#replace-a-node";
+    cure << "sudo etcm-gateway ctl dismiss " << node.serial.value
+         << "; how: /guide/#replace-a-node";
     return;
   }
   const bool is_heard = !node.last_unit.is_none() && poller.is_up(poller.bus_of(node.last_unit)) &&

@@ -374,8 +374,8 @@ TEST(SiteKeeping, AnEarlierFeatureThatComesLaterPutsTheLaterOneOut) {
   EXPECT_EQ(rig.server.header("features_active"), 1u);
   EXPECT_EQ(rig.log.count("feature 2 (1002-1004, site.toml:1) refused"), 1u);
   EXPECT_EQ(
-      rig.log.count("refused: it crosses feature 1 (1001-1003, site.toml:1) at (50, 50); let both "
-                    "end at a node that is near there"),
+      rig.log.count("refused: it crosses feature 1 (1001-1003, site.toml:1) at (50, 50); let it "
+                    "run over node 1003, where feature 1 ends, as two [[feature]]"),
       1u);
   // As soon as that one goes.
   rig.bus.silence(3);
