@@ -8,6 +8,7 @@ import signal
 import socket
 import unittest
 
+from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.common.keys import Keys
 
 from browser import BrowserCase
@@ -18,7 +19,7 @@ from page_test import MOMENT
 class Alarms(BrowserCase):
     def test_alarms_that_have_ended_are_listed_when_somebody_looks(self):
         gateway = self.start_page(["0,1,join,0,0", "0,2,join,1000,0", "0,3,join,400,700",
-                                   "3000,2,silent,,", "6000,3,silent,,"], **SOON)
+                                   "10000,2,silent,,", "13000,3,silent,,"], **SOON)
         self.size(1280, 800)
         self.browser.get(self.url)
         self.forget_what_was_asked()
@@ -155,9 +156,13 @@ class Alarms(BrowserCase):
         return self.browser.execute_script("return document.activeElement.innerText")
 
     def alarm(self, pattern):
-        return wait_for(f"an alarm '{pattern}'", lambda: next(
-            (button for button in self.browser.find_elements("css selector", "#alarm-list button")
-             if re.search(pattern, button.text)), None))
+        def found():
+            try:
+                return next((button for button in self.browser.find_elements("css selector", "#alarm-list button")
+                             if re.search(pattern, button.text)), None)
+            except StaleElementReferenceException:
+                return None  # the list was drawn anew meanwhile
+        return wait_for(f"an alarm '{pattern}'", found)
 
     def test_an_alarm_leads_to_what_it_is_about(self):
         # A node that falls silent, features that cross, a bus without anybody.
