@@ -38,7 +38,7 @@ void SiteWorld::open_bus(std::size_t number, std::uint8_t units) {
   // Drawn aside, so that lives are what they were before there were such lines.
   inputs::Random aside = random;
   text.kind = random.below(3) != 0 ? LinkKind::serial : LinkKind::converter;
-  if (text.kind == LinkKind::serial && aside.below(9) > 6) text.kind = LinkKind::serial_over_tcp;
+  if (text.kind == LinkKind::serial && aside.below(9) == 4) text.kind = LinkKind::serial_over_tcp;
   BusWorld& bus = buses[number];
   if (text.kind != LinkKind::converter) {
     text.baud = random.below(2) == 0 ? 9600 : 19200;
