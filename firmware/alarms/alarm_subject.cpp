@@ -153,11 +153,9 @@ namespace {
 // The settings name a node by its serial.
 bool is_written(const Settings& settings, Serial serial) {
   const auto is_its = [serial](const auto& each) { return each.serial == serial; };
-  const auto ends_there = [&](const FeatureSettings& feature) {
-    return (!feature.from.is_anchor && is_its(feature.from)) ||
-           (!feature.to.is_anchor && is_its(feature.to));
-  };
-  return std::any_of(settings.features.begin(), settings.features.end(), ends_there) ||
+  return std::any_of(
+             settings.features.begin(), settings.features.end(),
+             [serial](const FeatureSettings& feature) { return ends_at(feature, serial); }) ||
          std::any_of(settings.nodes.begin(), settings.nodes.end(),
                      [serial](const NodeSettings& node) { return node.serial == serial.value; }) ||
          std::any_of(settings.node_names.begin(), settings.node_names.end(), is_its);

@@ -37,8 +37,7 @@ std::string failure_of(const std::string& socket, int error) {
     case ECONNREFUSED:
       return why +
              "no gateway listens there: start it (systemctl start etcm-gateway; one that failed "
-             "starts "
-             "again by itself within 5 s), or give its `socket` of [control] with --socket";
+             "starts again by itself within 5 s), or give its `socket` of [control] with --socket";
     case EAGAIN:
       return why + "the gateway does not answer: systemctl status etcm-gateway";
     default:

@@ -144,6 +144,9 @@ struct FeatureSettings {
 
 // In a site file, where a line may have vertices that are no nodes; else by [[feature]].
 bool is_drawn(const FeatureSettings& feature);
+inline bool ends_at(const FeatureSettings& feature, const FeatureEnd& end) {
+  return feature.from == end || feature.to == end;
+}
 
 // What is known of the device at a unit that it does not tell itself.
 struct NodeSettings {

@@ -17,8 +17,7 @@ constexpr std::string_view more = "; how: /guide/site.html#where-lines-meet";
 bool is_drawn_too(const FeatureSettings& listed, std::span<const FeatureRecord> features) {
   const auto is_end = [features](const FeatureEnd& end) {
     return std::any_of(features.begin(), features.end(), [&end](const FeatureRecord& each) {
-      const FeatureSettings& line = each.settings;
-      return is_drawn(line) && (line.from == end || line.to == end);
+      return is_drawn(each.settings) && ends_at(each.settings, end);
     });
   };
   return is_end(listed.from) && is_end(listed.to);
@@ -34,13 +33,6 @@ const NodeRecord* nearest_node(const NodeTable& nodes, Position place) {
     if (is_nearer) nearest = &node;
   }
   return nearest;
-}
-
-bool ends_at(const FeatureSettings& feature, Serial serial) {
-  const auto is_there = [serial](const FeatureEnd& end) {
-    return !end.is_anchor && end.serial == serial;
-  };
-  return is_there(feature.from) || is_there(feature.to);
 }
 
 // Of two [[feature]], which meet at nodes alone.

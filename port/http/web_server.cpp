@@ -18,6 +18,7 @@
 
 #include "http/host_check.h"
 #include "posix/address_share.h"
+#include "posix/exhaustion.h"
 
 namespace etcm::port {
 
@@ -280,8 +281,9 @@ void WebServer::accepted(FileDescriptor socket, const SocketAddress& peer) {
 
 void WebServer::exhausted(const char* why) {
   if (log_ == nullptr) return;
-  log_->write(Level::error, std::string("no further browser can connect: ") + why +
-                                "; raise LimitNOFILE of the service, or lower clients_max in "
+  log_->write(Level::error, std::string("no further browser can connect: ") + why + "; " +
+                                descriptors_cure +
+                                ", or lower clients_max in "
                                 "[server] and [http]");
 }
 

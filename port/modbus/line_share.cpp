@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "posix/address_share.h"
+#include "posix/exhaustion.h"
 
 namespace etcm::port {
 
@@ -193,8 +194,8 @@ void LineShare::displaced(const SocketAddress& peer) {
 }
 
 void LineShare::exhausted(const char* why) {
-  log_.write(Level::error, "bus " + name_ + ": no further client can connect: " + why +
-                               "; raise LimitNOFILE of the service");
+  log_.write(Level::error,
+             "bus " + name_ + ": no further client can connect: " + why + "; " + descriptors_cure);
 }
 
 }  // namespace etcm::port

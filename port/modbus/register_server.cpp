@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "posix/address_share.h"
+#include "posix/exhaustion.h"
 
 namespace etcm::port {
 
@@ -51,8 +52,9 @@ void RegisterServer::displaced(const SocketAddress& peer) {
 
 void RegisterServer::exhausted(const char* why) {
   if (log_ == nullptr) return;
-  log_->write(Level::error, std::string("no further client can connect: ") + why +
-                                "; raise LimitNOFILE of the service, or lower clients_max in "
+  log_->write(Level::error, std::string("no further client can connect: ") + why + "; " +
+                                descriptors_cure +
+                                ", or lower clients_max in "
                                 "[server] and [http]");
 }
 

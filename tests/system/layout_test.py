@@ -51,12 +51,17 @@ class Layout(BrowserCase):
         names = "".join(f'[[node]]\nserial = {1000 + n}\nname = "pump house north {n}"\n' for n in range(1, 12))
         self.start_page(rows, names, **SOON)
 
-    def test_the_table_of_nodes_neither_cuts_names_nor_has_columns_run_into_each_other(self):
+    def named_at_each_width(self):
+        """The page with all of them, at one size after the other."""
         self.start_named()
         for width, height in self.SIZES:
             self.size(width, height)
             self.browser.get(self.url)
             self.wait_for_text("#alarms-title", r"^Alarms \(3\)")
+            yield width
+
+    def test_the_table_of_nodes_neither_cuts_names_nor_has_columns_run_into_each_other(self):
+        for width in self.named_at_each_width():
             self.wait_for_text("#nodes-title", r"\(41\)")
             wait_for("the state of all", lambda: "quarantined" in self.text("#body") and "missing" in self.text("#body"))
             self.assertEqual(self.browser.execute_script(CROWDED, "#columns, #body tr.row"), [], width)
@@ -74,11 +79,7 @@ class Layout(BrowserCase):
             self.screenshot(f"nodes-{width}")
 
     def test_on_a_telephone_each_cell_of_a_unit_has_its_heading(self):
-        self.start_named()
-        for width, height in self.SIZES:
-            self.size(width, height)
-            self.browser.get(self.url)
-            self.wait_for_text("#alarms-title", r"^Alarms \(3\)")
+        for width in self.named_at_each_width():
             self.browser.execute_script("document.querySelector('#buses summary').click()")
             self.wait_for_text("#buses .units", r"silent since")
             self.assertEqual(self.browser.execute_script(CROWDED, "#buses .units tr"), [], width)

@@ -1,5 +1,5 @@
 // What is wrong, since when, and what to do: the worst first.
-import { severities } from "./banner.js";
+import { rankOf } from "./banner.js";
 import { byId, element, linked, setText, showRows } from "./dom.js";
 import { momentOf, momentText } from "./model.js";
 
@@ -7,7 +7,6 @@ import { momentOf, momentText } from "./model.js";
 const shownMax = 100;
 let isWhole = false;
 let shown = null;   // what showAlarms() was called with
-const rankOf = (alarm) => severities.indexOf(alarm.severity);
 
 // Whether the list that is shown is an older one.
 export function isOldList(status) {

@@ -3,9 +3,9 @@
 import { momentOf, momentText } from "./model.js";
 
 // The worst first.
-export const severities = ["critical", "major", "minor"];
+const severities = ["critical", "major", "minor"];
 
-function rankOf(alarm) { return severities.indexOf(alarm.severity); }
+export function rankOf(alarm) { return severities.indexOf(alarm.severity); }
 
 // Of those that are on the worst, and of these the one that has been on for longest; undefined: none is.
 export function worstOf({ alarms }) {
