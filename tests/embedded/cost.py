@@ -62,7 +62,7 @@ def table_of_calls(calls, stacks):
         if stack is None:
             sys.exit(f"cost: the call graph knows no {name}")
         yield (f"| {name} | {spaced(median)} | {spaced(worst)} | {spaced(found)} "
-               f"| {spaced(longest) if longest else ''} | {stack} |")
+               f"| {spaced(longest)} | {stack} |")
 
 
 def table_of_units(calls, limit):

@@ -14,7 +14,9 @@
 #include "board/instructions.h"
 #include "console.h"
 #include "cost_inputs.h"
+#include "etcm/analysis.h"
 #include "etcm/audit.h"
+#include "etcm/bound.h"
 #include "etcm/domain.h"
 #include "etcm/dry_run.h"
 #include "etcm/incidence.h"
@@ -45,14 +47,18 @@ MeshStorage<900, 120> storage;
 Mesh mesh;
 test::CostInput input;
 std::array<FeatureEnds, test::cost_feature_count> features;
-std::array<SteinerPlace, 700> steiner;
 test::InstructionClock timer;
 std::uint32_t seed = 0;
 bool is_random = true;
 bool is_right = true;
 volatile std::uint64_t seen;
-// All that a mesh of these capacities can come to.
-std::array<std::byte, 48 + 8 * 900 + 16 * 120> saved;
+std::array<Region, 2 * 900> region;
+// What a call is given to read or write; one at a time.
+alignas(8) std::array<std::byte, 700 * sizeof(SteinerPlace)> memory;
+template <class T>
+std::span<T> as() {
+  return {reinterpret_cast<T*>(memory.data()), memory.size() / sizeof(T)};
+}
 
 struct Row {
   const char* name;
@@ -90,8 +96,8 @@ auto measure(Row& row, const Call& call) {
     row.worst = std::max(row.worst, instructions);
   }
   raise(row.found, instructions, row.found_with);
-  if (!row.is_change) return answer;
   raise(row.longest, timer.longest(), row.longest_with);
+  if (!row.is_change) return answer;
   const std::uint64_t units = mesh.work_needed().units;
   if (units < least_units) {
     row.least = std::max(row.least, instructions);
@@ -104,14 +110,19 @@ auto measure(Row& row, const Call& call) {
 Row build{"build"}, restore{"restore"}, rebuild{"rebuild"}, canonicalize{"canonicalize"},
     optimise{"optimise, 10 trials"}, join{"join"}, leave{"leave"}, move{"move"},
     add_feature{"add_feature"}, remove_feature{"remove_feature"}, dry_join{"DryRun::join", false},
-    find{"locate", false}, nearest{"nearest_node", false}, within{"nodes_within, ten", false},
-    around{"neighbours", false}, along{"chain", false}, at_node{"features_at", false},
-    hash{"hash", false}, proof{"audit", false}, sealing{"seal", false}, attaching{"attach", false},
-    saving{"save", false}, loading{"load"};
+    find{"locate", false}, nearest{"nearest_node", false}, nearer{"nearest_nodes, ten", false},
+    within{"nodes_within, ten", false}, around{"neighbours", false}, along{"chain", false},
+    at_node{"features_at", false}, hash{"hash", false}, proof{"audit", false},
+    sealing{"seal", false}, attaching{"attach", false}, saving{"save", false}, loading{"load"},
+    least{"least_steiner", false}, labels{"label_domain", false}, edges{"links", false},
+    network{"connectivity", false}, relay{"relays", false}, gaps{"barrier_gaps", false},
+    holes{"coverage_holes", false}, between{"interpolate", false};
 Row* const rows[] = {&build,   &restore, &rebuild,     &canonicalize,   &optimise, &join,
                      &leave,   &move,    &add_feature, &remove_feature, &dry_join, &find,
-                     &nearest, &within,  &around,      &along,          &at_node,  &hash,
-                     &proof,   &sealing, &attaching,   &saving,         &loading};
+                     &nearest, &nearer,  &within,      &around,         &along,    &at_node,
+                     &hash,    &proof,   &sealing,     &attaching,      &saving,   &loading,
+                     &least,   &labels,  &edges,       &network,        &relay,    &gaps,
+                     &holes,   &between};
 
 Position anywhere(Random& random) {
   const std::int32_t x = random.between(0, input.side);
@@ -140,6 +151,7 @@ void ask(Random& random, VertexId node) {
   std::array<NearNode, 10> ten;
   const auto reach = static_cast<std::uint32_t>(input.side / 8);
   seen = measure(within, [&] { return nodes_within(mesh, place, reach, ten); });
+  seen = measure(nearer, [&] { return nearest_nodes(mesh, place, ten); });
   std::array<Neighbour, 16> some;
   seen = measure(around, [&] { return mesh.neighbours(node, some); });
   std::array<FeatureAt, 8> there;
@@ -178,6 +190,7 @@ void lay_again(std::uint32_t feature_count) {
   }
   static_cast<void>(measure(rebuild, [] { return mesh.rebuild(); }));
   std::uint32_t count = 0;
+  const std::span<SteinerPlace> steiner = as<SteinerPlace>();
   for (IdValue i = 1; i < mesh.vertex_id_end(); ++i) {
     const VertexId v{i};
     if (mesh.kind(v) != VertexKind::steiner || count == steiner.size()) continue;
@@ -187,8 +200,27 @@ void lay_again(std::uint32_t feature_count) {
   mesh.clear();
   static_cast<void>(measure(restore, [&] {
     return mesh.restore(input.nodes, std::span(features).first(feature_count),
-                        std::span(steiner).first(count));
+                        steiner.first(count));
   }));
+}
+
+// What the network is like; ranges are such that a few are beyond them.
+void analyse(Random& random) {
+  const auto range = static_cast<std::uint32_t>(input.side / 12);
+  static_cast<void>(measure(labels, [] {
+    return label_domain(mesh, Exterior::automatic, {}, region, as<TriangleId>());
+  }));
+  seen = measure(edges, [&] { return links(mesh, range, as<Link>()); });
+  Connectivity answer;
+  static_cast<void>(measure(
+      network, [&] { return connectivity(mesh, range, as<ConnectivityScratch>(), answer); }));
+  seen = measure(relay, [&] { return relays(mesh, mesh, range, as<Relay>()); });
+  seen = measure(gaps, [&] { return barrier_gaps(mesh, mesh, range, as<Gap>()); });
+  seen = measure(holes, [&] { return coverage_holes(mesh, {&mesh, region}, range, as<Hole>()); });
+  const Point place = to_point(anywhere(random));
+  Interpolated value;
+  static_cast<void>(
+      measure(between, [&] { return interpolate(mesh, place, as<std::int32_t>(), value); }));
 }
 
 // Where it goes on after a reset, or on another machine.
@@ -198,11 +230,11 @@ void go_on() {
     return 0u;
   });
   if (measure(attaching, [] { return attach(mesh, storage.bytes()); }) != Status::ok ||
-      measure(saving, [] { return mesh.save(saved); }) != Status::ok) {
+      measure(saving, [] { return mesh.save(as<std::byte>()); }) != Status::ok) {
     is_right = false;
   }
   mesh.clear();
-  if (measure(loading, [] { return mesh.load(saved); }) != Status::ok) is_right = false;
+  if (measure(loading, [] { return mesh.load(as<std::byte>()); }) != Status::ok) is_right = false;
 }
 
 void live(std::uint32_t with) {
@@ -215,6 +247,10 @@ void live(std::uint32_t with) {
     return;
   }
   mesh.keep_alive({[](void*) noexcept { timer.look(); }, nullptr});
+  for (std::uint32_t i = 0; i < rounds; ++i) {
+    const FeatureEnds ends{VertexId{1}, VertexId{static_cast<IdValue>(2 + i)}};
+    seen = measure(least, [&] { return least_steiner(mesh, ends); });
+  }
   const std::uint32_t count = choose_features(random);
   mesh.clear();
   static_cast<void>(
@@ -222,6 +258,7 @@ void live(std::uint32_t with) {
   if (mesh.unresolved() != 0) return;
   for (std::uint32_t i = 0; i < rounds; ++i) change(random);
   seen = measure(hash, [] { return mesh.hash(); });
+  analyse(random);
   seen = measure(proof, [] { return static_cast<std::uint64_t>(audit(mesh).broken); });
   lay_again(count);
   if (mesh.unresolved() == 0 && mesh.node_count() != 0) go_on();

@@ -117,6 +117,31 @@ TEST(Canonical, GoesOnWithMoreWorkWhereItHadTooLittle) {
   EXPECT_EQ((*mesh)->hash(), hash_of_build(**mesh));
 }
 
+// Who has so much work at a time is to know when to stop.
+TEST(Canonical, NamesAGroupTwiceWhereItNeedsMoreWorkThanThereIs) {
+  const auto mesh = grown(inputs::random_graph(200, inputs::FeatureLength::in_reach, 5));
+  std::uint64_t refused = 0;
+  for (const std::uint64_t units : {100u, 1000u, 2000u, 4000u, 8000u, 16'000u}) {
+    FeatureId last{};
+    for (Status status = Status::work_limit; status != Status::ok;) {
+      const Picture before = picture_of(**mesh);
+      status = (*mesh)->canonicalize(Work{units});
+      if (status == Status::ok) continue;
+      ASSERT_EQ(status, Status::work_limit);
+      const FeatureId feature = (*mesh)->error_detail().feature;
+      const bool is_again = feature == last;
+      last = feature;
+      if (!is_again) continue;
+      EXPECT_TRUE(picture_of(**mesh) == before) << "the limit was enough for some group";
+      ++refused;
+      break;
+    }
+  }
+  EXPECT_GE(refused, 2u);
+  EXPECT_EQ((*mesh)->canonicalize(), Status::ok);
+  EXPECT_TRUE((*mesh)->is_canonical());
+}
+
 TEST(Canonical, WorkTooLittleForAnythingChangesNothing) {
   const auto mesh = grown(inputs::random_graph(100, inputs::FeatureLength::any, 5));
   ASSERT_FALSE((*mesh)->is_canonical());

@@ -19,7 +19,8 @@ from pathlib import Path
 INDIRECT = {
     "build.cpp": None,
     "work_meter.cpp": None,
-    "audit.cpp": r"^etcm::Audit etcm::\{anonymous\}::Auditor::\w+\(\) const$",
+    "pulse.cpp": None,
+    "audit.cpp": r"^etcm::Audit etcm::\{anonymous\}::Auditor::\w+\(\)$",
     "influence.cpp": r"^void etcm::internal::\{anonymous\}::on_\w+\(",
     "conform.cpp": r"^etcm::Parameter etcm::(\w+\(const SplitSite&\)|.*::stray\(.*)$",
 }

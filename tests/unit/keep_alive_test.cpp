@@ -5,10 +5,17 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "etcm/analysis.h"
+#include "etcm/audit.h"
+#include "etcm/domain.h"
 #include "etcm/dry_run.h"
+#include "etcm/nearest.h"
+#include "etcm/storage.h"
 #include "inputs/patterns.h"
 #include "inputs/random_graph.h"
 #include "support/meshes.h"
@@ -125,6 +132,91 @@ TEST(KeepAliveOfTies, IsCalledWhileTheyTurn) {
   FeatureId id;
   ASSERT_EQ(mesh->add_feature(between_nodes(0, ring.nodes.size() / 2), id), Status::ok);
   EXPECT_GE(seen.calls, mesh->work_used().units / KeepAlive::units_between);
+}
+
+// Calls of the hook that a read of a large mesh makes; of a copy for a reader, which has none.
+struct Reads {
+  std::vector<std::uint64_t> storage;
+  Mesh mesh;
+  std::vector<std::byte> saved;
+  std::vector<Region> region;
+  std::vector<TriangleId> waiting;
+  std::vector<ConnectivityScratch> parts;
+
+  explicit Reads(const Graph& graph) {
+    const MeshConfig config = inputs::config_for(graph, 8000);
+    storage.resize(storage_bytes(config) / sizeof storage[0] + 1);
+    EXPECT_EQ(mesh.open(bytes(), config), Status::ok);
+    EXPECT_EQ(mesh.build(graph.nodes, graph.features), Status::ok);
+    saved.resize(mesh.saved_bytes());
+    region.resize(mesh.triangle_count());
+    waiting.resize(mesh.triangle_count());
+    parts.resize(mesh.vertex_id_end());
+  }
+
+  std::span<std::byte> bytes() { return std::as_writable_bytes(std::span(storage)); }
+
+  std::vector<std::pair<const char*, std::function<std::uint64_t(const Mesh&)>>> all() {
+    return {
+        {"hash", [](const Mesh& m) { return m.hash(); }},
+        {"save",
+         [this](const Mesh& m) {
+           EXPECT_EQ(m.save(saved), Status::ok);
+           return std::uint64_t(saved[saved.size() - 1]);
+         }},
+        {"audit", [](const Mesh& m) { return std::uint64_t(audit(m).broken); }},
+        {"label_domain",
+         [this](const Mesh& m) {
+           EXPECT_EQ(label_domain(m, Exterior::automatic, {}, region, waiting), Status::ok);
+           return std::uint64_t(std::count(region.begin(), region.end(), Region::inside));
+         }},
+        {"nodes_within",
+         [](const Mesh& m) {
+           return nodes_within(m, {0, 0}, 100'000, {});
+         }},
+        {"links", [](const Mesh& m) { return links(m, 0, {}); }},
+        {"connectivity",
+         [this](const Mesh& m) {
+           Connectivity answer;
+           EXPECT_EQ(connectivity(m, 5, parts, answer), Status::ok);
+           return std::uint64_t{answer.parts};
+         }},
+        {"relays", [](const Mesh& m) { return relays(m, m, 5, {}); }},
+        {"barrier_gaps", [](const Mesh& m) { return barrier_gaps(m, m, 5, {}); }},
+        {"coverage_holes", [](const Mesh& m) { return coverage_holes(m, {}, 5, {}); }},
+    };
+  }
+};
+
+TEST(KeepAlive, IsCalledByWhatReadsAllOfAMesh) {
+  Reads reads(inputs::random_graph(2000, inputs::FeatureLength::any, 3));
+  Mesh& mesh = reads.mesh;
+  Watch seen{.mesh = &mesh};
+  for (const auto& [name, read] : reads.all()) {
+    mesh.keep_alive({});
+    const std::uint64_t answer = read(mesh);
+    mesh.keep_alive(hook_of(seen));
+    seen.calls = 0;
+    EXPECT_EQ(read(mesh), answer) << name;
+    EXPECT_GE(seen.calls, mesh.vertex_id_end() / KeepAlive::units_between) << name;
+  }
+  seal(mesh);
+  EXPECT_GT(seen.calls, 0u);
+  Mesh again;
+  again.keep_alive(hook_of(seen));
+  seen.calls = 0;
+  ASSERT_EQ(attach(again, reads.bytes()), Status::ok);
+  EXPECT_GT(seen.calls, 0u);
+}
+
+TEST(KeepAlive, OfAMeshIsNotCalledByThoseWhoReadItsBytes) {
+  Reads reads(inputs::random_graph(500, inputs::FeatureLength::any, 3));
+  Watch seen{.mesh = &reads.mesh};
+  reads.mesh.keep_alive(hook_of(seen));
+  MeshReader reader;
+  ASSERT_EQ(reader.attach_copy(reads.bytes()), Status::ok);
+  for (const auto& [name, read] : reads.all()) static_cast<void>(read(reader.mesh()));
+  EXPECT_EQ(seen.calls, 0u);
 }
 
 TEST(KeepAlive, IsNotCalledByWhatIsShortNorOnceTakenBack) {

@@ -25,22 +25,24 @@ struct Work {
   friend constexpr auto operator<=>(const Work&, const Work&) = default;
 };
 
-// Called over and over inside of a call that changes a mesh, so that a watchdog does not bite while
-// it goes on (Mesh::keep_alive()):
+// Called over and over inside of a call that may take long, so that a watchdog does not bite while
+// it goes on (Mesh::keep_alive()): one that changes a mesh, a dry run, and one that reads all of it
+// or around a place, such as audit(), hash(), save(), seal(), attach(), nodes_within() and what
+// analysis.h has. It is the Mesh's that the call was given; a MeshReader's has none.
 //
 //   mesh.keep_alive({[](void*) noexcept { IWDG->KR = 0xAAAA; }});
 //
 // Between two calls of it, before the first and after the last there are at most units_between
 // units and one walk: once around a vertex, along a line or across the mesh, which is tens of units
 // as a rule and never more than twice as many as there are triangles, for a step of it may take as
-// long as two; or along a list of segments. That holds for
-// work that no limit knows of too (docs/work.md); only the time that a policy of
-// one's own takes adds to it.
+// long as two; or along a list of segments. That holds for work that no limit knows of too
+// (docs/work.md); only the time that a policy of one's own takes adds to it, and the sort of a list
+// that nodes_within() writes.
 //
-// The mesh is in the middle of a change then: `call` must not use it, nor its storage, nor what the
-// change was given. To change it from there is a programming error (illegal_argument.h). It may do
-// anything else: kick a watchdog, read a clock, let other tasks run, set a flag. It cannot end the
-// change; a limit does that.
+// The mesh may be in the middle of a change then: `call` must not use it, nor its storage, nor what
+// the call was given. To change it, or to open it, is a programming error, which is noticed while a
+// change goes on (illegal_argument.h). It may do anything else: kick a watchdog, read a clock, let
+// other tasks run, set a flag. It cannot end the call; a limit does that.
 struct KeepAlive {
   void (*call)(void* context) noexcept = nullptr;  // null: nobody is called
   void* context = nullptr;

@@ -4,6 +4,7 @@
 
 #include "analysis/internal.h"
 #include "triangulation/mesh_state.h"
+#include "triangulation/pulse.h"
 
 namespace etcm {
 inline namespace ETCM_IDS {
@@ -24,7 +25,9 @@ class Forest {
     result.parts = m_.vertex_count() == 0 ? 0u : 1u;
     // A part joins at least one other in each round, so there are half as many afterwards.
     for (StepBound rounds(std::numeric_limits<IdValue>::digits); choose(); rounds.step()) {
+      Pulse pulse(m_);
       for (IdValue v = 1; v < m_.vertex_end; ++v) {
+        pulse.pass(2);
         const Edge e{scratch_[v].edge};
         if (e.is_none()) continue;
         const VertexId from = m_.topology.origin(e), to = m_.topology.target(e);

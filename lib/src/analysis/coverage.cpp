@@ -9,6 +9,7 @@
 #include "triangulation/locate.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
+#include "triangulation/pulse.h"
 #include "triangulation/segment_store.h"
 
 namespace etcm {
@@ -55,7 +56,7 @@ class Coverage {
   // Without a domain: the hull.
   Coverage(const MeshState& sensors, const MeshState* domain, std::span<const Region> region,
            std::uint32_t range, std::span<Hole> out) noexcept
-      : m_(sensors), range_(range), out_(out), domain_(domain), region_(region) {}
+      : m_(sensors), range_(range), out_(out), domain_(domain), region_(region), pulse_(sensors) {}
 
   std::uint32_t run() noexcept {
     if (m_.vertex_count() == 0) return 0;
@@ -77,6 +78,7 @@ class Coverage {
   // --- inside
 
   void visit(IdValue t) noexcept {
+    pulse_.pass(60);
     const Topology& topo = m_.topology;
     if (topo.is_ghost(t)) return;
     SquaredLength length[3];  // of the side opposite each corner
@@ -99,6 +101,7 @@ class Coverage {
       ++count_;
       return;
     }
+    pulse_.pass(128);
     const Point place = centre.rounded();
     if (is_in_domain(centre, place)) add({place, m_.at(r.corner[0]), false});
   }
@@ -218,6 +221,7 @@ class Coverage {
 
   // Between its ends.
   void visit_segment(const Point& from, const Point& to) noexcept {
+    pulse_.pass(64);
     const VertexId start = nearest_vertex(m_, from).node;
     // Sensors at both ends see all of it.
     if (squared_distance(from, to) <= squared_range(range_, 1) && m_.at(start) == from &&
@@ -226,6 +230,7 @@ class Coverage {
     }
     NearestWalk walk(m_, from, to, start);
     while (walk.next()) {
+      pulse_.pass(64);
       if (!walk.is_peak() || !walk.is_beyond(range_)) continue;
       // The place is costly to find; where the list is full, the count alone does without.
       if (count_ < out_.size()) {
@@ -237,6 +242,7 @@ class Coverage {
 
   // Where segments end: a peak if the distance falls along each of them.
   void visit_corner(const MeshState& d, VertexId corner) noexcept {
+    pulse_.pass(20);
     const Point& place = d.at(corner);
     Spokes spokes(d.topology, corner);
     VertexId start{};
@@ -254,6 +260,7 @@ class Coverage {
   const std::span<Hole> out_;
   const MeshState* const domain_;
   const std::span<const Region> region_;
+  Pulse pulse_;
   std::uint32_t count_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include "triangulation/locate.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
+#include "triangulation/pulse.h"
 #include "triangulation/segment_store.h"
 
 namespace etcm {
@@ -46,8 +47,10 @@ std::int64_t part_way(std::int64_t from, std::int64_t to, std::int64_t k, std::i
   return from + way / n * k + rest / n - (rest % n < 0 ? 1 : 0);
 }
 
-bool has_device(const MeshState& devices, const Point& place) noexcept {
-  return find(devices, place, edge_near(devices, place)).type == LocateType::on_vertex;
+bool has_device(const MeshState& devices, const Point& place, Pulse& pulse) noexcept {
+  const Found found = find(devices, place, edge_near(devices, place));
+  pulse.pass(found.steps + 16);
+  return found.type == LocateType::on_vertex;
 }
 
 // One of the features that the vertex is on, the same whatever the history; none: it is on none.
@@ -83,7 +86,7 @@ class GapSearch {
  public:
   GapSearch(const MeshState& m, const MeshState& sensors, std::uint32_t range,
             std::span<Gap> out) noexcept
-      : m_(m), sensors_(sensors), range_(range), out_(out) {}
+      : m_(m), sensors_(sensors), range_(range), out_(out), pulse_(m) {}
 
   std::uint32_t run() noexcept {
     for (IdValue value = 0; value < m_.segment_end; ++value) {
@@ -99,7 +102,7 @@ class GapSearch {
     bool senses = false;
   };
 
-  Stop stop_at(VertexId v) const noexcept { return {v, has_device(sensors_, m_.at(v))}; }
+  Stop stop_at(VertexId v) noexcept { return {v, has_device(sensors_, m_.at(v), pulse_)}; }
 
   void follow(SegmentId root) noexcept {
     Stop from = stop_at(m_.segment(root).from);
@@ -126,6 +129,7 @@ class GapSearch {
       const int doublings = from.senses && to.senses ? 1 : 0;
       if (squared_distance(start, end) <= squared_range(range_, doublings)) return;
     }
+    pulse_.pass(64);
     if (count_ < out_.size()) {
       out_[count_] = {feature, from.vertex, to.vertex, sees_all(sensors_, start, end, range_)};
     }
@@ -136,6 +140,7 @@ class GapSearch {
   const MeshState& sensors_;
   const std::uint32_t range_;
   const std::span<Gap> out_;
+  Pulse pulse_;
   std::uint32_t count_ = 0;
 };
 
@@ -151,9 +156,10 @@ std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_
     if (count < out.size()) out[static_cast<std::size_t>(count)] = relay;
     ++count;
   };
+  Pulse pulse(m);
   for (IdValue value = 1; value < m.vertex_end; ++value) {
     const VertexId v{value};
-    if (m.owner(v).role() == Role::free || has_device(with_device, m.at(v))) continue;
+    if (m.owner(v).role() == Role::free || has_device(with_device, m.at(v), pulse)) continue;
     add({m.at(v), feature_at(m, v), v});
   }
   for_each_subsegment(m, [&](SegmentId s, VertexId head, VertexId tail) noexcept {
@@ -167,6 +173,7 @@ std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_
         count += n - k;
         break;
       }
+      pulse.pass(4);
       add({{part_way(from.x, to.x, k, n), part_way(from.y, to.y, k, n)}, feature, {}});
     }
   });

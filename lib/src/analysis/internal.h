@@ -4,6 +4,7 @@
 #include "analysis/arithmetic.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
+#include "triangulation/pulse.h"
 #include "triangulation/segment_store.h"
 
 namespace etcm::internal {
@@ -12,7 +13,9 @@ namespace etcm::internal {
 template <class Visit>
 void for_each_edge(const MeshState& m, Visit visit) noexcept {
   const Topology& topo = m.topology;
+  Pulse pulse(m);
   for (IdValue t = 0; t < topo.triangle_count(); ++t) {
+    pulse.pass(6);
     for (unsigned side = 0; side < 3; ++side) {
       const Edge e = Topology::edge(t, side);
       if (e.value > topo.twin(e).value) continue;
@@ -25,12 +28,15 @@ void for_each_edge(const MeshState& m, Visit visit) noexcept {
 // Calls visit(segment, head, tail) for each subsegment of each feature.
 template <class Visit>
 void for_each_subsegment(const MeshState& m, Visit visit) noexcept {
+  Pulse pulse(m);
   for (IdValue value = 0; value < m.segment_end; ++value) {
     const SegmentId s{value};
     if (!is_linked(m, s)) continue;
     const VertexId end = m.segment(s).to;
     for (VertexId head = m.segment(s).from; head != end;) {
-      const VertexId tail = march(m, head, end).tail;
+      const Subsegment subsegment = march(m, head, end);
+      const VertexId tail = subsegment.tail;
+      pulse.pass(subsegment.steps + 64);
       visit(s, head, tail);
       head = tail;
     }
@@ -56,7 +62,8 @@ class NearestWalk {
         origin_(from),
         along_(between(from, to)),
         nearest_(nearest),
-        bound_(m.vertex_count()) {
+        bound_(m.vertex_count()),
+        pulse_(m) {
     enter();
   }
 
@@ -72,16 +79,16 @@ class NearestWalk {
   // Whether the nearest vertex is farther here than the range.
   bool is_beyond(std::uint32_t range) const noexcept;
   // Whether it is farther here than just before and just after.
-  bool is_peak() const noexcept;
+  bool is_peak() noexcept;
   Point place() const noexcept;  // rounded to the nearest sub-unit
 
  private:
   // Of several vertices that are nearest at the start, takes the one into whose cell the way goes.
   void enter() noexcept;
   // Whether the nearest vertex, too, hands over at this place.
-  bool hands_over_again() const noexcept;
+  bool hands_over_again() noexcept;
   // Where the way leaves the cell of the nearest vertex; false if it never does.
-  bool leave_cell(Handover& out) const noexcept;
+  bool leave_cell(Handover& out) noexcept;
   Handover candidate(VertexId after) const noexcept;
   // The sign of how far this place is ahead of the foot of v on the line.
   int sign_ahead_of(VertexId v) const noexcept;
@@ -91,6 +98,7 @@ class NearestWalk {
   const Vector along_;
   VertexId nearest_;
   StepBound bound_;  // each cell is entered once
+  Pulse pulse_;
   Handover here_;
 };
 

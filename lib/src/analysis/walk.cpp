@@ -28,13 +28,14 @@ Handover NearestWalk::candidate(VertexId after) const noexcept {
           twice(dot(along_, between(m_.at(nearest_), m_.at(after))))};
 }
 
-bool NearestWalk::leave_cell(Handover& out) const noexcept {
+bool NearestWalk::leave_cell(Handover& out) noexcept {
   if (m_.topology.triangle_count() == 0) return false;
   Handover first;
   Spokes spokes(m_.topology, nearest_);
   do {
     const VertexId v = spokes.target();
     if (v == infinite_vertex) continue;
+    pulse_.pass(6);
     const Handover other = candidate(v);
     if (Wide::sign(other.scale) <= 0) continue;
     if (first.after.is_none() || Wide::sign(Wide::product(other.step, first.scale) -
@@ -75,13 +76,13 @@ int NearestWalk::sign_ahead_of(VertexId v) const noexcept {
 // Where several vertices hand over at one place, the one in their middle may have its foot there;
 // then the first of those handovers counts. Where that one stays the nearest, the distance goes on
 // to rise.
-bool NearestWalk::is_peak() const noexcept {
+bool NearestWalk::is_peak() noexcept {
   if (sign_ahead_of(here_.before) <= 0) return false;
   const int ahead = sign_ahead_of(here_.after);
   return ahead < 0 || (ahead == 0 && hands_over_again());
 }
 
-bool NearestWalk::hands_over_again() const noexcept {
+bool NearestWalk::hands_over_again() noexcept {
   Handover following;
   return leave_cell(following) && Wide::sign(Wide::product(following.step, here_.scale) -
                                              Wide::product(here_.step, following.scale)) == 0;

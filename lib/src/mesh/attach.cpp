@@ -7,6 +7,7 @@
 #include "etcm/storage.h"
 #include "triangulation/mesh_arrays.h"
 #include "triangulation/mesh_state.h"
+#include "triangulation/pulse.h"
 
 namespace etcm {
 inline namespace ETCM_IDS {
@@ -26,15 +27,17 @@ constexpr std::uint64_t reversed(std::uint64_t word) noexcept {
   return other;
 }
 
-std::uint64_t checksum_of(const KeptState& kept, const MeshArrays& arrays) noexcept {
+std::uint64_t checksum_of(const KeptState& kept, const MeshArrays& arrays,
+                          const Mesh& mesh) noexcept {
+  Pulse pulse(mesh);
   Checksum sum;
   // The checksum itself is the last word.
   const auto* const first = reinterpret_cast<const std::byte*>(&kept);
   const auto* const last = reinterpret_cast<const std::byte*>(&kept.seal.checksum);
-  sum.add(first, static_cast<std::size_t>(last - first));
-  const auto add = [&sum](const auto* elements, std::size_t begin, std::size_t end) noexcept {
-    sum.add(reinterpret_cast<const std::byte*>(elements + begin),
-            (end - begin) * sizeof(*elements));
+  sum_up(sum, first, static_cast<std::size_t>(last - first), pulse);
+  const auto add = [&](const auto* elements, std::size_t begin, std::size_t end) noexcept {
+    sum_up(sum, reinterpret_cast<const std::byte*>(elements + begin),
+           (end - begin) * sizeof(*elements), pulse);
   };
   // Only what has been written: the infinite vertex stands nowhere and belongs to nothing.
   add(arrays.points, 1, kept.vertex_end);
@@ -89,11 +92,12 @@ MeshArrays arrays_at(std::span<const std::byte> storage) noexcept {
   return arrays_of(head_at(storage), const_cast<std::byte*>(storage.data()));
 }
 
-Status look_at_all(std::span<const std::byte> storage) noexcept {
+Status look_at_all(const Mesh& mesh, std::span<const std::byte> storage) noexcept {
   const Status status = look_at_head(storage);
   if (status != Status::ok) return status;
   const KeptState& kept = head_at(storage);
-  return kept.seal.checksum == checksum_of(kept, arrays_at(storage)) ? Status::ok : Status::damaged;
+  const bool is_whole = kept.seal.checksum == checksum_of(kept, arrays_at(storage), mesh);
+  return is_whole ? Status::ok : Status::damaged;
 }
 
 Status take(Mesh& mesh, std::span<std::byte> storage, Status looked, SplitPolicy policy,
@@ -114,12 +118,12 @@ Status take(Mesh& mesh, std::span<std::byte> storage, Status looked, SplitPolicy
 
 void seal(Mesh& mesh) noexcept {
   MeshState& m = about_to_change(mesh, Call::seal);
-  m.seal.checksum = checksum_of(m, m);
+  m.seal.checksum = checksum_of(m, m, mesh);
 }
 
 Status attach(Mesh& mesh, std::span<std::byte> storage, SplitPolicy policy,
               void* policy_context) noexcept {
-  return take(mesh, storage, look_at_all(storage), policy, policy_context);
+  return take(mesh, storage, look_at_all(mesh, storage), policy, policy_context);
 }
 
 Status attach_copy(Mesh& mesh, std::span<std::byte> storage, SplitPolicy policy,
@@ -136,7 +140,7 @@ void MeshReader::take(std::span<const std::byte> storage) noexcept {
 }
 
 Status MeshReader::attach(std::span<const std::byte> storage) noexcept {
-  const Status status = look_at_all(storage);
+  const Status status = look_at_all(mesh_, storage);
   if (status == Status::ok) take(storage);
   return status;
 }

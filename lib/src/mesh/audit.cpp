@@ -4,6 +4,7 @@
 #include "triangulation/locate.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
+#include "triangulation/pulse.h"
 #include "triangulation/segment_store.h"
 
 namespace etcm {
@@ -15,11 +16,11 @@ namespace {
 
 class Auditor {
  public:
-  explicit Auditor(const MeshState& m) noexcept : m_(m), topo_(m.topology) {}
+  explicit Auditor(const MeshState& m) noexcept : m_(m), topo_(m.topology), pulse_(m) {}
 
-  Audit run() const noexcept {
+  Audit run() noexcept {
     Audit result;
-    using Check = Audit (Auditor::*)() const noexcept;
+    using Check = Audit (Auditor::*)() noexcept;
     for (const Check check :
          {&Auditor::counts, &Auditor::links, &Auditor::incidence, &Auditor::orientation,
           &Auditor::hull, &Auditor::circles, &Auditor::on_feature, &Auditor::conforming}) {
@@ -40,10 +41,12 @@ class Auditor {
     return role == Role::node || role == Role::steiner || role == Role::fresh;
   }
 
-  // Calls visit(edge) for each oriented edge until one answers with a broken rule.
+  // Calls visit(edge), some units of work, for each oriented edge until one answers with a broken
+  // rule.
   template <class Visit>
-  Audit each_edge(Visit visit) const noexcept {
+  Audit each_edge(std::uint32_t units, Visit visit) noexcept {
     for (IdValue t = 0; t < topo_.triangle_count(); ++t) {
+      pulse_.pass(3 * units);
       for (unsigned side = 0; side < 3; ++side) {
         const Audit result = visit(Topology::edge(t, side));
         if (!result) return result;
@@ -52,9 +55,10 @@ class Auditor {
     return {};
   }
 
-  Audit counts() const noexcept {
+  Audit counts() noexcept {
     std::uint32_t nodes = 0, steiner = 0;
     for (IdValue i = 1; i < m_.vertex_end; ++i) {
+      pulse_.pass(1);
       const Role role = m_.owner(VertexId{i}).role();
       nodes += role == Role::node;
       steiner += role == Role::steiner || role == Role::fresh;
@@ -66,8 +70,8 @@ class Auditor {
     return good ? Audit{} : broken(Rule::counts, {});
   }
 
-  Audit links() const noexcept {
-    return each_edge([this](Edge e) noexcept {
+  Audit links() noexcept {
+    return each_edge(1, [this](Edge e) noexcept {
       const Edge f = topo_.twin(e);
       const bool good = Topology::triangle_of(f) < topo_.triangle_count() &&
                         Topology::side_of(f) < 3 && topo_.twin(f) == e &&
@@ -77,7 +81,7 @@ class Auditor {
     });
   }
 
-  Audit incidence() const noexcept {
+  Audit incidence() noexcept {
     if (topo_.triangle_count() == 0) return {};
     // One turn around each vertex meets all its corners, so together they meet all there are.
     std::uint64_t corners = 0;
@@ -89,13 +93,16 @@ class Auditor {
           topo_.origin(e) != v) {
         return broken(Rule::incidence, v);
       }
-      corners += topo_.degree(v);
+      const std::uint32_t degree = topo_.degree(v);
+      pulse_.pass(1 + degree / 4);
+      corners += degree;
     }
     return corners == 3ull * topo_.triangle_count() ? Audit{} : broken(Rule::incidence, {});
   }
 
-  Audit orientation() const noexcept {
+  Audit orientation() noexcept {
     for (IdValue t = 0; t < topo_.triangle_count(); ++t) {
+      pulse_.pass(2);
       if (topo_.is_ghost(t)) continue;
       const TriangleRecord& r = topo_.triangle(t);
       if (orient2d_fast(m_.at(r.corner[0]), m_.at(r.corner[1]), m_.at(r.corner[2])) <= 0) {
@@ -105,10 +112,10 @@ class Auditor {
     return {};
   }
 
-  Audit hull() const noexcept {
+  Audit hull() noexcept {
     if (topo_.triangle_count() == 0) return {};
     const bool flat = is_flat(m_);
-    return each_edge([this, flat](Edge e) noexcept {
+    return each_edge(1, [this, flat](Edge e) noexcept {
       if (topo_.apex(e) != infinite_vertex) return Audit{};
       const Edge onward = Topology::next(topo_.twin(Topology::next(e)));
       const Point& u = m_.at(topo_.origin(e));
@@ -123,9 +130,9 @@ class Auditor {
     });
   }
 
-  Audit circles() const noexcept {
+  Audit circles() noexcept {
     for (const Rule rule : {Rule::delaunay, Rule::canonical}) {
-      const Audit result = each_edge([this, rule](Edge e) noexcept {
+      const Audit result = each_edge(8, [this, rule](Edge e) noexcept {
         const Edge f = topo_.twin(e);
         const VertexId a = topo_.apex(e), b = topo_.origin(e), c = topo_.target(e);
         const VertexId d = topo_.apex(f);
@@ -145,8 +152,9 @@ class Auditor {
     return {};
   }
 
-  Audit on_feature() const noexcept {
+  Audit on_feature() noexcept {
     for (IdValue i = 1; i < m_.vertex_end; ++i) {
+      pulse_.pass(2);
       const VertexId v{i};
       const Role role = m_.owner(v).role();
       if (role != Role::steiner && role != Role::fresh) continue;
@@ -162,7 +170,7 @@ class Auditor {
     return {};
   }
 
-  Audit conforming() const noexcept {
+  Audit conforming() noexcept {
     std::uint64_t subsegments = 0, steiner = 0, missing = 0;
     for (IdValue i = 0; i < m_.segment_end; ++i) {
       const SegmentId s{i};
@@ -170,6 +178,7 @@ class Auditor {
       const VertexId end = m_.segment(s).to;
       for (VertexId v = m_.segment(s).from; v != end;) {
         const Subsegment subsegment = march(m_, v, end);
+        pulse_.pass(subsegment.steps);
         const bool marked = subsegment.is_edge && topo_.is_constrained(subsegment.edge);
         if (!marked && (m_.unresolved == 0 || ++missing > m_.unresolved)) {
           return broken(Rule::conforming, v, {}, internal::feature_of(m_, s));
@@ -184,7 +193,7 @@ class Auditor {
       }
     }
     std::uint64_t marks = 0;
-    each_edge([&](Edge e) noexcept {
+    each_edge(1, [&](Edge e) noexcept {
       marks += topo_.is_constrained(e);
       return Audit{};
     });
@@ -194,6 +203,7 @@ class Auditor {
 
   const MeshState& m_;
   const Topology& topo_;
+  Pulse pulse_;
 };
 
 }  // namespace

@@ -138,6 +138,12 @@ bool looks_around_only(SplitPolicy policy) noexcept {
   return Status::ok;
 }
 
+// `s` begins the group that had no room for the work: who is told of it twice in a row needs more.
+Status tell_of_group(MeshState& m, SegmentId s, Status status) noexcept {
+  if (status == Status::work_limit) m.error_detail.feature = internal::feature_of(m, s);
+  return status;
+}
+
 Status lay_stale_again(MeshState& m) noexcept {
   for (IdValue i = 0; i < m.segment_end && (m.is_all_stale || m.stale_count != 0); ++i) {
     m.work.pass_entry(i);
@@ -146,8 +152,8 @@ Status lay_stale_again(MeshState& m) noexcept {
     Change change(m, m.is_all_stale ? Change::Extent::whole : Change::Extent::group);
     bool is_too_wide = m.is_all_stale;
     const Status status = is_too_wide ? Status::ok : lay_group_again(change, s, is_too_wide);
-    if (is_too_wide) return lay_all_again(change);
-    if (status != Status::ok) return status;
+    if (is_too_wide) return tell_of_group(m, s, lay_all_again(change));
+    if (status != Status::ok) return tell_of_group(m, s, status);
     // What has been kept for going back is free again.
     m.work.settle();
   }

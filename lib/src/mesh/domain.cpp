@@ -2,6 +2,7 @@
 
 #include "etcm/locate.h"
 #include "triangulation/mesh_state.h"
+#include "triangulation/pulse.h"
 
 namespace etcm {
 inline namespace ETCM_IDS {
@@ -13,16 +14,18 @@ namespace {
 class Labeller {
  public:
   Labeller(const MeshState& m, std::span<Region> region, std::span<TriangleId> waiting) noexcept
-      : topo_(m.topology), m_(m), region_(region), waiting_(waiting) {}
+      : topo_(m.topology), m_(m), region_(region), waiting_(waiting), pulse_(m) {}
 
   void all_inside() noexcept {
     for (IdValue t = 0; t < topo_.triangle_count(); ++t) {
+      pulse_.pass(1);
       region_[t] = topo_.is_ghost(t) ? Region::outside : Region::inside;
     }
   }
 
   void flood_from_ghosts() noexcept {
     for (IdValue t = 0; t < topo_.triangle_count(); ++t) {
+      pulse_.pass(1);
       if (topo_.is_ghost(t)) waiting_[count_++] = TriangleId{t};
     }
     spread(Region::outside);
@@ -36,8 +39,9 @@ class Labeller {
   }
 
   // A node all around which is outside is on no closed feature and in none.
-  bool leaves_a_node_outside() const noexcept {
+  bool leaves_a_node_outside() noexcept {
     for (IdValue i = 1; i < m_.vertex_end; ++i) {
+      pulse_.pass(1);
       const VertexId v{i};
       if (m_.owner(v).role() != Role::node) continue;
       Spokes spokes(topo_, v);
@@ -54,6 +58,7 @@ class Labeller {
   // Each triangle waits at most once: it is labelled when it is put in line.
   void spread(Region label) noexcept {
     while (count_ != 0) {
+      pulse_.pass(1);
       const IdValue t = waiting_[--count_].value;
       for (unsigned side = 0; side < 3; ++side) {
         const Edge e = Topology::edge(t, side);
@@ -69,6 +74,7 @@ class Labeller {
   const MeshState& m_;
   std::span<Region> region_;
   std::span<TriangleId> waiting_;
+  Pulse pulse_;
   std::size_t count_ = 0;
 };
 

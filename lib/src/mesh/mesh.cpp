@@ -9,6 +9,7 @@
 #include "triangulation/march.h"
 #include "triangulation/mesh_arrays.h"
 #include "triangulation/mesh_state.h"
+#include "triangulation/pulse.h"
 #include "triangulation/segment_store.h"
 
 namespace etcm {
@@ -229,13 +230,21 @@ std::uint64_t etcm::internal::hash_of(const Mesh& mesh, const MeshState& m,
                                       WorkMeter* work) noexcept {
   // A sum over what there is does not depend on the order in which it is met.
   std::uint64_t sum = 0;
+  Pulse pulse(m);
+  const auto pass = [&](std::uint32_t units) noexcept {
+    if (work != nullptr) {
+      work->pass(units);
+    } else {
+      pulse.pass(units);
+    }
+  };
   for (IdValue i = 1; i < m.vertex_end; ++i) {
-    if (work != nullptr) work->pass(1);
+    pass(1);
     const VertexKind what = mesh.kind(VertexId{i});
     if (what != VertexKind::none) sum += mix(mix(m.points[i]) + static_cast<std::uint64_t>(what));
   }
   for (IdValue t = 0; t < m.topology.triangle_count(); ++t) {
-    if (work != nullptr) work->pass(2);
+    pass(2);
     for (unsigned side = 0; side < 3; ++side) {
       const Edge e = Topology::edge(t, side);
       const VertexId u = m.topology.origin(e), v = m.topology.target(e);

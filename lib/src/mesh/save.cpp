@@ -2,6 +2,7 @@
 #include "etcm/mesh.h"
 #include "mesh/saved.h"
 #include "triangulation/mesh_state.h"
+#include "triangulation/pulse.h"
 #include "triangulation/segment_store.h"
 
 namespace etcm {
@@ -77,10 +78,17 @@ Status Mesh::save(std::span<std::byte> out) const noexcept {
     to.word(value);
   }
   to.long_word(hash());
-  for (IdValue i = 1; i < m.vertex_end; ++i) write_vertex(to, m, VertexId{i});
-  for (IdValue i = 0; i < m.segment_end; ++i) write_segment(to, m, SegmentId{i});
+  Pulse pulse(m);
+  for (IdValue i = 1; i < m.vertex_end; ++i) {
+    pulse.pass(1);
+    write_vertex(to, m, VertexId{i});
+  }
+  for (IdValue i = 0; i < m.segment_end; ++i) {
+    pulse.pass(1);
+    write_segment(to, m, SegmentId{i});
+  }
   Checksum sum;
-  sum.add(out.data(), size - saved_tail_bytes);
+  sum_up(sum, out.data(), size - saved_tail_bytes, pulse);
   to.long_word(sum.value());
   return Status::ok;
 }

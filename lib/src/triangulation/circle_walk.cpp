@@ -20,7 +20,9 @@ NearVertex nearest_vertex(const MeshState& m, const Point& place) noexcept {
   if (m.topology.triangle_count() == 0) {
     return m.vertex_count() == 0 ? NearVertex{} : seen(m.only_vertex);
   }
+  Pulse pulse(m);
   const Found found = find(m, place, edge_near(m, place));
+  pulse.pass(found.steps);
   if (found.type == LocateType::on_vertex) return seen(found.vertex);
   const VertexId origin = m.topology.origin(found.edge);
   NearVertex nearest = seen(origin == infinite_vertex ? m.topology.target(found.edge) : origin);
@@ -28,6 +30,7 @@ NearVertex nearest_vertex(const MeshState& m, const Point& place) noexcept {
     const NearVertex before = nearest;
     Spokes spokes(m.topology, before.node);
     do {
+      pulse.pass(1);
       if (spokes.target() == infinite_vertex) continue;
       const NearVertex other = seen(spokes.target());
       if (is_nearer(m, other, nearest)) nearest = other;
@@ -43,7 +46,8 @@ CircleWalk::CircleWalk(const MeshState& m, const Point& place, const NearVertex&
       place_(place),
       limit_(limit),
       nearest_(nearest),
-      bound_(3u * m.topology.triangle_count()) {}
+      bound_(3u * m.topology.triangle_count()),
+      pulse_(m) {}
 
 bool CircleWalk::next() noexcept {
   const Topology& topo = m_.topology;
@@ -55,6 +59,7 @@ bool CircleWalk::next() noexcept {
   }
   if (topo.triangle_count() == 0) return false;
   for (;; bound_.step()) {
+    pulse_.pass(1);
     const VertexId v = topo.target(spoke_);
     if (v != infinite_vertex) {
       const NearVertex other = seen(v);
@@ -80,10 +85,11 @@ bool CircleWalk::next() noexcept {
 
 // A neighbour that is nearer than the target mostly stands beside it, so both sides of it come
 // first.
-bool CircleWalk::leads_nearest(Edge spoke, const NearVertex& target) const noexcept {
+bool CircleWalk::leads_nearest(Edge spoke, const NearVertex& target) noexcept {
   const Topology& topo = m_.topology;
   Edge left = spoke, right = spoke;
   for (StepBound bound(topo.triangle_count());; bound.step()) {
+    pulse_.pass(1);
     left = topo.rotate_ccw(left);
     if (left == right) return true;
     if (is_beaten(target, left)) return false;

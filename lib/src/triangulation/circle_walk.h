@@ -5,6 +5,7 @@
 
 #include "etcm/nearest.h"
 #include "triangulation/mesh_state.h"
+#include "triangulation/pulse.h"
 
 namespace etcm::internal {
 
@@ -43,7 +44,7 @@ class CircleWalk {
  private:
   NearVertex seen(VertexId v) const noexcept { return {v, squared_distance(place_, m_.at(v))}; }
   // Whether no neighbour of the spoke's origin is nearer than its target.
-  bool leads_nearest(Edge spoke, const NearVertex& target) const noexcept;
+  bool leads_nearest(Edge spoke, const NearVertex& target) noexcept;
   bool is_beaten(const NearVertex& target, Edge spoke) const noexcept;
 
   const MeshState& m_;
@@ -56,6 +57,7 @@ class CircleWalk {
   Edge spoke_{};  // of `here`, to be looked at next
   Edge last_{};   // of `nearest`, at which the walk ends
   StepBound bound_;
+  Pulse pulse_;
 };
 
 }  // namespace etcm::internal

@@ -131,6 +131,7 @@ struct MeshAccess {
   // Null: it has not been opened.
   static MeshState* state(const Mesh& mesh) noexcept { return mesh.state_; }
   static void give(Mesh& mesh, MeshState* state) noexcept { mesh.state_ = state; }
+  static const KeepAlive& hook(const Mesh& mesh) noexcept { return mesh.keep_alive_; }
 };
 
 // For public calls, which ask first.
@@ -148,7 +149,7 @@ inline MeshState& about_to_change(Mesh& mesh, Call call) noexcept {
   return m;
 }
 
-// Mesh::hash(); the meter, where there is one, is told how far it has come.
+// Mesh::hash(); as a part of a call that changes the mesh its meter is told how far it has come.
 std::uint64_t hash_of(const Mesh& mesh, const MeshState& m, WorkMeter* work) noexcept;
 
 }  // namespace etcm::internal
