@@ -2,7 +2,12 @@
 // compiled. No message takes longer than its share of work, and a reset forgets nothing.
 #include <string.h>
 
+// In an installed tree, or beside the one source.
+#if __has_include("etcm/etcm.h")
 #include "etcm/etcm.h"
+#else
+#include "etcm.h"
+#endif
 #include "messages.h"
 #include "out.h"
 
@@ -58,10 +63,15 @@ static etcm_status_t hear(const message_t* message) {
   return status;
 }
 
-// Between messages: takes back what history has left, a share of work at a time.
+// Between messages: takes back what history has left, a share of work at a time. Where one group of
+// roads needs more than a share it stays as it is, conforming all the same.
 static void tidy_up(void) {
-  for (int shares = 0; shares < 10 && !etcm_is_canonical(&mesh); ++shares) {
-    if (etcm_canonicalize(&mesh, WORK_OF_A_MESSAGE) != ETCM_WORK_LIMIT) return;
+  etcm_feature_t last = ETCM_NONE;
+  while (etcm_canonicalize(&mesh, WORK_OF_A_MESSAGE) == ETCM_WORK_LIMIT) {
+    etcm_error_detail_t detail;
+    etcm_error_detail(&mesh, &detail);
+    if (detail.feature == last) return;
+    last = detail.feature;
   }
 }
 

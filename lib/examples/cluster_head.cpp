@@ -60,10 +60,14 @@ etcm::Status hear(const message_t& message) {
   return status;
 }
 
-// Between messages: takes back what history has left, a share of work at a time.
+// Between messages: takes back what history has left, a share of work at a time. Where one group of
+// roads needs more than a share it stays as it is, conforming all the same.
 void tidy_up() {
-  for (int shares = 0; shares < 10 && !mesh.is_canonical(); ++shares) {
-    if (mesh.canonicalize(share) != etcm::Status::work_limit) return;
+  etcm::FeatureId last{};
+  while (mesh.canonicalize(share) == etcm::Status::work_limit) {
+    const etcm::FeatureId feature = mesh.error_detail().feature;
+    if (feature == last) return;
+    last = feature;
   }
 }
 

@@ -7,7 +7,9 @@
 // the mesh twice the memory.
 //
 // For threads, and for interrupts that read what the main program writes: one that has begun is
-// over before the main program goes on, so there the writer never waits.
+// over before the main program goes on, so there the writer never waits. A machine without an
+// instruction that adds atomically, such as a Cortex-M0+, has one core and interrupts, which nest:
+// there a sum in three steps is as good, for who comes in between has left again.
 #pragma once
 
 #include <array>
@@ -38,12 +40,12 @@ class PublishedMesh {
   auto read(Question question) noexcept {
     for (;;) {
       const unsigned side = front_.load();
-      readers_[side].fetch_add(1);
+      add(readers_[side], 1);
       if (front_.load() == side) {
         const Reading reading(readers_[side]);
         return question(static_cast<const etcm::Mesh&>(meshes_[side]));
       }
-      readers_[side].fetch_sub(1);
+      add(readers_[side], -1);
     }
   }
 
@@ -60,18 +62,27 @@ class PublishedMesh {
   }
 
  private:
+  using Count = std::atomic<int>;
   struct Reading {
-    explicit Reading(std::atomic<unsigned>& count) noexcept : readers(count) {}
+    explicit Reading(Count& count) noexcept : readers(count) {}
     Reading(const Reading&) = delete;
     Reading& operator=(const Reading&) = delete;
-    ~Reading() { readers.fetch_sub(1); }
-    std::atomic<unsigned>& readers;
+    ~Reading() { add(readers, -1); }
+    Count& readers;
   };
+
+  static void add(Count& count, int more) noexcept {
+#if __GCC_ATOMIC_INT_LOCK_FREE == 2
+    count.fetch_add(more);
+#else
+    count.store(count.load() + more);
+#endif
+  }
 
   std::array<etcm::MeshStorage<VerticesMax, FeaturesMax>, 2> storage_;
   std::array<etcm::Mesh, 2> meshes_;
   std::atomic<unsigned> front_{0};
-  std::array<std::atomic<unsigned>, 2> readers_{};
+  std::array<Count, 2> readers_{};
 };
 
 }  // namespace example

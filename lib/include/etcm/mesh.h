@@ -15,14 +15,18 @@
 // is as it was, and Status says why. (build() may leave a partly conforming mesh, and says so;
 // canonicalize() and optimise() keep what they have done, each step of it whole.) As it was: the
 // same ids name the same vertices and features, and no other ids are in use. Triangles may have
-// other numbers, and neighbours() may begin with another.
+// other numbers, neighbours() may begin with another, and its bytes are others: where they are
+// sealed (storage.h), they want a new seal after each of these calls, whatever it answered.
 //
 // Ids: the least free id is given out first. A node that joins gets the least id above 0 that no
 // vertex has, a feature the least that no feature has, and no segment of one behind its first:
 // those take ids of the same kind. So which id comes next can be told from those in use, whatever
 // the history, and the same calls on the same mesh give the same ids on every machine. A Steiner
 // vertex takes the least id too, when it comes; while a change is going on, what it has taken out
-// keeps its own.
+// keeps its own. Ids of nodes and features are the same in every version of the library; in which
+// order Steiner vertices come, and so their ids, may be another in the next. "Bit for bit" is said
+// of what stands where and of what is linked to what: hash(). After canonicalize() the Steiner
+// vertices have other ids than after build(), as a rule.
 //
 // Work: each of these calls takes a limit (work.h). One that would need more answers work_limit,
 // and what it has done until then, going back included, was within the limit. That holds for work
@@ -76,6 +80,7 @@ struct ErrorDetail {
   VertexId vertex{};    // the node in the way, or the unknown one
   VertexId rejected{};  // duplicate_vertex in build(): the node that stands there too
   FeatureId feature{};  // the feature that cannot be made (in build(): its index in the input)
+                        //   or, after work_limit, that canonicalize() has got to
   FeatureId other{};    // the feature it crosses, overlaps or repeats (as above)
   Point from{};         // the unresolved subsegment of `feature`, for steiner_budget and
   Point to{};           //   grid_exhausted
@@ -112,8 +117,10 @@ class Mesh {
   Mesh& operator=(const Mesh&) = delete;
 
   // Takes the storage, which must outlive the mesh, be aligned to 8 and have storage_bytes(config)
-  // bytes; the mesh in it is empty. Errors: bad_config, storage_too_small. A pointer that is null
-  // or not aligned is a programming error. O(1).
+  // bytes; the mesh in it is empty. Of two Mesh objects on one storage only the one that was opened
+  // or attached last may be used, which is not checked. Errors: bad_config, storage_too_small; then
+  // the mesh is what it was before. A pointer that is null or not aligned is a programming error.
+  // O(1).
   Status open(std::span<std::byte> storage, const MeshConfig& config) noexcept;
 
   // Forgets all nodes and features. O(1).
@@ -171,9 +178,12 @@ class Mesh {
   // depend on what was there before; this takes them back. Lays again what the changes can have had
   // an influence on, group by group of features that depend on each other; the cost goes with
   // those, and is at most that of rebuild(). Between groups the mesh is whole: work_limit leaves
-  // what has been done, and the next call goes on, where its limit is enough for one group. Errors:
-  // mesh_unresolved, and the room-and-bounds codes: build() would answer the same, or the mesh has
-  // no room for the old and the new vertices of a group at once.
+  // what has been done, and the next call goes on, where its limit is enough for one group:
+  // error_detail().feature is one of the first that was not. Named twice in a row, with no change
+  // in between, its group takes more than that limit, and no number of calls gets beyond it. None
+  // is named where not even looking for the groups was done; that is work for a few calls at most.
+  // Errors: mesh_unresolved, and the room-and-bounds codes: build() would answer the same, or the
+  // mesh has no room for the old and the new vertices of a group at once.
   Status canonicalize(Work limit = Work::unlimited()) noexcept;
   // Whether it is known to be that mesh: canonicalize() would change nothing.
   [[nodiscard]] bool is_canonical() const noexcept;
@@ -213,6 +223,8 @@ class Mesh {
   Status move(VertexId node, Position position, Work limit = Work::unlimited()) noexcept;
 
   // Adds a feature between two nodes and makes it a union of mesh edges. Sets `id` on success only.
+  // Features may share a node, at their ends or on the way: who wants one to end on another (a
+  // T-junction), or two to cross, lets a node join there first, exactly on the line.
   // O(the edges that it crosses) and an insertion for each Steiner vertex, those of features that
   // must give way included.
   // Errors: unknown_vertex, zero_length_feature, repeated_feature, overlapping_features,
@@ -223,9 +235,10 @@ class Mesh {
   // work_limit.
   Status remove_feature(FeatureId feature, Work limit = Work::unlimited()) noexcept;
 
-  // The function that each of these calls calls from time to time while it goes on (work.h), until
-  // another is given; {} for none. It is the Mesh's, not the storage's: open() keeps it, and it may
-  // be given before.
+  // The function that each of these calls, and each that reads much, calls from time to time while
+  // it goes on (work.h), until another is given; {} for none. It is the Mesh's, not the storage's:
+  // open() keeps it, and it may be given before. Where several threads read one mesh, each calls
+  // it.
   void keep_alive(const KeepAlive& hook) noexcept;
 
   // What the last of these calls has done, going back included.

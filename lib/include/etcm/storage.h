@@ -13,10 +13,11 @@
 //
 // What is believed of the bytes:
 //   attach()       What seal() has vouched for, which is what is in use of the bytes. Where that
-//                  was altered since, by a change of the mesh too, cut off or copied while a change
-//                  was going on, it is refused, but for one time in 2^64. So seal after each
-//                  change that is to last. It is a checksum, no signature: who can write the bytes
-//                  on purpose can make it right.
+//                  was altered since, cut off or copied while a change was going on, it is refused,
+//                  but for one time in 2^64. A call that changes the mesh alters it even where it
+//                  is refused, and so does a dry run: the mesh is as it was, its bytes are not. So
+//                  seal after each such call, whatever it answered. It is a checksum, no
+//                  signature: who can write the bytes on purpose can make it right.
 //   attach_copy()  All but the head, where it can be seen that these are no bytes of a mesh. For
 //                  copies that this program made of a mesh at rest.
 // Bytes that may be forged belong to neither: such a mesh is sent as Mesh::save() writes it, for
@@ -35,8 +36,8 @@
 // other ids the mesh goes as Mesh::save() writes it.
 //
 // What a reset shall spare lies where start-up code clears nothing, such as a section .noinit, and
-// is sealed after each change that is to last. At a start attach(); where that is not ok, as after
-// the power was off, open().
+// is sealed after each call that changes the mesh. At a start attach(); where that is not ok, as
+// after the power was off or a reset in the middle of a call, open().
 //
 // A span that is null or not aligned to 8 is a programming error (illegal_argument.h).
 #pragma once
@@ -71,12 +72,13 @@ class MeshStorage {
   alignas(8) std::array<std::byte, storage_bytes(VerticesMax, FeaturesMax)> bytes_;
 };
 
-// Writes a checksum of the mesh into its storage. The mesh may go on; what it becomes needs a new
-// seal.
-// O(n), some 10 instructions for each 8 bytes in use.
+// Writes a checksum of the mesh into its storage. The mesh may go on; each call that changes it,
+// refused or not, breaks the seal. O(n), some 90 instructions for each 8 bytes in use on a
+// Cortex-M4.
 void seal(Mesh& mesh) noexcept;
 
-// Takes storage that holds a sealed mesh, as Mesh::open() takes storage for an empty one. The
+// Takes storage that holds a sealed mesh, as Mesh::open() takes storage for an empty one; another
+// Mesh that had it must not be used any more. The
 // policy is not among the bytes; it must be the one that the mesh had, or one that answers the
 // same: with another, is_canonical() would be about the first. Handles (handles.h) are opened anew.
 // Errors: bad_config where there is no policy, and those above. O(n).

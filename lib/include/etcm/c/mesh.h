@@ -1,8 +1,10 @@
 // The mesh for C: its memory, what changes it and what reads it.
 //
 // A call that changes the mesh succeeds whole, or the mesh is as it was, ids and etcm_hash()
-// included, and the status says why; etcm_build() alone may leave a partly conforming mesh, and
-// says so. Each takes a limit of work (ETCM_UNLIMITED: none), counted and so the same on every
+// included, and the status says why. But etcm_build() may leave a partly conforming mesh, and says
+// so; etcm_canonicalize() and etcm_optimise() keep what they have done, each step of it whole. A
+// refused call rearranges the storage all the same: a seal wants to be made anew (bytes.h). Each
+// takes a limit of work (ETCM_UNLIMITED: none), counted and so the same on every
 // machine; docs/work.md has the time of a unit. One that would need more answers ETCM_WORK_LIMIT.
 //
 // Room-and-bounds statuses of a change: ETCM_OUT_OF_VERTICES, ETCM_OUT_OF_FEATURES,
@@ -13,9 +15,10 @@
 // Ids: a node that joins gets the least id above 0 that no vertex has, a feature the least that no
 // feature and no further segment of one has; a Steiner vertex takes the least, too, when it comes.
 // So the same calls on the same mesh give the same ids, whatever the history and the machine; the
-// same nodes in another order have other ids. What the mesh is like, but for the ids, depends on
-// its vertices and features alone; which Steiner vertices there are depends on the history, until
-// etcm_canonicalize() makes the mesh what etcm_build() makes.
+// same nodes in another order have other ids. Those of Steiner vertices may be others in another
+// version of the library, and after etcm_canonicalize() than after etcm_build(). What the mesh is
+// like, but for the ids, depends on its vertices and features alone; which Steiner vertices there
+// are depends on the history, until etcm_canonicalize() makes the mesh what etcm_build() makes.
 //
 // Lists: a call writes as many entries as fit and returns how many there are; the buffer may be
 // null where `room` is 0.
@@ -156,7 +159,8 @@ size_t etcm_saved_bytes_most(uint32_t vertices_max, uint32_t features_max);
 #define etcm_open etcm_open_ids_32
 #endif
 // Takes the storage, which must outlive the mesh, be aligned to 8 and have at least
-// etcm_storage_bytes(); it need not be zeroed, and whatever was in it, the mesh is empty. Keeps the
+// etcm_storage_bytes(); it need not be zeroed, and whatever was in it, the mesh is empty. Of two
+// meshes on one storage only the one that was opened or attached last may be used. Keeps the
 // function of etcm_keep_alive(), which may be given before. Errors: ETCM_BAD_CONFIG,
 // ETCM_STORAGE_TOO_SMALL; then the mesh is what it was before. O(1).
 ETCM_MUST_USE etcm_status_t etcm_open(etcm_mesh_t* mesh, void* storage, size_t bytes,
@@ -186,7 +190,8 @@ typedef struct {
   etcm_status_t status;
   etcm_vertex_t vertex;    // the node in the way, or the unknown one
   etcm_vertex_t rejected;  // ETCM_DUPLICATE_VERTEX of etcm_build(): who stands there too
-  etcm_feature_t feature;  // that cannot be made (of etcm_build(): its index in the input)
+  etcm_feature_t feature;  // that cannot be made (of etcm_build(): its index in the input), or
+                           //   that etcm_canonicalize() has got to
   etcm_feature_t other;    // that it crosses, overlaps or repeats (as above)
   etcm_point_t from;       // the unresolved subsegment of `feature`, for ETCM_STEINER_BUDGET
   etcm_point_t to;         //   and ETCM_GRID_EXHAUSTED
@@ -222,8 +227,9 @@ ETCM_MUST_USE etcm_status_t etcm_restore(etcm_mesh_t* mesh, const etcm_position_
 // Makes the mesh, whatever its history, the one that etcm_build() makes of the same nodes and
 // features, bit for bit. Costs what the changes since can have had an influence on. With
 // ETCM_WORK_LIMIT what is done stays, and the next call goes on where the limit is enough for one
-// group of features: a second refusal that changed nothing is for ever. Errors: the
-// room-and-bounds statuses.
+// group of features: etcm_error_detail() names a feature of the first for which it was not. Where
+// two calls in a row name the same, that group takes more than the limit. ETCM_NONE is named where
+// looking for the groups was not done. Errors: the room-and-bounds statuses.
 ETCM_MUST_USE etcm_status_t etcm_canonicalize(etcm_mesh_t* mesh, uint64_t limit);
 // Whether it is known to be that mesh.
 bool etcm_is_canonical(const etcm_mesh_t* mesh);
@@ -247,7 +253,9 @@ ETCM_MUST_USE etcm_status_t etcm_leave(etcm_mesh_t* mesh, etcm_vertex_t node, ui
 // etcm_join(), etcm_leave() and etcm_add_feature().
 ETCM_MUST_USE etcm_status_t etcm_move(etcm_mesh_t* mesh, etcm_vertex_t node,
                                       etcm_position_t position, uint64_t limit);
-// Adds a feature between two nodes. Sets `feature` on success only. Errors: ETCM_UNKNOWN_VERTEX,
+// Adds a feature between two nodes. Sets `feature` on success only. Features may share a node, at
+// their ends or on the way: who wants one to end on another (a T-junction), or two to cross, lets a
+// node join there first, exactly on the line. Errors: ETCM_UNKNOWN_VERTEX,
 // ETCM_ZERO_LENGTH_FEATURE, ETCM_REPEATED_FEATURE, ETCM_OVERLAPPING_FEATURES,
 // ETCM_CROSSING_FEATURES, room and bounds.
 ETCM_MUST_USE etcm_status_t etcm_add_feature(etcm_mesh_t* mesh, etcm_vertex_t from,
@@ -257,11 +265,13 @@ ETCM_MUST_USE etcm_status_t etcm_add_feature(etcm_mesh_t* mesh, etcm_vertex_t fr
 ETCM_MUST_USE etcm_status_t etcm_remove_feature(etcm_mesh_t* mesh, etcm_feature_t feature,
                                                 uint64_t limit);
 
-// Gives the function that each of these calls calls while it goes on, at most
-// ETCM_KEEP_ALIVE_UNITS of work and one walk apart, so that a watchdog does not bite; null for
-// none. A walk is tens of units as a rule, and never more than there are triangles. The mesh is in
-// the middle of a change then: `call` must not use it, nor its storage. It may kick a watchdog,
-// read a clock, let other tasks run; it cannot end the change. It is kept by etcm_open() and
+// Gives the function that each of these calls, a dry run and what reads much (such as etcm_audit(),
+// etcm_hash(), etcm_save(), etcm_seal(), etcm_nodes_within() and the analysis) calls while it goes
+// on, at most ETCM_KEEP_ALIVE_UNITS of work and one walk apart, so that a watchdog does not bite;
+// null for none. A walk is tens of units as a rule, and never more than twice as many as there are
+// triangles. The mesh may be in the middle of a change then: `call` must not use it, nor its
+// storage. It may kick a watchdog, read a clock, let other tasks run; it cannot end the call. Where
+// several threads read one mesh, each calls it. It is kept by etcm_open() and
 // etcm_attach(), until another is given; docs/work.md has what it is good for.
 #define ETCM_KEEP_ALIVE_UNITS 256u
 void etcm_keep_alive(etcm_mesh_t* mesh, void (*call)(void* context), void* context);
