@@ -133,8 +133,8 @@ class Mesh {
   // feature: for who measures both. It must not use the mesh.
   // Errors: mesh_not_empty; in the input bad_coordinate, duplicate_vertex, unknown_vertex,
   // zero_length_feature, repeated_feature, overlapping_features, crossing_features,
-  // out_of_features, and out_of_vertices where there are more nodes than vertices_max; and those
-  // above.
+  // out_of_features, and out_of_vertices where there are more nodes than vertices_max; and the
+  // room-and-bounds codes.
   Status build(std::span<const Position> nodes, std::span<const FeatureEnds> features,
                Work limit = Work::unlimited(),
                void (*nodes_stand)(void* context) noexcept = nullptr,
