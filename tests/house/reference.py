@@ -18,7 +18,7 @@ CONTRACTS = [("*Mesh.html", "A node joins. It may stand on a Steiner vertex"),
              ("c_2mesh_8h.html", "A node moves, keeps its id, and its features follow it"),
              ("c_2mesh_8h.html", "Whether etcm_open() would take the configuration"),
              ("structetcm*config*.html", "What is decided once"),
-             ("c_2types_8h.html", "the configuration contradicts itself or the id width"),
+             ("c_2types_8h.html", "no vertices, a policy without a function, too wide for ids"),
              ("c_2types_8h.html", "the vertex capacity is used up"),
              ("index.html", "what always holds, and each call")]
 # Headings of groups, which are the text of no member.

@@ -38,6 +38,9 @@ TEST(CBytes, AreAMeshAgainWhereverTheyAre) {
   const etcm_split_policy_t policy{etcm_split_paper, nullptr};
   etcm_seal(&copy);
   ASSERT_EQ(etcm_attach(&copy, copy_of_c, sizeof copy_of_c, &policy), ETCM_OK);
+  const etcm_split_policy_t no_function{nullptr, nullptr};
+  EXPECT_EQ(etcm_attach(&copy, copy_of_c, sizeof copy_of_c, &no_function), ETCM_BAD_CONFIG);
+  EXPECT_EQ(etcm_attach_copy(&copy, copy_of_c, sizeof copy_of_c, &no_function), ETCM_BAD_CONFIG);
 
   static unsigned char saved_bytes[ETCM_SAVED_BYTES(40, 4)];
   const std::span saved(saved_bytes);

@@ -129,6 +129,16 @@ TEST_F(HandlesTest, ARefusedChangeLeavesHandlesAsTheyAre) {
   EXPECT_EQ(handles_.given_out(), 2u);
 }
 
+TEST_F(HandlesTest, AMeshThatIsLoadedHasOtherHandles) {
+  const NodeHandle node = joined({5, 5});
+  std::vector<std::byte> saved(mesh().saved_bytes());
+  ASSERT_EQ(mesh().save(saved), Status::ok);
+  ASSERT_EQ(mesh().leave(node.id), Status::ok);
+  ASSERT_EQ(mesh().load(saved), Status::ok);
+  EXPECT_EQ(mesh().kind(node.id), VertexKind::node);
+  EXPECT_EQ(find(node), Status::stale_handle);
+}
+
 TEST_F(HandlesTest, AMeshMadeAnewHasOtherHandles) {
   const std::vector<Position> nodes{{0, 0}, {9, 0}, {0, 9}};
   const std::vector<FeatureEnds> features{between_nodes(0, 1)};

@@ -57,6 +57,17 @@ TEST(Status, HasItsNumberForGood) {
   }
 }
 
+// Handles::open() asks for other storage than Mesh::open(); save(), connectivity() and others
+// return no count, and to configure may be wrong for want of a policy.
+TEST(Status, ExplanationsHoldForEachCallThatAnswersThem) {
+  const auto says = [](etcm::Status status, const char* word) {
+    return std::string(etcm::explain(status)).find(word) != std::string::npos;
+  };
+  EXPECT_TRUE(says(etcm::Status::storage_too_small, "Handles::words"));
+  EXPECT_FALSE(says(etcm::Status::buffer_too_small, "returned"));
+  EXPECT_TRUE(says(etcm::Status::bad_config, "policy"));
+}
+
 TEST(Status, EveryCodeIsExplainedInOneSentence) {
   std::set<std::string> sentences;
   for (int code = 0; code <= static_cast<int>(last_status); ++code) {

@@ -31,7 +31,8 @@ struct MeshConfig {
 inline constexpr std::uint32_t vertices_limit = sizeof(IdValue) == 2 ? 4094u : (1u << 28) - 2u;
 inline constexpr std::uint32_t features_limit = sizeof(IdValue) == 2 ? 8190u : (1u << 28) - 2u;
 
-// ok, bad_config: also where the memory needed is more than a std::size_t can tell.
+// ok, bad_config: also where there is no policy, or the memory needed is more than a std::size_t
+// can tell.
 Status validate(const MeshConfig& config) noexcept;
 
 // Capacities that are enough, as a rule, for so many nodes that stand about evenly and so many

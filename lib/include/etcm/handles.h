@@ -14,9 +14,9 @@
 //
 // The mesh may be used beside it, with ids: canonicalize(), rebuild(), optimise(), leave(), move()
 // and remove_feature() leave the handles of all others as they are. Where a node or a feature comes
-// without the handles knowing, by join(), add_feature(), build() or restore() of the mesh, and
-// after its clear(), all handles are stale, and handle_of() gives new ones. So one Handles for a
-// mesh.
+// without the handles knowing, by join(), add_feature(), build(), restore() or load() of the mesh,
+// and after its clear(), all handles are stale, and handle_of() gives new ones. So one Handles for
+// a mesh.
 //
 // A handle belongs to the Handles that gave it. Each is given a number once, 2^32 - 1 in all: where
 // they are used up the answer is out_of_handles, and never a number again.
@@ -69,14 +69,14 @@ class Handles {
   Status find(NodeHandle node, VertexId& id) const noexcept;
   Status find(FeatureHandle feature, FeatureId& id) const noexcept;
 
-  // The handle of what stands, the same as long as it stands. Errors: unknown_vertex,
-  // unknown_feature, out_of_handles. O(1).
+  // The handle of what stands, the same as long as it stands. Errors: unknown_vertex or
+  // unknown_feature, and out_of_handles. O(1).
   Status handle_of(VertexId node, NodeHandle& handle) noexcept;
   Status handle_of(FeatureId feature, FeatureHandle& handle) noexcept;
 
-  // As those of Mesh, and with their errors; besides stale_handle where a handle goes in, and
-  // out_of_handles where one comes out. These two leave error_detail() and work_needed() as they
-  // are.
+  // As those of Mesh, and with their errors; but stale_handle in place of unknown_vertex and
+  // unknown_feature, and besides out_of_handles where a handle comes out. These two are answered
+  // first, and leave error_detail() and work_needed() as they are.
   Status join(Position position, NodeHandle& node, Work limit = Work::unlimited()) noexcept;
   Status leave(NodeHandle node, Work limit = Work::unlimited()) noexcept;
   Status move(NodeHandle node, Position position, Work limit = Work::unlimited()) noexcept;

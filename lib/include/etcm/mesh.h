@@ -138,6 +138,10 @@ class Mesh {
   // that cross or overlap there, and nowhere else, may not be named. `nodes_stand`, where given, is
   // called with `context` between the nodes, which are a Delaunay mesh by then, and the first
   // feature: for who measures both. It must not use the mesh.
+  // Errors: mesh_not_empty; in the input bad_coordinate, duplicate_vertex, unknown_vertex,
+  // zero_length_feature, repeated_feature, overlapping_features, crossing_features,
+  // out_of_features, and out_of_vertices where there are more nodes than vertices_max; and the
+  // room-and-bounds codes.
   Status build(std::span<const Position> nodes, std::span<const FeatureEnds> features,
                Work limit = Work::unlimited(),
                void (*nodes_stand)(void* context) noexcept = nullptr,
@@ -145,10 +149,10 @@ class Mesh {
 
   // Makes an empty mesh what another one was, hash included: its nodes and features, given as for
   // build(), and its Steiner vertices. Splits nothing. Whatever is wrong leaves the mesh empty.
-  // Errors: those of build() for its input; bad_coordinate or duplicate_vertex where a Steiner
-  // vertex stands at no place for one on its feature, unknown_feature where that is none of them,
-  // mesh_unresolved where a feature would not be a union of edges, and steiner_budget and
-  // out_of_vertices where they are too many. O(n log n).
+  // Errors: mesh_not_empty, and those of build() for its input; bad_coordinate or duplicate_vertex
+  // where a Steiner vertex stands at no place for one on its feature, unknown_feature where that is
+  // none of them, mesh_unresolved where a feature would not be a union of edges, and steiner_budget
+  // and out_of_vertices where they are too many; work_limit. O(n log n).
   Status restore(std::span<const Position> nodes, std::span<const FeatureEnds> features,
                  std::span<const SteinerPlace> steiner, Work limit = Work::unlimited()) noexcept;
 
@@ -213,13 +217,14 @@ class Mesh {
   Status join(Position position, VertexId& id, Work limit = Work::unlimited()) noexcept;
 
   // A node leaves. Expected O(its degree), and what its features need anew. Errors: unknown_vertex,
-  // endpoint_in_use, crossing_features (two features met there), and the room-and-bounds codes (the
-  // feature that ran through it may need more Steiner vertices without it).
+  // endpoint_in_use, crossing_features (two features met there), and the room-and-bounds codes but
+  // out_of_features (the feature that ran through it may need more Steiner vertices without it).
   Status leave(VertexId node, Work limit = Work::unlimited()) noexcept;
 
   // A node moves and keeps its id, and its features follow it. As leave() and join(), and
-  // add_feature() for each feature that follows. Errors: unknown_vertex, those of
-  // join() and leave(), and those of add_feature() for the features that follow.
+  // add_feature() for each feature that follows; the end of a feature may move. Errors:
+  // unknown_vertex, bad_coordinate, duplicate_vertex, overlapping_features, crossing_features, and
+  // the room-and-bounds codes.
   Status move(VertexId node, Position position, Work limit = Work::unlimited()) noexcept;
 
   // Adds a feature between two nodes and makes it a union of mesh edges. Sets `id` on success only.

@@ -15,8 +15,8 @@ enum class [[nodiscard]] Status : std::uint8_t{
 
     // --- The arguments
 
-    bad_config = 1,             // the configuration contradicts itself or the id width
-    storage_too_small = 2,      // fewer bytes than storage_bytes(config)
+    bad_config = 1,             // no vertices, no policy, or more than the id width can count
+    storage_too_small = 2,      // fewer bytes than storage_bytes(config), or than Handles::words()
     bad_coordinate = 3,         // |x| or |y| is above position_max
     duplicate_vertex = 4,       // another node stands exactly there
     unknown_vertex = 5,         // the id names no node
@@ -31,7 +31,7 @@ enum class [[nodiscard]] Status : std::uint8_t{
     mesh_not_empty = 13,        // build(), restore() and load() need an empty mesh
     mesh_unresolved = 14,   // build() left features unresolved: only clear() goes on from there;
                             // of restore(): a feature would be, and the mesh is empty
-    buffer_too_small = 15,  // the caller's output span is shorter than the count returned
+    buffer_too_small = 15,  // a span of the caller's is shorter than the call needs
 
     // --- Bytes that should be a mesh (storage.h)
 

@@ -100,7 +100,7 @@ class MeshReader {
   MeshReader(const MeshReader&) = delete;
   MeshReader& operator=(const MeshReader&) = delete;
 
-  // As those above. The storage must outlive the reader.
+  // As those above, with errors of the list above alone. The storage must outlive the reader.
   Status attach(std::span<const std::byte> storage) noexcept;
   Status attach_copy(std::span<const std::byte> storage) noexcept;
 

@@ -17,12 +17,12 @@ Text text_of(Status status) noexcept {
       return {"ok", "The call succeeded."};
     case Status::bad_config:
       return {"bad_config",
-              "The configuration contradicts itself or exceeds what the id width can count; "
-              "compare it with vertices_limit and features_limit."};
+              "The configuration has no vertices or no policy, or exceeds what the id width can "
+              "count or memory hold; compare it with vertices_limit and features_limit."};
     case Status::storage_too_small:
       return {"storage_too_small",
-              "The storage has fewer bytes than storage_bytes(config) asks for; give it more, or "
-              "lower the capacities."};
+              "The storage has fewer bytes than storage_bytes(config), or fewer numbers than "
+              "Handles::words(config) asks for; give it more, or lower the capacities."};
     case Status::bad_coordinate:
       return {"bad_coordinate",
               "A coordinate is beyond 16777216 (2^24) units from 0; use a coarser unit or a nearer "
@@ -58,8 +58,8 @@ Text text_of(Status status) noexcept {
               "Building, restoring and loading need an empty mesh; clear it first."};
     case Status::buffer_too_small:
       return {"buffer_too_small",
-              "The output buffer is shorter than the needed count that was returned; pass a longer "
-              "one."};
+              "A buffer that the call was given is shorter than it needs; pass one as long as the "
+              "call's header says."};
     case Status::mesh_unresolved:
       return {"mesh_unresolved",
               "Not every feature is a union of edges: after a build that had too little room, "

@@ -6,8 +6,9 @@
 //
 // The errors of all calls that attach, and then what was attached before still is: ETCM_NOT_A_MESH,
 // ETCM_WRONG_BYTE_ORDER, ETCM_WRONG_VERSION, ETCM_WRONG_ID_WIDTH, ETCM_STORAGE_TOO_SMALL,
-// ETCM_DAMAGED. To attach bytes that are null or not aligned to 8 is a programming error; what is
-// saved and loaded may lie anywhere.
+// ETCM_DAMAGED; of those that take a policy ETCM_BAD_CONFIG where it has no function. To attach
+// bytes that are null or not aligned to 8 is a programming error; what is saved and loaded may lie
+// anywhere.
 #pragma once
 
 #include "etcm/c/mesh.h"

@@ -12,7 +12,7 @@ extern "C" {
 // An id names a place, which is used again; a handle is an id and a number that no other has, so
 // what is given the handle of something that has gone answers ETCM_STALE_HANDLE. All handles are
 // stale where a node or a feature came without the handles knowing: by etcm_join(),
-// etcm_add_feature(), etcm_build() or etcm_restore(), and after etcm_clear().
+// etcm_add_feature(), etcm_build(), etcm_restore() or etcm_load(), and after etcm_clear().
 
 typedef struct {
   etcm_vertex_t id;
@@ -50,14 +50,17 @@ ETCM_MUST_USE etcm_status_t etcm_handles_find_node(const etcm_handles_t* handles
 ETCM_MUST_USE etcm_status_t etcm_handles_find_feature(const etcm_handles_t* handles,
                                                       etcm_feature_handle_t feature,
                                                       etcm_feature_t* id);
-// The handle of what stands. Errors: ETCM_UNKNOWN_VERTEX, ETCM_UNKNOWN_FEATURE,
+// The handle of what stands. Errors: ETCM_UNKNOWN_VERTEX or ETCM_UNKNOWN_FEATURE, and
 // ETCM_OUT_OF_HANDLES. O(1).
 ETCM_MUST_USE etcm_status_t etcm_handles_of_node(etcm_handles_t* handles, etcm_vertex_t id,
                                                  etcm_node_handle_t* node);
 ETCM_MUST_USE etcm_status_t etcm_handles_of_feature(etcm_handles_t* handles, etcm_feature_t id,
                                                     etcm_feature_handle_t* feature);
 
-// As the changes of the mesh, with their errors; besides ETCM_STALE_HANDLE and ETCM_OUT_OF_HANDLES.
+// As the changes of the mesh, with their errors; but ETCM_STALE_HANDLE in place of
+// ETCM_UNKNOWN_VERTEX and ETCM_UNKNOWN_FEATURE, and besides ETCM_OUT_OF_HANDLES where a handle
+// comes out. These two are answered first, and leave etcm_error_detail() and etcm_work_needed() as
+// they are.
 ETCM_MUST_USE etcm_status_t etcm_handles_join(etcm_handles_t* handles, etcm_position_t position,
                                               uint64_t limit, etcm_node_handle_t* node);
 ETCM_MUST_USE etcm_status_t etcm_handles_leave(etcm_handles_t* handles, etcm_node_handle_t node,

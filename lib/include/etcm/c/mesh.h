@@ -10,7 +10,8 @@
 // Room-and-bounds statuses of a change: ETCM_OUT_OF_VERTICES, ETCM_OUT_OF_FEATURES,
 // ETCM_STEINER_BUDGET, ETCM_WORK_LIMIT, ETCM_GRID_EXHAUSTED. What a change takes out keeps its
 // place until the change ends, so a mesh that is nearly full may be too full for it. Besides, each
-// answers ETCM_MESH_UNRESOLVED where etcm_build() has left features unresolved.
+// answers ETCM_MESH_UNRESOLVED where etcm_build() has left features unresolved; etcm_save() does
+// too, and etcm_build(), etcm_restore() and etcm_load() answer ETCM_MESH_NOT_EMPTY.
 //
 // Ids: a node that joins gets the least id above 0 that no vertex has, a feature the least that no
 // feature and no further segment of one has; a Steiner vertex takes the least, too, when it comes.
@@ -143,8 +144,8 @@ typedef struct {
 // rest to 0.
 void etcm_capacity_for(uint32_t nodes, uint32_t features, etcm_config_t* config);
 
-// Whether etcm_open() would take the configuration: ETCM_OK or ETCM_BAD_CONFIG, also where it needs
-// more memory than a size_t can tell.
+// Whether etcm_open() would take the configuration: ETCM_OK or ETCM_BAD_CONFIG, also where its
+// policy has no function, or it needs more memory than a size_t can tell.
 ETCM_MUST_USE etcm_status_t etcm_validate(const etcm_config_t* config);
 
 // ETCM_STORAGE_BYTES() for capacities that are known when the program runs.
@@ -201,8 +202,9 @@ typedef struct {
 // are given by, feature i has the id i. Errors in the input, and ETCM_WORK_LIMIT, leave the mesh
 // empty; etcm_error_detail() names the culprit. ETCM_STEINER_BUDGET, ETCM_GRID_EXHAUSTED and
 // ETCM_OUT_OF_VERTICES leave what is done: etcm_unresolved() counts the rest, and changes are
-// refused until etcm_clear(). Errors besides: ETCM_MESH_NOT_EMPTY, and those of etcm_join() and
-// etcm_add_feature(). O(n log n).
+// refused until etcm_clear(). Errors besides: ETCM_MESH_NOT_EMPTY; in the input
+// ETCM_BAD_COORDINATE, ETCM_DUPLICATE_VERTEX, those of etcm_add_feature(), and ETCM_OUT_OF_VERTICES
+// for more nodes than vertices_max. O(n log n).
 ETCM_MUST_USE etcm_status_t etcm_build(etcm_mesh_t* mesh, const etcm_position_t* nodes,
                                        size_t node_count, const etcm_feature_ends_t* features,
                                        size_t feature_count, uint64_t limit);
@@ -216,9 +218,11 @@ ETCM_MUST_USE etcm_status_t etcm_build_measured(etcm_mesh_t* mesh, const etcm_po
 
 // Makes an empty mesh what another one was, etcm_hash() included: its nodes and features as for
 // etcm_build(), and its Steiner vertices. Splits nothing; whatever is wrong leaves the mesh empty.
-// Errors: those of etcm_build() for its input; ETCM_BAD_COORDINATE or ETCM_DUPLICATE_VERTEX where a
-// Steiner vertex stands at no place for one on its feature, ETCM_UNKNOWN_FEATURE,
-// ETCM_MESH_UNRESOLVED where a feature would not be a union of edges. O(n log n).
+// Errors: ETCM_MESH_NOT_EMPTY, and those of etcm_build() for its input; ETCM_BAD_COORDINATE or
+// ETCM_DUPLICATE_VERTEX where a Steiner vertex stands at no place for one on its feature,
+// ETCM_UNKNOWN_FEATURE where that is none of them, ETCM_MESH_UNRESOLVED where a feature would not
+// be a union of edges, ETCM_STEINER_BUDGET and ETCM_OUT_OF_VERTICES where they are too many;
+// ETCM_WORK_LIMIT. O(n log n).
 ETCM_MUST_USE etcm_status_t etcm_restore(etcm_mesh_t* mesh, const etcm_position_t* nodes,
                                          size_t node_count, const etcm_feature_ends_t* features,
                                          size_t feature_count, const etcm_steiner_place_t* steiner,
@@ -233,7 +237,8 @@ ETCM_MUST_USE etcm_status_t etcm_restore(etcm_mesh_t* mesh, const etcm_position_
 ETCM_MUST_USE etcm_status_t etcm_canonicalize(etcm_mesh_t* mesh, uint64_t limit);
 // Whether it is known to be that mesh.
 bool etcm_is_canonical(const etcm_mesh_t* mesh);
-// The same from the ground up, all or nothing. O(n log n).
+// The same from the ground up, all or nothing. Errors: the room-and-bounds statuses; it needs room
+// for the old and the new Steiner vertices at once. O(n log n).
 ETCM_MUST_USE etcm_status_t etcm_rebuild(etcm_mesh_t* mesh, uint64_t limit);
 // Looks for fewer Steiner vertices, so many trials; never worse. Later calls go on from
 // `first_trial`. etcm_canonicalize() takes it back. Errors: ETCM_WORK_LIMIT, and what is found
@@ -247,10 +252,11 @@ ETCM_MUST_USE etcm_status_t etcm_optimise(etcm_mesh_t* mesh, uint32_t trials, ui
 ETCM_MUST_USE etcm_status_t etcm_join(etcm_mesh_t* mesh, etcm_position_t position, uint64_t limit,
                                       etcm_vertex_t* node);
 // A node leaves. Errors: ETCM_UNKNOWN_VERTEX, ETCM_ENDPOINT_IN_USE, ETCM_CROSSING_FEATURES (two
-// features met there), room and bounds.
+// features met there), room and bounds but ETCM_OUT_OF_FEATURES.
 ETCM_MUST_USE etcm_status_t etcm_leave(etcm_mesh_t* mesh, etcm_vertex_t node, uint64_t limit);
-// A node moves, keeps its id, and its features follow it. Errors: ETCM_UNKNOWN_VERTEX, those of
-// etcm_join(), etcm_leave() and etcm_add_feature().
+// A node moves, keeps its id, and its features follow it; the end of one may move. Errors:
+// ETCM_UNKNOWN_VERTEX, ETCM_BAD_COORDINATE, ETCM_DUPLICATE_VERTEX, ETCM_OVERLAPPING_FEATURES,
+// ETCM_CROSSING_FEATURES, room and bounds.
 ETCM_MUST_USE etcm_status_t etcm_move(etcm_mesh_t* mesh, etcm_vertex_t node,
                                       etcm_position_t position, uint64_t limit);
 // Adds a feature between two nodes. Sets `feature` on success only. Features may share a node, at

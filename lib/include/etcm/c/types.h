@@ -83,8 +83,8 @@ enum {
 
   // --- The arguments
 
-  ETCM_BAD_CONFIG = 1,             // the configuration contradicts itself or the id width
-  ETCM_STORAGE_TOO_SMALL = 2,      // fewer bytes than ETCM_STORAGE_BYTES()
+  ETCM_BAD_CONFIG = 1,             // no vertices, a policy without a function, too wide for ids
+  ETCM_STORAGE_TOO_SMALL = 2,      // fewer bytes than ETCM_STORAGE_BYTES(), or numbers of handles
   ETCM_BAD_COORDINATE = 3,         // |x| or |y| is above ETCM_POSITION_MAX
   ETCM_DUPLICATE_VERTEX = 4,       // another node stands exactly there
   ETCM_UNKNOWN_VERTEX = 5,         // the id names no node
