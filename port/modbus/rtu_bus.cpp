@@ -205,7 +205,10 @@ void RtuBus::listen(Instant now) {
     if (phase_ == Phase::waiting && found->address == request_.address &&
         (found->pdu[0] & 0x7f) == request_.question.function) {
       settle(*found, now);
-      if (phase_ != Phase::waiting) return be_silent(now + silence_, now + silence_);
+      if (phase_ != Phase::waiting) {
+        line_.drop(*found);
+        continue;
+      }
       if ((found->pdu[0] & exception_bit) != 0) {
         // An earlier question's or this one's: neither is settled by it.
         heard_wrong_ = true;
@@ -224,10 +227,12 @@ void RtuBus::listen(Instant now) {
   }
   if (phase_ == Phase::waiting) return;
   // The line is busy: nothing is sent into that, but a jabbering unit does not keep it for ever.
+  // The rest of an answer is waited for, or it would not be known of.
+  const Instant until = now + (line_.has_heard() ? std::max(silence_, piece_gap_max) : silence_);
   if (phase_ == Phase::idle) {
-    be_silent(now + silence_, now + babble_max());
+    be_silent(until, now + babble_max());
   } else {
-    silent_until_ = std::clamp(now + silence_, silent_until_, silent_at_latest_);
+    silent_until_ = std::clamp(until, silent_until_, silent_at_latest_);
   }
 }
 

@@ -55,6 +55,10 @@ namespace etcm::port {
 // The line is silent for no longer after a wait in vain, where `quiet` is not longer.
 inline constexpr Duration late_silence_max = std::chrono::seconds(1);
 
+// The pieces in which one answer is heard are no farther apart: an adapter hands on what it has
+// every 16 ms, a server in packets.
+inline constexpr Duration piece_gap_max = std::chrono::milliseconds(50);
+
 // Requests of others that one unit may owe answers to.
 inline constexpr std::size_t client_misses_max = 2;
 

@@ -411,6 +411,34 @@ TEST_F(SerialBus, WhatWasAnsweredBeforeTwoWereKnownOfMayBeAnsweredOnceMore) {
   EXPECT_GE(bus().read_free_at(other, now_), now_ + late_answer_max);
 }
 
+// As an adapter or a server hands it on.
+TEST_F(SerialBus, WhatNobodyAskedForIsKnownOfThoughItComesInPieces) {
+  const RegisterRead read{
+      .address = 7, .kind = RegisterKind::input, .first = 0, .count = 2, .timeout = answer_timeout};
+  request(7);
+  say(two_registers(7, 1));
+  EXPECT_EQ(result(), BusResult::ok);
+  pass(300ms);
+  const Bytes second = two_registers(7, 2);
+  say(Bytes(second.begin(), second.begin() + 3));
+  pass(20ms);
+  say(Bytes(second.begin() + 3, second.end()));
+  EXPECT_GE(bus().read_free_at(read, now_), now_ + late_answer_max - 50ms);
+}
+
+// What stood in the line's memory was taken for an answer of somebody else.
+TEST_F(SerialBus, AnAnswerIsNotHeardTwiceWhereAnotherUnitTalksNext) {
+  const RegisterRead read{
+      .address = 7, .kind = RegisterKind::input, .first = 0, .count = 2, .timeout = answer_timeout};
+  request(7);
+  say(two_registers(7, 1));
+  EXPECT_EQ(result(), BusResult::ok);
+  pass(1ms);
+  say({9, 4});
+  pass(5ms);
+  EXPECT_LE(bus().read_free_at(read, now_), now_);
+}
+
 TEST_F(SerialBus, WhatMayBeLeftOutIsAnotherWayToAsk) {
   request(7);
   EXPECT_EQ(wait_in_vain(), BusResult::timeout);

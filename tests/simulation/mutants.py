@@ -101,6 +101,8 @@ MUTANTS = {
         "firmware/gateway/gateway.cpp",
         "if ((reading.status & node_status::fix_valid) != 0) follow_position(*node);",
         "if ((reading.status & node_status::fix_valid) != 0 && !node->is_placed()) follow_position(*node);"),
+    "an_answer_in_pieces_is_not_known_of": (
+        "port/modbus/rtu_bus.cpp", "std::max(silence_, piece_gap_max)", "silence_"),
     "a_change_is_not_published": (
         "firmware/gateway/gateway.cpp", "changed_ = kept_.take_changed() || changed_;",
         "static_cast<void>(kept_.take_changed());"),
