@@ -9,6 +9,8 @@ namespace {
 constexpr std::size_t addresses = 256;
 // A unit may miss this many answers in a row before it is asked less often.
 constexpr std::uint32_t failures_free = 2;
+// So many answers in a row may be to a repeat before a unit is asked at another time.
+constexpr std::uint32_t repeats_free = 1;
 // A day doubled this often is still a Duration.
 constexpr std::uint32_t doublings_max = 16;
 // What failing units have of a busy bus, one part in so many; less where a question in vain holds
@@ -35,6 +37,11 @@ std::uint32_t mix(std::uint32_t a, std::uint32_t b) {
   value = (value ^ value >> 16) * 0x7feb352du;
   value = (value ^ value >> 15) * 0x846ca68bu;
   return value ^ value >> 16;
+}
+
+// Up to an eighth less: an answer that is always as late would fall into the same one each time.
+port::Duration unevenly(port::Duration pause, ModbusAddress address, std::uint32_t turn) {
+  return pause - pause / 8 / 1024 * (mix(address.value, turn) % 1024);
 }
 
 }  // namespace
@@ -292,9 +299,14 @@ void BusSchedule::charge_request(port::Duration cost, port::Instant now) {
 void BusSchedule::note_success(ModbusAddress address, port::Instant now) {
   UnitSchedule& unit = units_[address.value];
   if (!is_sound(address) && sound_++ == 0) bring_back_all(now);
+  const bool is_repeat = unit.has_answered && unit.reason == Reason::repeat;
+  unit.repeats = is_repeat ? unit.repeats + 1 : 0;
   unit.has_answered = true;
   unit.failures = 0;
-  ask_again(address, std::max(now, due_after(unit, poll_.interval)));
+  const port::Duration pause = unit.repeats > repeats_free
+                                   ? unevenly(poll_.interval, address, unit.repeats)
+                                   : poll_.interval;
+  ask_again(address, std::max(now, due_after(unit, pause)));
 }
 
 // The first unit answers again: whatever was broken is mended.
@@ -375,8 +387,7 @@ port::Duration BusSchedule::pause_of(ModbusAddress address, bool is_miss) const 
   const port::Duration pause =
       std::clamp(poll_.interval * (std::int64_t{1} << doublings), poll_.interval,
                  std::max(poll_.interval, poll_.absent_interval));
-  // Up to an eighth less: an answer that is always as late would fall into the same one each time.
-  return pause - pause / 8 / 1024 * (mix(address.value, failures) % 1024);
+  return unevenly(pause, address, failures);
 }
 
 // As many intervals as have the time for such a search.

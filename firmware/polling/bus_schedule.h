@@ -30,11 +30,13 @@ namespace etcm::firmware {
 // must not keep the others waiting.
 //
 // A frame may be lost. So a unit whose answer is missing where the one before was there is asked
-// once more at once, and on a serial line one that has missed its first question is after an
-// interval: both before those that have failed more often. Where a bus takes one request at a time
-// the former costs the others 1/32 of its time (what was not used in two minutes may be used at
-// once, for many may lose a frame together), the latter 1/12 until each unit was asked twice. Units
-// that are called for are asked at once too, for another 1/32; beyond it as failing units are.
+// once more at once (twice in a row, and it is asked a little earlier: another one may talk over
+// it, always as late after his own question), and on a serial line one that has missed
+// its first question is after an interval: both before those that have failed more often. Where a
+// bus takes one request at a time the former costs the others 1/32 of its time (what was not used
+// in two minutes may be used at once, for many may lose a frame together), the latter 1/12 until
+// each unit was asked twice. Units that are called for are asked at once too, for another 1/32;
+// beyond it as failing units are.
 //
 // Units that are only looked for (discovery) are asked one at a time, one in each interval, until
 // one answers; on a line that others want within scan_budget of each interval. One that was found
@@ -137,6 +139,7 @@ class BusSchedule {
     bool is_undiscovered = false;  // not listed, and its time to be looked for has not come
     Reason reason = Reason::turn;  // why it was asked last
     std::uint32_t failures = 0;    // in a row
+    std::uint32_t repeats = 0;     // that it has answered, in a row
     bool is_late = false;          // by an interval and more, when it was asked last
     bool is_made_up_for = false;   // and is asked once more for that
     port::Instant due{};           // for the question asked at

@@ -82,6 +82,21 @@ TEST_F(Polling, ALostAnswerIsAskedForAgainOnce) {
   EXPECT_EQ(asked(7) - before, 12u + 4u);
 }
 
+// Two of one address, say, of which the second answers always as late.
+TEST_F(Polling, WhoIsTalkedOverAtItsTimeIsAskedAtAnother) {
+  const std::uint32_t before = asked(7);
+  while (asked(7) == before) run(10ms, 10ms);
+  const std::uint32_t begin = asked(7);
+  for (int interval = 0; interval < 100; ++interval) {
+    run(80ms, 10ms);
+    rig_.bus.silence(7);
+    run(20ms, 10ms);
+    rig_.put(7, 700, 0);
+  }
+  EXPECT_LE(asked(7) - begin, 100u + 4u);
+  EXPECT_GE(asked(7) - begin, 99u);
+}
+
 TEST_F(Polling, WhoNeverAnsweredIsNotAskedAgainAtOnce) {
   Rig rig;
   rig.put(1, 0, 0);

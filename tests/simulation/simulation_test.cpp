@@ -22,7 +22,7 @@ std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
 
 // Each of these lives has shown a fault once.
 TEST(Simulation, AGatewayLivesThroughWhatItFailedAtBefore) {
-  constexpr std::array<std::uint64_t, 6> seeds{
+  constexpr std::array<std::uint64_t, 7> seeds{
       20261126015,  // a late answer, where two at one address had answered in time
       20261127077,  // one that is always as late spoils the same one's answers
       7083,         // a converter had given up a dead unit, and that was taken for no queue
@@ -30,6 +30,7 @@ TEST(Simulation, AGatewayLivesThroughWhatItFailedAtBefore) {
       25112026346,  // one slow answer had each question in vain wait five seconds ever after
       // A late answer, where two at one address had answered in pieces.
       26112600400564,
+      26112600500693,  // the second of two at one address talked over another unit each time
   };
   for (const std::uint64_t seed : seeds) {
     const Outcome life = live(seed, 6h);
