@@ -87,7 +87,7 @@ std::string Judge::look_for_unknown(GatewayRun& run, Instant now) {
   // There is room for so many that have gone from their units, and no more.
   if (static_cast<std::size_t>(known) > run.gateway().poller().unit_count()) return {};
   for (const auto& device : site_.devices) {
-    const bool has_told = device->answers > sightings_max && device->undisturbed_since <= now &&
+    const bool has_told = device->answers > sightings_max && settled_at(*device, run) <= now &&
                           device->answered_at > began_ && !device->is_leaving;
     if (!has_told || device->is_replaced || site_.is_doubled(*device)) continue;
     if (run.gateway().nodes().find(firmware::Serial{device->serial}) == nullptr) {
@@ -95,6 +95,15 @@ std::string Judge::look_for_unknown(GatewayRun& run, Instant now) {
     }
   }
   return {};
+}
+
+// The silence of who was there instead begins anew with each trouble of the bus.
+Instant Judge::settled_at(const Device& device, GatewayRun& run) const {
+  if (!device.had_twin) return device.undisturbed_since;
+  const auto& poll = run.gateway().settings().poll;
+  const Duration silence = poll.leave_after + 10s + (sightings + 1) * poll.interval;
+  return std::max(device.undisturbed_since,
+                  site_.buses[site_.bus_of(device)].undisturbed_since + silence);
 }
 
 std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& run, Instant now) {
@@ -128,14 +137,9 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
     return "is not stale, and told its position " + std::to_string(seconds_of(now - accepted_at)) +
            " s ago";
   }
-  // The silence of who was there instead begins anew with each trouble of the bus.
-  const Instant settled_at = device->had_twin ? std::max(device->undisturbed_since,
-                                                         bus.undisturbed_since + poll.leave_after +
-                                                             10s + (sightings + 1) * poll.interval)
-                                              : device->undisturbed_since;
   const bool is_judged = node.is_missing && !bus.is_out_of_order() &&
                          device->answered_at > began_ && !device->is_leaving &&
-                         !site_.is_doubled(*device) && settled_at <= now;
+                         !site_.is_doubled(*device) && settled_at(*device, run) <= now;
   if (!node.is_missing) missing_.erase(node.serial.value);
   const auto [missing, is_news] = node.is_missing
                                       ? missing_.try_emplace(node.serial.value, device->answers)

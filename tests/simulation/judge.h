@@ -33,6 +33,8 @@ class Judge {
  private:
   std::string look_at_nodes(GatewayRun& run, Instant now);
   std::string look_for_unknown(GatewayRun& run, Instant now);
+  // From when on the gateway knows that it alone is there.
+  Instant settled_at(const Device& device, GatewayRun& run) const;
   std::string look_at_node(const firmware::NodeRecord& node, GatewayRun& run, Instant now);
   std::string look_at_mesh(GatewayRun& run);
   std::string compare_with_build(GatewayRun& run);
