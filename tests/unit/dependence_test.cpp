@@ -122,5 +122,39 @@ TEST(DependenceAfterABuild, IsKnownOfShortFeaturesWhoeverIsLaidTwice) {
   }
 }
 
+bool is_stale(const Mesh& mesh, IdValue feature) {
+  return internal::is_stale(state_of(mesh), SegmentId{feature});
+}
+
+// Another feature at an end sees with whom it shares the end, and where that one leads.
+TEST(DependenceOnWhoMeets, MakesStaleWhoEndsWhereAFeatureDoesThatLosesANode) {
+  Graph graph{"", {}, {}};
+  graph.nodes = {{0, 0}, {500, 0}, {1000, 0}, {-500, 30}, {1500, 30}, {250, 400}, {250, -400}};
+  graph.nodes.insert(graph.nodes.end(), {{750, 400}, {750, -400}, {5000, 5000}, {5100, 5000}});
+  graph.features = {between_nodes(0, 2), between_nodes(3, 0), between_nodes(2, 4),
+                    between_nodes(9, 10)};
+  const auto mesh = built(graph);
+  ASSERT_EQ((*mesh)->steiner_count(), 0u);
+  ASSERT_EQ((*mesh)->leave(vertex_of(1)), Status::ok);
+  EXPECT_TRUE(is_stale(**mesh, 0));
+  EXPECT_TRUE(is_stale(**mesh, 1)) << "where it begins";
+  EXPECT_TRUE(is_stale(**mesh, 2)) << "where it ends";
+  EXPECT_FALSE(is_stale(**mesh, 3));
+}
+
+// What stood there because of it is looked for around its place when the mesh is made canonical.
+TEST(DependenceOnPlaces, KeepsThoseOfSteinerVerticesThatAreNeedlessNow) {
+  Graph graph{"", {{0, 0}, {1000, 0}, {500, 5}, {300, -400}}, {between_nodes(0, 1)}};
+  const auto mesh = built(graph);
+  std::set<Point> gone{(*mesh)->point(vertex_of(2))};
+  for (const VertexId v : steiner_vertices(**mesh)) gone.insert((*mesh)->point(v));
+  ASSERT_GT(gone.size(), 1u);
+  ASSERT_EQ((*mesh)->leave(vertex_of(2)), Status::ok);
+  ASSERT_EQ((*mesh)->steiner_count(), 0u);
+  const MeshState& m = state_of(**mesh);
+  ASSERT_FALSE(m.is_all_stale);
+  EXPECT_EQ(std::set<Point>(m.places, m.places + m.place_count), gone);
+}
+
 }  // namespace
 }  // namespace etcm::test
