@@ -36,6 +36,7 @@ GROUPS = {
          "firmware_test --gtest_filter=LateAnswers.*:BusSilence.*:*LineTime*:*BusyLine*:LostAnswers.*"]),
     "admission": Group(
         sources("firmware/nodes", "admission"),
-        ["firmware_test --gtest_filter=Joining.*:NodesBySerial.*:Gateway.*:*OneSerial*:*Missing*:OneSite.*:"
-         "Wanderers.*:Restart.*:WithoutAFix.*:Names*.*:StatusPageTest.*"]),
+        ["firmware_test --gtest_filter=Joining.*:NodesBySerial.*:Gateway.*:*Missing*:OneSite.*:Restart.*:"
+         "WithoutAFix.*:Names*.*:StatusPageTest.*",
+         "fleet_gateway_test --gtest_filter=*OneSerial*:Wanderers.*:FleetGateway.*"]),
 }
