@@ -126,6 +126,24 @@ bool is_stale(const Mesh& mesh, IdValue feature) {
   return internal::is_stale(state_of(mesh), SegmentId{feature});
 }
 
+// What was looked at together is looked at afresh by the next call.
+TEST(DependenceAfterARefusal, LeavesNoGroupBehind) {
+  for (const auto length : {inputs::FeatureLength::any, inputs::FeatureLength::in_reach}) {
+    const auto mesh = grown(inputs::random_graph(100, length, 5));
+    const MeshState& m = state_of(**mesh);
+    std::uint32_t refused = 0;
+    for (std::uint64_t units = 1; !(*mesh)->is_canonical(); units += 1 + units / 16) {
+      ASSERT_LT(units, 100'000'000u) << "no limit is enough";
+      refused += (*mesh)->canonicalize(Work{units}) == Status::work_limit;
+      for (IdValue i = 0; i < m.segment_end; ++i) {
+        const SegmentId next = m.segment(SegmentId{i}).next_in_group;
+        ASSERT_TRUE(next == internal::not_listed || next.is_none()) << units;
+      }
+    }
+    EXPECT_GT(refused, 20u);
+  }
+}
+
 // Another feature at an end sees with whom it shares the end, and where that one leads.
 TEST(DependenceOnWhoMeets, MakesStaleWhoEndsWhereAFeatureDoesThatLosesANode) {
   Graph graph{"", {}, {}};
