@@ -9,9 +9,13 @@
 #include <vector>
 
 #include "conforming/canonical.h"
+#include "conforming/group.h"
+#include "conforming/influence.h"
+#include "inputs/patterns.h"
 #include "inputs/random.h"
 #include "inputs/random_graph.h"
 #include "support/meshes.h"
+#include "triangulation/change.h"
 #include "triangulation/mesh_state.h"
 
 namespace etcm::test {
@@ -124,6 +128,31 @@ TEST(DependenceAfterABuild, IsKnownOfShortFeaturesWhoeverIsLaidTwice) {
 
 bool is_stale(const Mesh& mesh, IdValue feature) {
   return internal::is_stale(state_of(mesh), SegmentId{feature});
+}
+
+void on_nobody(internal::Change&, SegmentId, SegmentId) noexcept {}
+
+// Where there is too much to look at, nobody knows who else belongs there.
+TEST(DependenceOfAGroup, IsGivenUpWhereOfAVertexThatIsLaidItIsNotKnown) {
+  const KeepAlive nobody;
+  std::uint32_t known = 0, unknown = 0;
+  for (const Graph& graph : {inputs::random_graph(250, inputs::FeatureLength::any, 3),
+                             inputs::parallels(40, 10, 100'000, 40, 3)}) {
+    const auto mesh = built(graph, split_default, 20'000);
+    MeshState& m = state_of(**mesh);
+    m.work.start(Work::unlimited(), nobody);
+    for (const VertexId v : steiner_vertices(**mesh)) {
+      internal::Change change(m, internal::Change::Extent::group);
+      change.group.first = internal::end_of_group;
+      change.group.work_left = 1000;
+      const bool is_known = find_influenced(change, v, SegmentId::none(), on_nobody);
+      static_cast<void>(stays_in_group(change, v));
+      ASSERT_EQ(change.group.work_left != 0, is_known) << graph.name << ", vertex " << v.value;
+      ++(is_known ? known : unknown);
+    }
+  }
+  EXPECT_GT(known, 100u);
+  EXPECT_GT(unknown, 100u);
 }
 
 // What was looked at together is looked at afresh by the next call.
