@@ -224,6 +224,21 @@ TEST(Capacity, OfBuildMayBeAnything) {
   }
 }
 
+// What is laid of a feature when there are no more vertices is at one of its ends.
+TEST(Capacity, OfBuildTellsHowManySubsegmentsAreMissing) {
+  const Graph graph{"",
+                    {{0, 0}, {1000, 0}, {250, 3}, {500, -4}, {750, 3}, {500, 300}},
+                    {between_nodes(0, 1), between_nodes(0, 2)}};
+  const auto nodes = static_cast<std::uint32_t>(graph.nodes.size());
+  const std::uint32_t steiner = (*built(graph))->steiner_count();
+  ASSERT_GT(steiner, 1u);
+  for (std::uint32_t room = 0; room < steiner; ++room) {
+    OwnedMesh mesh(MeshConfig{.vertices_max = nodes + room, .features_max = 4});
+    ASSERT_EQ(mesh->build(graph.nodes, graph.features), Status::out_of_vertices);
+    EXPECT_EQ(mesh->unresolved(), 1u) << room;
+  }
+}
+
 TEST(Capacity, OfStorageIsCheckedToTheByte) {
   MeshConfig config;
   config.vertices_max = 10;

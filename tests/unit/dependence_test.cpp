@@ -126,6 +126,12 @@ TEST(DependenceAfterABuild, IsKnownOfShortFeaturesWhoeverIsLaidTwice) {
   }
 }
 
+// Beside many parallels there is too much to look at when a vertex is taken out again.
+TEST(DependenceAfterABuild, IsNotKnownWhereThereWasTooMuchToLookAt) {
+  const auto mesh = built(inputs::parallels(40, 30, 100'000, 40, 3), split_default, 20'000);
+  EXPECT_FALSE(state_of(**mesh).knows_dependence);
+}
+
 bool is_stale(const Mesh& mesh, IdValue feature) {
   return internal::is_stale(state_of(mesh), SegmentId{feature});
 }
