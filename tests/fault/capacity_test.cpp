@@ -123,6 +123,23 @@ TEST(Capacity, OfFeaturesMayBeAnything) {
   }
 }
 
+// A feature that is laid again has the segments that it had.
+TEST(Capacity, OfFeaturesIsThatOfAnEndThatMovesOverOtherNodesToo) {
+  OwnedMesh mesh(MeshConfig{.vertices_max = 100, .features_max = 4});
+  test::Run run{*mesh};
+  for (std::int32_t i = 0; i < 6; ++i) ASSERT_EQ(run.join({10 * i, 0}), Status::ok);
+  ASSERT_EQ(run.join({0, 100}), Status::ok);
+  ASSERT_EQ(run.add_feature(0, 4), Status::ok);
+  const Picture before = picture_of(*mesh);
+  EXPECT_EQ(mesh->move(run.nodes[4], {55, 0}), Status::out_of_features);
+  EXPECT_EQ(picture_of(*mesh), before);
+  EXPECT_TRUE(is_sound(*mesh));
+  EXPECT_EQ(mesh->move(run.nodes[4], {45, 0}), Status::ok);
+  EXPECT_EQ(mesh->move(run.nodes[4], {25, 0}), Status::ok);
+  EXPECT_EQ(mesh->move(run.nodes[4], {45, 0}), Status::ok);
+  EXPECT_TRUE(is_sound(*mesh));
+}
+
 TEST(Capacity, OfSteinerVerticesMayBeAnything) {
   const Need need = need_of_good_run();
   for (std::uint32_t steiner = 1; steiner < need.steiner; ++steiner) {
@@ -204,6 +221,21 @@ TEST(Capacity, OfBuildMayBeAnything) {
     mesh->clear();
     EXPECT_EQ(mesh->node_count(), 0u);
     EXPECT_TRUE(is_sound(*mesh));
+  }
+}
+
+// What is laid of a feature when there are no more vertices is at one of its ends.
+TEST(Capacity, OfBuildTellsHowManySubsegmentsAreMissing) {
+  const Graph graph{"",
+                    {{0, 0}, {1000, 0}, {250, 3}, {500, -4}, {750, 3}, {500, 300}},
+                    {between_nodes(0, 1), between_nodes(0, 2)}};
+  const auto nodes = static_cast<std::uint32_t>(graph.nodes.size());
+  const std::uint32_t steiner = (*built(graph))->steiner_count();
+  ASSERT_GT(steiner, 1u);
+  for (std::uint32_t room = 0; room < steiner; ++room) {
+    OwnedMesh mesh(MeshConfig{.vertices_max = nodes + room, .features_max = 4});
+    ASSERT_EQ(mesh->build(graph.nodes, graph.features), Status::out_of_vertices);
+    EXPECT_EQ(mesh->unresolved(), 1u) << room;
   }
 }
 

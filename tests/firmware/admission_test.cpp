@@ -23,6 +23,12 @@ class NodesBySerial : public testing::Test {
     put(1, 7, {0, 0});
     rig_.run(500ms);
   }
+  // Until unit 1 has answered so often.
+  void run_reads(std::uint32_t count) {
+    rig_.run(10ms);
+    for (const std::uint32_t before = rig_.bus.reads[1]; rig_.bus.reads[1] - before < count;)
+      rig_.run(10ms);
+  }
   std::string logged() const { return testing::PrintToString(rig_.log.lines); }
 
   Rig rig_;
@@ -82,6 +88,23 @@ TEST_F(NodesBySerial, ASerialThatAnswersOnceIsNotBelieved) {
   }
   EXPECT_EQ(rig_.mesh.node_count(), 1u);
   EXPECT_EQ(rig_.log.count("joined"), 1u) << logged();
+}
+
+// Its position is its own, and never that of the node that is known there.
+TEST_F(NodesBySerial, NorIsOneThatAnswersTwiceInARow) {
+  seat_seven();
+  for (int round = 0; round < 10; ++round) {
+    put(1, 9, {50, 0});
+    run_reads(2);
+    put(1, 7, {0, 0});
+    run_reads(1);
+  }
+  EXPECT_EQ(rig_.mesh.node_count(), 1u);
+  EXPECT_EQ(rig_.mesh.position(VertexId{1}), (Position{0, 0}));
+  EXPECT_EQ(rig_.log.count("9 "), 0u) << logged();
+  put(1, 9, {50, 0});
+  run_reads(3);
+  EXPECT_EQ(rig_.log.count("node 9 is there now, node 7 is not"), 1u) << logged();
 }
 
 TEST_F(NodesBySerial, TwoNodesWithOneSerialAreAnAlarmNotAFlipFlop) {
@@ -148,6 +171,29 @@ TEST_F(NodesBySerial, WhoGetsItsSerialBackIsNoSecondNode) {
   EXPECT_EQ(rig_.log.count("two nodes answer as unit 1 of yard"), 1u) << logged();
 }
 
+// What two nodes did there before does not count against those who come when both have gone.
+TEST_F(NodesBySerial, NorIsItWhereTwoOthersAnsweredBeforeTheyWent) {
+  put(2, 20, {300, 0});
+  seat_seven();
+  put(1, 9, {50, 0});
+  rig_.run(1s);
+  put(1, 7, {0, 0});
+  rig_.run(4s);
+  ASSERT_EQ(rig_.log.count("node 7 is there now, node 9 is not"), 1u) << logged();
+  rig_.bus.silence(1);
+  rig_.run(10s);
+  ASSERT_EQ(rig_.log.count("node 7 left (silent)"), 1u) << logged();
+  put(1, 8, {20, 0});
+  rig_.run(1s);
+  put(1, 10, {30, 0});
+  rig_.run(1s);
+  ASSERT_EQ(rig_.log.count("node 10 is there now, node 8 is not"), 1u) << logged();
+  put(1, 8, {20, 0});
+  rig_.run(4s);
+  EXPECT_EQ(rig_.log.count("node 8 is there now, node 10 is not"), 1u) << logged();
+  EXPECT_EQ(rig_.log.count("two nodes answer"), 0u) << logged();
+}
+
 TEST_F(NodesBySerial, ASwappedSerialIsNotBelievedAndSaidOnce) {
   seat_seven();
   put(1, swap_words(Serial{7}).value, {50, 0});
@@ -189,6 +235,19 @@ TEST_F(NodesBySerial, MoreNodesThanThereIsRoomForAreRefusedAndSaid) {
   }
   EXPECT_EQ(rig_.log.count("no room to know node"), 13u) << logged();
   EXPECT_EQ(rig_.mesh.node_count(), 17u);
+}
+
+TEST_F(NodesBySerial, WhoIsNotMissedGivesWayToNobodyThoughItHasToldNoPlace) {
+  rig_.settings.buses[0].units = {{.first = 1, .last = 1}};
+  rig_.settings.poll.leave_after = 10min;
+  rig_.settings.poll.stale_after = 10min;
+  for (std::uint32_t serial = 1; serial <= 20; ++serial) {
+    rig_.bus.set(1, {.serial = Serial{serial}, .position = {}, .status = 0});
+    rig_.run(600ms);
+  }
+  EXPECT_EQ(rig_.log.count("no room to know node"), 3u) << logged();
+  EXPECT_EQ(rig_.log.count("is no longer missed"), 0u) << logged();
+  EXPECT_NE(rig_.gateway->nodes().find(Serial{1}), nullptr);
 }
 
 }  // namespace

@@ -215,6 +215,23 @@ TEST_F(Wanderers, AreNotTakenByWhoHasHeardThemOnce) {
   EXPECT_TRUE(west_.find(first)->stale);
 }
 
+// So that another node can be given it, and none is sought there.
+TEST_F(Wanderers, KeepTheirOldUnitForSoLongAsTheyMightBeBackThere) {
+  put_all(west_);
+  settle();
+  silence_all(west_);
+  put_all(east_);
+  run_both(15s);
+  ASSERT_NO_FATAL_FAILURE(expect_owned(east_, west_));
+  EXPECT_FALSE(west_.find(first)->unit_index.is_none()) << "it may come back";
+  run_both(10s);
+  for (std::uint32_t serial = first; serial <= last; ++serial) {
+    EXPECT_TRUE(west_.find(serial)->unit_index.is_none()) << serial;
+    EXPECT_FALSE(east_.find(serial)->unit_index.is_none()) << serial;
+  }
+  EXPECT_FALSE(west_.find(1)->unit_index.is_none()) << "it answers";
+}
+
 TEST_F(FleetGateway, TwoThatHearOneNodeDoNotQuarrel) {
   settle();
   east_.put(1, 5, 1, 1);

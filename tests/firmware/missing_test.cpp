@@ -241,6 +241,10 @@ TEST(Missing, GivesWayToThoseWhoAnswerWhereThereIsNoRoom) {
       << logged(rig);
   EXPECT_EQ(rig.log.count("is no longer missed"), 3u) << logged(rig);
   EXPECT_EQ(rig.log.count("too many nodes without a unit"), 0u);
+  // It is told at once, though the other one has no place that would change the mesh.
+  rig.bus.set(1, {.serial = Serial{104}, .position = {}, .status = 0});
+  for (int i = 0; i < 100 && rig.log.count("is no longer missed") < 4; ++i) rig.run(10ms);
+  EXPECT_EQ(rig.server.header("missing_count"), known - 3);
 }
 
 class MissingOverARestart : public testing::Test {

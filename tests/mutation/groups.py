@@ -26,9 +26,9 @@ GROUPS = {
     "conforming": Group(
         [*sources("lib/src/conforming"), "lib/src/mesh/canonicalize.cpp"],
         ["dependence_test", "influence_test", "surroundings_test", "feasible_parameter_test", "dry_run_test",
-         "policy_test", "canonical_test", "hardest_work_test", "optimise_test", "capacity_test", "bound_test",
-         "etcm-fuzz --canonical --first 500 --lives 10", "mesh_test", "order_test", "etcm-fuzz --lives 40",
-         "history_test"]),
+         "keep_alive_test", "policy_test", "canonical_test", "hardest_work_test", "optimise_test", "capacity_test",
+         "bound_test", "etcm-fuzz --canonical --first 500 --lives 10", "mesh_test", "order_test", "etcm-fuzz --lives 40",
+         "history_test", "work_test --gtest_filter=WorkOfARefused*"]),
     "framing": Group(
         sources("port/modbus", "frame", "rtu_frame", "rtu_bus", "rtu_line", "rtu_serial_line", "rtu_tcp_line",
                 "owed_answers"),
@@ -36,6 +36,7 @@ GROUPS = {
          "firmware_test --gtest_filter=LateAnswers.*:BusSilence.*:*LineTime*:*BusyLine*:LostAnswers.*"]),
     "admission": Group(
         sources("firmware/nodes", "admission"),
-        ["firmware_test --gtest_filter=Joining.*:NodesBySerial.*:Gateway.*:*OneSerial*:*Missing*:OneSite.*:"
-         "Wanderers.*:Restart.*:WithoutAFix.*:Names*.*:StatusPageTest.*"]),
+        ["firmware_test --gtest_filter=Joining.*:NodesBySerial.*:Gateway.*:*Missing*:OneSite.*:Restart.*:"
+         "WithoutAFix.*:Names*.*:StatusPageTest.*",
+         "fleet_gateway_test --gtest_filter=*OneSerial*:Wanderers.*:FleetGateway.*"]),
 }

@@ -189,6 +189,18 @@ TEST(Canonical, IsAMeshWhoseFeaturesHaveAllGone) {
   EXPECT_EQ((*mesh)->hash(), hash_of_build(**mesh));
 }
 
+TEST(Canonical, IsAMeshThatAllHaveLeftSinceItChanged) {
+  const auto mesh = built({"", {{0, 0}, {100, 0}, {50, 80}}, {between_nodes(0, 1)}});
+  VertexId id;
+  ASSERT_EQ((*mesh)->join({50, -5}, id), Status::ok);
+  ASSERT_EQ((*mesh)->remove_feature(FeatureId{0}), Status::ok);
+  ASSERT_EQ((*mesh)->leave(id), Status::ok);
+  for (std::size_t i = 0; i < 3; ++i) ASSERT_EQ((*mesh)->leave(vertex_of(i)), Status::ok);
+  EXPECT_FALSE((*mesh)->is_canonical());
+  EXPECT_EQ((*mesh)->canonicalize(), Status::ok);
+  EXPECT_TRUE((*mesh)->is_canonical());
+}
+
 TEST(Canonical, IsRefusedWhereBuildLeftAPartUndone) {
   const Graph graph = inputs::random_graph(60, inputs::FeatureLength::any, 5);
   MeshConfig config = inputs::config_for(graph, 100);

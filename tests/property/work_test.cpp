@@ -307,6 +307,64 @@ TEST(WorkOfARestore, IsEnoughOrLeavesNothing) {
   EXPECT_EQ(mesh->hash(), (*standing)->hash());
 }
 
+// Two rows that face each other: from one end of them to the other it is a long way.
+Graph long_way() {
+  Graph graph{"long way", {}, {}};
+  for (std::int32_t i = 0; i < 300; ++i) {
+    graph.nodes.push_back({10 * i, 50 + i * i % 3});
+    graph.nodes.push_back({10 * i + 5, -50 - i * i % 3});
+  }
+  return graph;
+}
+
+// Refused after it has come to the other end of that way, and back again, whatever it is beside.
+void expect_moves_within_each_limit(const Graph& graph, VertexId node) {
+  const Position away{2993, 3};
+  const auto mesh = built(graph), unlimited = built(graph);
+  const Picture before = picture_of(**mesh);
+  ASSERT_EQ((*unlimited)->move(node, away), Status::ok);
+  const std::uint64_t needed = (*unlimited)->work_needed().units;
+  for (std::uint64_t units = 1; units < needed; units += 1 + units / 128) {
+    ASSERT_EQ((*mesh)->move(node, away, Work{units}), Status::work_limit);
+    ASSERT_LE((*mesh)->work_needed().units, units);
+    ASSERT_TRUE(picture_of(**mesh) == before) << units;
+  }
+}
+
+TEST(WorkOfARefusedMove, IsWithinEachLimitWhereAllBesideItHaveManyNeighbours) {
+  Graph graph = long_way();
+  const std::size_t v = graph.nodes.size();
+  graph.nodes.insert(graph.nodes.end(),
+                     {{-9000, 0}, {-3000, 3}, {-3000, 20'000}, {-3000, -20'000}});
+  for (std::int32_t i = -20; i <= 20; ++i) graph.nodes.push_back({-50 + i * i % 3, 20 * i});
+  for (std::int32_t i = 0; i < 24; ++i) {
+    graph.nodes.push_back({100 * i, 1000 - i * i / 4});
+    graph.nodes.push_back({100 * i, -1000 + i * i / 4});
+  }
+  graph.features.push_back(between_nodes(v, v + 1));
+  const auto mesh = built(graph);
+  std::vector<Neighbour> beside((*mesh)->neighbours(vertex_of(v), {}));
+  ASSERT_EQ((*mesh)->neighbours(vertex_of(v), beside), beside.size());
+  for (const Neighbour& one : beside) ASSERT_GT((*mesh)->neighbours(one.vertex, {}), 16u);
+  expect_moves_within_each_limit(graph, vertex_of(v));
+}
+
+TEST(WorkOfARefusedMove, IsWithinEachLimitWhereOnlySteinerVerticesAreBesideIt) {
+  Graph graph = long_way();
+  const std::size_t v = graph.nodes.size();
+  graph.nodes.insert(graph.nodes.end(),
+                     {{-5000, 0}, {-9000, 2}, {-900, 2}, {-9000, -2}, {-900, -2}});
+  for (const std::int32_t x : {-5040, -4960}) {
+    graph.nodes.insert(graph.nodes.end(), {{x, 4}, {x, -4}});
+  }
+  graph.features = {between_nodes(v + 1, v + 2), between_nodes(v + 3, v + 4)};
+  const auto mesh = built(graph);
+  std::vector<Neighbour> beside((*mesh)->neighbours(vertex_of(v), {}));
+  ASSERT_EQ((*mesh)->neighbours(vertex_of(v), beside), beside.size());
+  for (const Neighbour& one : beside) ASSERT_EQ((*mesh)->kind(one.vertex), VertexKind::steiner);
+  expect_moves_within_each_limit(graph, vertex_of(v));
+}
+
 // What is looked at while a trial is taken back is in the room that was kept for it.
 TEST(WorkOfTrials, ThatAreTakenBackIsWhatTheyNeed) {
   const Graph graph{

@@ -9,9 +9,13 @@
 #include <vector>
 
 #include "conforming/canonical.h"
+#include "conforming/group.h"
+#include "conforming/influence.h"
+#include "inputs/patterns.h"
 #include "inputs/random.h"
 #include "inputs/random_graph.h"
 #include "support/meshes.h"
+#include "triangulation/change.h"
 #include "triangulation/mesh_state.h"
 
 namespace etcm::test {
@@ -120,6 +124,89 @@ TEST(DependenceAfterABuild, IsKnownOfShortFeaturesWhoeverIsLaidTwice) {
     ASSERT_GT((*mesh)->steiner_count(), 0u);
     EXPECT_TRUE(internal::MeshAccess::state(**mesh)->knows_dependence) << "seed " << seed;
   }
+}
+
+// Beside many parallels there is too much to look at when a vertex is taken out again.
+TEST(DependenceAfterABuild, IsNotKnownWhereThereWasTooMuchToLookAt) {
+  const auto mesh = built(inputs::parallels(40, 30, 100'000, 40, 3), split_default, 20'000);
+  EXPECT_FALSE(state_of(**mesh).knows_dependence);
+}
+
+bool is_stale(const Mesh& mesh, IdValue feature) {
+  return internal::is_stale(state_of(mesh), SegmentId{feature});
+}
+
+void on_nobody(internal::Change&, SegmentId, SegmentId) noexcept {}
+
+// Where there is too much to look at, nobody knows who else belongs there.
+TEST(DependenceOfAGroup, IsGivenUpWhereOfAVertexThatIsLaidItIsNotKnown) {
+  const KeepAlive nobody;
+  std::uint32_t known = 0, unknown = 0;
+  for (const Graph& graph : {inputs::random_graph(250, inputs::FeatureLength::any, 3),
+                             inputs::parallels(40, 10, 100'000, 40, 3)}) {
+    const auto mesh = built(graph, split_default, 20'000);
+    MeshState& m = state_of(**mesh);
+    m.work.start(Work::unlimited(), nobody);
+    for (const VertexId v : steiner_vertices(**mesh)) {
+      internal::Change change(m, internal::Change::Extent::group);
+      change.group.first = internal::end_of_group;
+      change.group.work_left = 1000;
+      const bool is_known = find_influenced(change, v, SegmentId::none(), on_nobody);
+      static_cast<void>(stays_in_group(change, v));
+      ASSERT_EQ(change.group.work_left != 0, is_known) << graph.name << ", vertex " << v.value;
+      ++(is_known ? known : unknown);
+    }
+  }
+  EXPECT_GT(known, 100u);
+  EXPECT_GT(unknown, 100u);
+}
+
+// What was looked at together is looked at afresh by the next call.
+TEST(DependenceAfterARefusal, LeavesNoGroupBehind) {
+  for (const auto length : {inputs::FeatureLength::any, inputs::FeatureLength::in_reach}) {
+    const auto mesh = grown(inputs::random_graph(100, length, 5));
+    const MeshState& m = state_of(**mesh);
+    std::uint32_t refused = 0;
+    for (std::uint64_t units = 1; !(*mesh)->is_canonical(); units += 1 + units / 16) {
+      ASSERT_LT(units, 100'000'000u) << "no limit is enough";
+      refused += (*mesh)->canonicalize(Work{units}) == Status::work_limit;
+      for (IdValue i = 0; i < m.segment_end; ++i) {
+        const SegmentId next = m.segment(SegmentId{i}).next_in_group;
+        ASSERT_TRUE(next == internal::not_listed || next.is_none()) << units;
+      }
+    }
+    EXPECT_GT(refused, 20u);
+  }
+}
+
+// Another feature at an end sees with whom it shares the end, and where that one leads.
+TEST(DependenceOnWhoMeets, MakesStaleWhoEndsWhereAFeatureDoesThatLosesANode) {
+  Graph graph{"", {}, {}};
+  graph.nodes = {{0, 0}, {500, 0}, {1000, 0}, {-500, 30}, {1500, 30}, {250, 400}, {250, -400}};
+  graph.nodes.insert(graph.nodes.end(), {{750, 400}, {750, -400}, {5000, 5000}, {5100, 5000}});
+  graph.features = {between_nodes(0, 2), between_nodes(3, 0), between_nodes(2, 4),
+                    between_nodes(9, 10)};
+  const auto mesh = built(graph);
+  ASSERT_EQ((*mesh)->steiner_count(), 0u);
+  ASSERT_EQ((*mesh)->leave(vertex_of(1)), Status::ok);
+  EXPECT_TRUE(is_stale(**mesh, 0));
+  EXPECT_TRUE(is_stale(**mesh, 1)) << "where it begins";
+  EXPECT_TRUE(is_stale(**mesh, 2)) << "where it ends";
+  EXPECT_FALSE(is_stale(**mesh, 3));
+}
+
+// What stood there because of it is looked for around its place when the mesh is made canonical.
+TEST(DependenceOnPlaces, KeepsThoseOfSteinerVerticesThatAreNeedlessNow) {
+  Graph graph{"", {{0, 0}, {1000, 0}, {500, 5}, {300, -400}}, {between_nodes(0, 1)}};
+  const auto mesh = built(graph);
+  std::set<Point> gone{(*mesh)->point(vertex_of(2))};
+  for (const VertexId v : steiner_vertices(**mesh)) gone.insert((*mesh)->point(v));
+  ASSERT_GT(gone.size(), 1u);
+  ASSERT_EQ((*mesh)->leave(vertex_of(2)), Status::ok);
+  ASSERT_EQ((*mesh)->steiner_count(), 0u);
+  const MeshState& m = state_of(**mesh);
+  ASSERT_FALSE(m.is_all_stale);
+  EXPECT_EQ(std::set<Point>(m.places, m.places + m.place_count), gone);
 }
 
 }  // namespace

@@ -80,6 +80,35 @@ TEST(Influence, OfAPlaceIsThatOfAVertexThere) {
   EXPECT_GT(told, compared / 2);
 }
 
+// Whose Steiner vertices have one on a subsegment; false: not all of them could be found.
+bool influencing(Mesh& mesh, internal::Edge e, std::set<IdValue>& out) {
+  MeshState& m = state_of(mesh);
+  const KeepAlive nobody;
+  m.work.start(Work::unlimited(), nobody);
+  Change change(m);
+  found_segments.clear();
+  const bool is_known = find_influencing(change, e, SegmentId::none(), note);
+  out = found_segments;
+  return is_known;
+}
+
+TEST(Influence, OnASubsegmentIsLookedForOnBothSides) {
+  using internal::Topology;
+  const auto mesh = built(inputs::random_graph(80, inputs::FeatureLength::any, 3));
+  const Topology& topo = state_of(**mesh).topology;
+  std::uint64_t compared = 0;
+  for (IdValue i = 0; i < 3 * topo.triangle_count(); ++i) {
+    const internal::Edge e = Topology::edge(i / 3, i % 3);
+    if (!topo.is_constrained(e)) continue;
+    std::set<IdValue> from_here, from_beyond;
+    if (!influencing(**mesh, e, from_here)) continue;
+    ASSERT_TRUE(influencing(**mesh, topo.twin(e), from_beyond));
+    EXPECT_EQ(from_here, from_beyond) << "edge " << i;
+    ++compared;
+  }
+  EXPECT_GT(compared, 50u);
+}
+
 // How far it is from a place to a part of a line.
 double distance(double x, double y, const Point& a, const Point& b) {
   const auto ax = static_cast<double>(a.x), ay = static_cast<double>(a.y);

@@ -219,6 +219,68 @@ TEST(KeepAlive, OfAMeshIsNotCalledByThoseWhoReadItsBytes) {
   EXPECT_EQ(seen.calls, 0u);
 }
 
+// Of many segments the last one alone is to be laid again.
+TEST(KeepAliveOfLists, IsCalledWhileAStaleSegmentIsLookedFor) {
+  constexpr std::uint32_t count = 2000, columns = 50;
+  Graph graph{"apart", {}, {}};
+  const auto place = [](std::uint32_t i) {
+    return Position{static_cast<std::int32_t>(1000 * (i % columns) + 37 * i % 101),
+                    static_cast<std::int32_t>(1000 * (i / columns) + 53 * i % 103)};
+  };
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Position from = place(i);
+    graph.nodes.insert(graph.nodes.end(), {from, {from.x + 100, from.y}});
+    graph.features.push_back(between_nodes(2 * std::size_t{i}, 2 * std::size_t{i} + 1));
+  }
+  const auto mesh = built(graph);
+  VertexId id;
+  ASSERT_EQ((*mesh)->join({place(count - 1).x + 50, place(count - 1).y + 5}, id), Status::ok);
+  ASSERT_FALSE((*mesh)->is_canonical());
+  Watch seen{.mesh = &**mesh};
+  (*mesh)->keep_alive(hook_of(seen));
+  ASSERT_EQ((*mesh)->canonicalize(), Status::ok);
+  constexpr std::uint32_t calls = 2 * count / KeepAlive::units_between;
+  ASSERT_LT((*mesh)->work_used().units, std::uint64_t{calls} / 2 * KeepAlive::units_between);
+  EXPECT_GE(seen.calls, calls);
+}
+
+// Whether some Steiner vertices stand again, and others do not yet.
+struct Halfway {
+  const Mesh* mesh = nullptr;
+  std::uint64_t calls = 0;
+
+  void look() noexcept {
+    const internal::MeshState& m = state_of(*mesh);
+    if (!m.work.is_going_back()) return;
+    bool has_detached = false, has_steiner = false;
+    for (IdValue i = 1; i < m.vertex_end; ++i) {
+      has_detached = has_detached || m.owners[i].role() == internal::Role::detached;
+      has_steiner = has_steiner || m.owners[i].role() == internal::Role::steiner;
+    }
+    calls += has_detached && has_steiner;
+  }
+};
+
+TEST(KeepAliveOfLists, IsCalledWhileSteinerVerticesComeBack) {
+  const Graph graph = inputs::parallels(40, 10, 100'000, 40, 3);
+  const auto prepared = [&graph] {
+    auto mesh = built(graph, split_default, 20'000);
+    VertexId id;
+    EXPECT_EQ((*mesh)->join({50'003, 305}, id), Status::ok);
+    EXPECT_FALSE((*mesh)->is_canonical());
+    return mesh;
+  };
+  const auto unlimited = prepared(), mesh = prepared();
+  ASSERT_GT((*mesh)->steiner_count(), 2 * KeepAlive::units_between);
+  ASSERT_EQ((*unlimited)->rebuild(), Status::ok);
+  Halfway seen{.mesh = &**mesh};
+  (*mesh)->keep_alive(
+      {[](void* context) noexcept { static_cast<Halfway*>(context)->look(); }, &seen});
+  const Work limit{(*unlimited)->work_needed().units - 1};
+  ASSERT_EQ((*mesh)->rebuild(limit), Status::work_limit);
+  EXPECT_GE(seen.calls, 2 * (*mesh)->steiner_count() / KeepAlive::units_between - 1);
+}
+
 TEST(KeepAlive, IsNotCalledByWhatIsShortNorOnceTakenBack) {
   OwnedMesh mesh(MeshConfig{.vertices_max = 20, .features_max = 4});
   Watch seen{.mesh = &*mesh};

@@ -63,6 +63,12 @@ constexpr Mended all_mended[] = {
     {"move_beside_a_feature_that_rows_split",
      "node 0 0, node 7524 0, row 44 85 -22 171 0, row 44 52 22 171 0, node 3762 5647, line 0 1, "
      "move 33 15 5"},
+    {"needless_vertex_before_a_row_comes_back",
+     "node -7500 0, node 22500 0, node 7500 -3, row 100 50 4000000 100 0, "
+     "row 50 10050 4000000 100 0, line 0 1, move 2 17500 -3"},
+    {"needless_vertex_before_a_row_comes_back_from_the_other_side",
+     "node 7500 0, node -22500 0, node -7500 -3, row 100 -50 4000000 -100 0, "
+     "row 50 -10050 4000000 -100 0, line 0 1, move 2 -17500 -3"},
     {"feature_of_hundreds_of_splits",
      "scatter 47 0 0 3 4833374, row 33 -3517 19 14 -108921, line 60 34, canonicalize, line 28 60, "
      "line 43 43, line 19 16, leave 0, line 27 -47150"},

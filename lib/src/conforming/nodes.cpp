@@ -144,23 +144,57 @@ SegmentId merge_segments_at(Change& change, VertexId v) noexcept {
   return parts;
 }
 
-bool keep_way_back(Change& change, VertexId v, unsigned degree, VertexId& beside) noexcept {
-  MeshState& m = change.mesh;
-  // Around one with more neighbours the way may be as long as from elsewhere.
-  constexpr std::uint32_t usual = 16;
-  beside = VertexId::none();
-  if (m.topology.triangle_count() == 0) return true;
+namespace {
+
+// Of the nodes beside v, but one, the first with few neighbours, else that with the fewest of no
+// more than `most`, which becomes how many it has. None: there is none, or no more work.
+VertexId node_beside(MeshState& m, VertexId v, VertexId but, std::uint32_t few,
+                     std::uint32_t& most) noexcept {
+  VertexId found{};
   Spokes spokes(m.topology, v);
   do {
     const VertexId w = spokes.target();
-    if (w == infinite_vertex || m.owner(w).role() != Role::node) continue;
-    const std::uint32_t around = m.topology.degree(w, usual);
-    if (!m.work.spend(around)) return false;
-    if (around > usual) continue;
-    beside = w;
-    return m.work.may_keep(Units{degree} + 2 * Units{around});
-  } while (spokes.turn());
-  return true;
+    if (w == infinite_vertex || w == but || m.owner(w).role() != Role::node) continue;
+    const std::uint32_t left = m.work.left();
+    const std::uint32_t around = m.topology.degree(w, most < left ? most : left);
+    if (!m.work.spend(around)) return VertexId::none();
+    if (around > most) continue;
+    found = w;
+    most = around;
+  } while ((found.is_none() || most > few) && spokes.turn());
+  return found;
+}
+
+}  // namespace
+
+bool keep_way_back(Change& change, VertexId v, unsigned degree, VertexId& beside) noexcept {
+  MeshState& m = change.mesh;
+  beside = VertexId::none();
+  if (m.topology.triangle_count() == 0) return true;
+  // Nearly always there is one with so few neighbours, ...
+  constexpr std::uint32_t few = 16;
+  std::uint32_t around = few;
+  beside = node_beside(m, v, v, few, around);
+  Units way = 2 * Units{around};
+  if (beside.is_none()) {
+    // ... or behind a Steiner vertex, ...
+    Spokes spokes(m.topology, v);
+    do {
+      const VertexId w = spokes.target();
+      if (w == infinite_vertex || m.owner(w).role() == Role::node) continue;
+      const std::uint32_t beyond = m.topology.degree(w, few);
+      if (!m.work.spend(beyond)) return false;
+      if (beyond <= few) beside = node_beside(m, w, v, few, around);
+      way = 2 * (Units{beyond} + around);
+    } while (beside.is_none() && spokes.turn());
+  }
+  if (beside.is_none()) {
+    // ... else around one with many. And from anywhere no triangle is come to twice.
+    around = m.topology.triangle_count() / 2;
+    beside = node_beside(m, v, v, few, around);
+    way = 2 * Units{around} + 1;
+  }
+  return !m.work.is_over() && m.work.may_keep(Units{degree} + way);
 }
 
 void put_node_back(Change& change, VertexId v, SegmentId parts, VertexId beside) noexcept {
