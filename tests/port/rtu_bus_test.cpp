@@ -411,7 +411,6 @@ TEST_F(SerialBus, WhatWasAnsweredBeforeTwoWereKnownOfMayBeAnsweredOnceMore) {
   EXPECT_GE(bus().read_free_at(other, now_), now_ + late_answer_max);
 }
 
-<<<<<<< HEAD
 // As an adapter or a server hands it on.
 TEST_F(SerialBus, WhatNobodyAskedForIsKnownOfThoughItComesInPieces) {
   const RegisterRead read{
@@ -438,7 +437,8 @@ TEST_F(SerialBus, AnAnswerIsNotHeardTwiceWhereAnotherUnitTalksNext) {
   say({9, 4});
   pass(5ms);
   EXPECT_LE(bus().read_free_at(read, now_), now_);
-=======
+}
+
 // It looks like the answer to what another unit is asked at that time, which is still to come.
 TEST_F(SerialBus, AnAnswerThatNobodyWaitsForMayComeWhileAnotherUnitIsAskedTheSame) {
   const RegisterRead read{
@@ -450,7 +450,6 @@ TEST_F(SerialBus, AnAnswerThatNobodyWaitsForMayComeWhileAnotherUnitIsAskedTheSam
   say(two_registers(8, 2));
   EXPECT_EQ(result(), BusResult::ok);
   EXPECT_EQ(value_, 2);
->>>>>>> wt-mut
 }
 
 TEST_F(SerialBus, WhatMayBeLeftOutIsAnotherWayToAsk) {
