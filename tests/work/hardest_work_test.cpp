@@ -72,6 +72,8 @@ constexpr Mended all_mended[] = {
     {"feature_of_hundreds_of_splits",
      "scatter 47 0 0 3 4833374, row 33 -3517 19 14 -108921, line 60 34, canonicalize, line 28 60, "
      "line 43 43, line 19 16, leave 0, line 27 -47150"},
+    {"trial_beside_a_node_with_many_neighbours",
+     "node 83 0, node 0 0, row 49 1 -1 0 2, line 0 1, row 22 0 -165 1 2, optimise 1 0"},
 };
 
 class MendedWork : public testing::TestWithParam<Mended> {

@@ -92,7 +92,7 @@ class Stage {
 };
 
 // Of so many nodes and features at most.
-inline constexpr std::uint32_t stage_nodes = 160;
+inline constexpr std::uint32_t stage_nodes = 1200;
 inline constexpr std::uint32_t stage_features = 40;
 
 }  // namespace etcm::test

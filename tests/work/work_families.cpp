@@ -15,6 +15,12 @@ Step step_of(Verb verb, std::int32_t a = 0, std::int32_t b = 0, std::int32_t c =
   return {.verb = verb, .number = {a, b, c, d, e}};
 }
 
+// Up to `most`; of large ones every fourth up to far more.
+std::int32_t size_of(std::int32_t least, std::int32_t most, Size size, Random& random) {
+  const bool is_large = size == Size::large && random.below(4) == 0;
+  return random.between(least, is_large ? 8 * most : most);
+}
+
 std::int32_t anywhere(Random& random) {
   constexpr std::int32_t sides[] = {20, 300, 5000, 100'000, 3'000'000};
   const std::int32_t side = sides[random.below(5)];
@@ -38,9 +44,9 @@ void add_lines(WorkCase& of, std::int32_t count, Random& random) {
   }
 }
 
-void begin_row_family(WorkCase& of, Family family, Random& random) {
+void begin_row_family(WorkCase& of, Family family, Size size, Random& random) {
   std::vector<Step>& steps = of.steps;
-  const std::int32_t n = random.between(4, 50), gap = random.between(3, 400);
+  const std::int32_t n = size_of(4, 50, size, random), gap = random.between(3, 400);
   const std::int32_t near = random.between(1, 40);
   const std::int32_t length = n * gap;
   if (family == Family::near_touching) {
@@ -68,9 +74,9 @@ void begin_row_family(WorkCase& of, Family family, Random& random) {
   }
 }
 
-void begin_round_family(WorkCase& of, Family family, Random& random) {
+void begin_round_family(WorkCase& of, Family family, Size size, Random& random) {
   std::vector<Step>& steps = of.steps;
-  const std::int32_t n = random.between(4, 36), scale = random.between(1, 5000);
+  const std::int32_t n = size_of(4, 36, size, random), scale = random.between(1, 5000);
   if (family != Family::cocircular) steps.push_back(step_of(Verb::node, 0, 0));
   steps.push_back(step_of(Verb::ring, n, 0, 0, scale));
   if (family == Family::cocircular) {
@@ -122,12 +128,12 @@ void alter_number(Step& step, const WorkCase& of, Random& random) {
   }
 }
 
-void keep_in_bounds(Step& step) {
+void keep_in_bounds(Step& step, Size size) {
   for (std::int32_t& number : step.number) {
     number = std::clamp(number, -position_max / 2, position_max / 2);
   }
   if (step.verb == Verb::row || step.verb == Verb::ring || step.verb == Verb::scatter) {
-    step.number[0] = std::clamp(step.number[0], 0, 100);
+    step.number[0] = std::clamp(step.number[0], 0, size == Size::large ? 400 : 100);
   }
 }
 
@@ -145,17 +151,16 @@ const char* name_of(Family family) {
   return names[static_cast<std::size_t>(family)];
 }
 
-WorkCase case_of(Family family, Verb last, Random& random) {
+WorkCase case_of(Family family, Verb last, Size size, Random& random) {
   WorkCase made;
-  const std::int32_t n = random.between(3, 8);
   switch (family) {
     case Family::random:
-      made.steps.push_back(step_of(Verb::scatter, random.between(4, 60), 0, 0,
+      made.steps.push_back(step_of(Verb::scatter, size_of(4, 60, size, random), 0, 0,
                                    1 + std::abs(anywhere(random)), anywhere(random)));
       add_lines(made, random.between(0, 10), random);
       break;
     case Family::grid: {
-      const std::int32_t gap = random.between(1, 300);
+      const std::int32_t n = size_of(3, 8, size, random), gap = random.between(1, 300);
       for (std::int32_t i = 0; i < n; ++i) {
         made.steps.push_back(step_of(Verb::row, n, 0, i * gap, gap, 0));
       }
@@ -165,16 +170,16 @@ WorkCase case_of(Family family, Verb last, Random& random) {
     case Family::star:
     case Family::hub:
     case Family::cocircular:
-      begin_round_family(made, family, random);
+      begin_round_family(made, family, size, random);
       break;
     default:
-      begin_row_family(made, family, random);
+      begin_row_family(made, family, size, random);
   }
   made.steps.push_back(last_step(last, random));
   return made;
 }
 
-WorkCase altered(const WorkCase& of, Random& random) {
+WorkCase altered(const WorkCase& of, Size size, Random& random) {
   WorkCase made = of;
   for (std::uint64_t changes = 1 + random.below(3); changes != 0; --changes) {
     std::vector<Step>& steps = made.steps;
@@ -191,7 +196,7 @@ WorkCase altered(const WorkCase& of, Random& random) {
       steps.insert(place, any_step(verbs_between[random.index(std::size(verbs_between))], random));
     }
   }
-  for (Step& step : made.steps) keep_in_bounds(step);
+  for (Step& step : made.steps) keep_in_bounds(step, size);
   return made;
 }
 

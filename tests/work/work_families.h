@@ -20,13 +20,15 @@ enum class Family : std::uint8_t {
   cocircular,
 };
 inline constexpr std::size_t family_count = 9;
+// Of the mesh: what is a long way in a large one is none in a small one.
+enum class Size : std::uint8_t { small, large };
 const char* name_of(Family family);
 
 // A case of the family whose last step is that call.
-WorkCase case_of(Family family, Verb last, inputs::Random& random);
+WorkCase case_of(Family family, Verb last, Size size, inputs::Random& random);
 
 // Another one like it, with the same call.
-WorkCase altered(const WorkCase& of, inputs::Random& random);
+WorkCase altered(const WorkCase& of, Size size, inputs::Random& random);
 
 // What is left of a case while `is_alike` holds: fewer steps, and smaller numbers.
 WorkCase smallest(WorkCase of, const std::function<bool(const WorkCase&)>& is_alike);

@@ -43,8 +43,8 @@ std::vector<Measured> measured_calls() {
 
 class Search {
  public:
-  Search(std::uint64_t seed, std::uint64_t inputs, std::uint64_t limits)
-      : seed_(seed), inputs_(inputs), limits_(limits) {}
+  Search(std::uint64_t seed, std::uint64_t inputs, std::uint64_t limits, Size size)
+      : seed_(seed), inputs_(inputs), limits_(limits), size_(size) {}
 
   // From one start, as long as it has inputs.
   void anneal(Family family, const Measured& call, Worst& worst) {
@@ -54,10 +54,10 @@ class Search {
     constexpr std::uint64_t starts = 4;
     for (std::uint64_t start = 0; start < starts; ++start) {
       const std::uint64_t inputs = inputs_ / starts;
-      WorkCase now = case_of(family, call.verb, random);
+      WorkCase now = case_of(family, call.verb, size_, random);
       double nearness = look_at(now, family, call, worst);
       for (std::uint64_t i = 1; i < inputs; ++i) {
-        const WorkCase next = altered(now, random);
+        const WorkCase next = altered(now, size_, random);
         const double there = look_at(next, family, call, worst);
         const double heat = 0.3 * static_cast<double>(inputs - i) / static_cast<double>(inputs);
         if (there < nearness - heat) continue;
@@ -98,6 +98,7 @@ class Search {
   std::uint64_t seed_;
   std::uint64_t inputs_;
   std::uint64_t limits_;
+  Size size_;
   Stage stage_;
   std::uint64_t looked_ = 0;
   std::uint64_t runs_ = 0;
@@ -128,9 +129,9 @@ int minimise(const std::string& text) {
   return 0;
 }
 
-int run(std::uint64_t seed, std::uint64_t inputs, std::uint64_t limits, const std::string& file,
-        const std::string& only) {
-  Search search(seed, inputs, limits);
+int run(std::uint64_t seed, std::uint64_t inputs, std::uint64_t limits, Size size,
+        const std::string& file, const std::string& only) {
+  Search search(seed, inputs, limits, size);
   std::string lines;
   std::printf("| call | inputs | calls | least left of a limit | most used of one, going back |\n");
   std::printf("|---|---:|---:|---:|---:|\n");
@@ -163,13 +164,16 @@ int main(int argc, char** argv) {
   CLI::App app{"Looks for calls of a mesh that come near their limit of work, or beyond it"};
   std::uint64_t seed = 1, inputs = 400, limits = 96;
   std::string file, only, text;
+  bool is_large = false;
   app.add_option("--seed", seed, "what is drawn from")->capture_default_str();
   app.add_option("--inputs", inputs, "how many of each call and family")->capture_default_str();
   app.add_option("--limits", limits, "how many of each input")->capture_default_str();
+  app.add_flag("--large", is_large, "of meshes of up to 1200 nodes");
   app.add_option("--call", only, "only this one, such as move or \"dry run of move\"");
   app.add_option("--write", file, "the file for the worst inputs");
   app.add_option("--minimise", text, "a case with a fault, to be made as small as it can be");
   CLI11_PARSE(app, argc, argv);
   if (!text.empty()) return etcm::test::minimise(text);
-  return etcm::test::run(seed, inputs, limits, file, only);
+  const auto size = is_large ? etcm::test::Size::large : etcm::test::Size::small;
+  return etcm::test::run(seed, inputs, limits, size, file, only);
 }

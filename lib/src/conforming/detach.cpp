@@ -12,9 +12,6 @@
 
 namespace etcm::internal {
 
-// Of a node with more neighbours the way along a subsegment is found from its other end.
-constexpr std::uint32_t turns_few = 24;
-
 bool keep_for_mark(MeshState& m, const Subsegment& subsegment) noexcept {
   const std::uint32_t left = m.work.left();
   const bool is_node = m.owner(subsegment.head).role() == Role::node;
@@ -22,6 +19,12 @@ bool keep_for_mark(MeshState& m, const Subsegment& subsegment) noexcept {
       m.topology.degree(subsegment.head, is_node && turns_few < left ? turns_few : left);
   return m.work.spend(degree) &&
          m.work.may_keep(2 * Units{degree} + 2 * Units{subsegment.steps} + 8);
+}
+
+bool keep_for_single_mark(MeshState& m, VertexId head) noexcept {
+  const std::uint32_t degree = m.topology.degree(head, m.work.left());
+  const Units afar = degree > turns_few ? Units{turns_few + steps_back_most} : Units{0};
+  return m.work.spend(degree) && m.work.may_keep(2 * Units{degree} + afar + 8);
 }
 
 // Around the vertex five turns are made beside the removal; it is found by a short walk and put

@@ -18,6 +18,9 @@ namespace etcm::internal {
 // Room to look for a subsegment again and to mark it, where its head may have more neighbours to
 // look at by then than were looked at now. False: there is none, and nothing must be touched.
 [[nodiscard]] bool keep_for_mark(MeshState& m, const Subsegment& subsegment) noexcept;
+// The same where nothing is kept for the rest of its segment, along which the way to a head with
+// many neighbours may be looked for.
+[[nodiscard]] bool keep_for_single_mark(MeshState& m, VertexId head) noexcept;
 // Detaches all Steiner vertices of a segment (drops the fresh) and takes the marks off its edges.
 [[nodiscard]] bool strip_segment(Change& change, SegmentId s) noexcept;
 // Takes the mark off a segment that has no Steiner vertices left, if it is marked, without walking

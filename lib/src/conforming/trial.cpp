@@ -37,7 +37,7 @@ std::span<IdValue> take_out(Change& change, std::span<IdValue> ids) noexcept {
     const OwnEdges own = own_edges(m, VertexId{id}, m.work.left());
     if (!m.work.spend(own.looked)) return {};
     for (const VertexId head : {m.topology.target(own.back), VertexId{id}}) {
-      if (!keep_for_mark(m, {.head = head})) return {};
+      if (!keep_for_single_mark(m, head)) return {};
     }
     touch(change, m.owner(VertexId{id}).segment(), m.topology.target(own.back),
           m.topology.target(own.onward));

@@ -15,26 +15,23 @@ struct Start {
   std::uint32_t steps;  // that it took; more than were allowed: it was given up
 };
 
+// So many edges are asked for their mark in a step.
+constexpr std::uint32_t marks_a_step = 8;
+
 // A Steiner vertex's subsegments lie on its segment, so they need no test of where they point but
 // one: forwards or backwards.
 bool leave_by_subsegment(const MeshState& m, VertexId head, bool forward, std::uint32_t steps_most,
                          Start& start) noexcept {
-  Spokes spokes(m.topology, head, steps_most);
+  const bool is_few = steps_most < any_steps / marks_a_step;
+  Spokes spokes(m.topology, head, is_few ? marks_a_step * steps_most : any_steps);
+  bool found = false;
   do {
-    if (m.topology.is_constrained(spokes.edge()) &&
-        (m.at(head) < m.at(spokes.target())) == forward) {
-      start = {true, spokes.edge(), spokes.turns()};
-      return true;
-    }
-  } while (spokes.turn());
-  start.steps = spokes.turns();
-  return false;
+    found = m.topology.is_constrained(spokes.edge()) &&
+            (m.at(head) < m.at(spokes.target())) == forward;
+  } while (!found && spokes.turn());
+  start = {found, spokes.edge(), (spokes.turns() + marks_a_step - 1) / marks_a_step};
+  return found;
 }
-
-// Around most vertices there are fewer edges than this, ...
-constexpr std::uint32_t turns_few = 24;
-// ... and where there are more, the way back from the other end is mostly shorter than this.
-constexpr std::uint32_t steps_back_most = 256;
 
 // Rotates around the head until an edge lies on the line or a triangle spans it: the near end of
 // its outer edge on the right, the far one on the left. False: not in so many turns.

@@ -5,6 +5,12 @@
 
 namespace etcm::internal {
 
+// A way along a line is looked for in so many turns around its head. Most vertices have fewer
+// neighbours; where there are more it is looked for from the other end, which mostly takes no more
+// steps than this, and else all around.
+inline constexpr std::uint32_t turns_few = 24;
+inline constexpr std::uint32_t steps_back_most = 256;
+
 // The segment from a vertex to the next vertex on the way to another, in whose direction it looks.
 struct Subsegment {
   VertexId head{};
