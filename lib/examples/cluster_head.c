@@ -13,7 +13,7 @@
 
 enum { devices_max = 16, vertices_max = 100, roads_max = 20, neighbours_max = 8 };
 
-// The work that a message may take, in units of the library: 83 ms at the most on a Cortex-M4 of
+// The work that a message may take, in units of the library: 95 ms at the most on a Cortex-M4 of
 // 168 MHz with two cycles an instruction. docs/cost.md has what to set for other watchdogs.
 #define WORK_OF_A_MESSAGE 20000u
 

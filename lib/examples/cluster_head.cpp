@@ -10,7 +10,7 @@
 namespace {
 
 constexpr std::uint32_t devices_max = 16;
-// The work that a message may take: 83 ms at the most on a Cortex-M4 of 168 MHz with two cycles an
+// The work that a message may take: 95 ms at the most on a Cortex-M4 of 168 MHz with two cycles an
 // instruction. docs/cost.md has what to set for other watchdogs.
 constexpr etcm::Work share{20'000};
 

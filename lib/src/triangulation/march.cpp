@@ -26,8 +26,8 @@ bool leave_by_subsegment(const MeshState& m, VertexId head, bool forward, std::u
   Spokes spokes(m.topology, head, is_few ? marks_a_step * steps_most : any_steps);
   bool found = false;
   do {
-    found = m.topology.is_constrained(spokes.edge()) &&
-            (m.at(head) < m.at(spokes.target())) == forward;
+    found =
+        m.topology.is_constrained(spokes.edge()) && (m.at(head) < m.at(spokes.target())) == forward;
   } while (!found && spokes.turn());
   start = {found, spokes.edge(), (spokes.turns() + marks_a_step - 1) / marks_a_step};
   return found;
