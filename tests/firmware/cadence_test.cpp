@@ -97,6 +97,21 @@ TEST_F(Polling, WhoIsTalkedOverAtItsTimeIsAskedAtAnother) {
   EXPECT_GE(asked(7) - begin, 99u);
 }
 
+// Behind a converter its answers came too late for the others' sake: it is there.
+TEST_F(Polling, WhoWasHeldUpIsAskedAsOneThatIsThere) {
+  rig_.bus.silence(7);
+  run(5s, 10ms);
+  ASSERT_GT(rig_.gateway->poller().failures(UnitIndex{6}), 3u);
+  rig_.put(7, 700, 0);
+  const std::uint32_t before = asked(7);
+  rig_.bus.held_up = 7;
+  run(50ms, 10ms);
+  EXPECT_EQ(asked(7) - before, 1u);
+  EXPECT_EQ(rig_.gateway->poller().failures(UnitIndex{6}), 0u);
+  run(1s, 10ms);
+  EXPECT_GE(asked(7) - before, 10u);
+}
+
 TEST_F(Polling, WhoNeverAnsweredIsNotAskedAgainAtOnce) {
   Rig rig;
   rig.put(1, 0, 0);

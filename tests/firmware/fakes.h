@@ -5,7 +5,9 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "etcm/files/mesh_image.h"
@@ -69,6 +71,7 @@ class ScriptedBus final : public port::NodeBus {
   bool is_clearing(port::Instant now) const override { return now < clear_at; }
   void advance(port::Instant now) override;
   bool take_answer(port::BusAnswer& answer) override;
+  std::optional<std::uint8_t> take_held_up() override { return std::exchange(held_up, {}); }
   port::Instant next_deadline() const override;
 
   void set(std::uint8_t unit, const NodeReading& reading);
@@ -78,6 +81,7 @@ class ScriptedBus final : public port::NodeBus {
   // What the unit says to writes: nothing, or an exception.
   void refuse_writes(std::uint8_t unit, port::BusResult how, std::uint8_t exception = 0);
 
+  std::optional<std::uint8_t> held_up;  // a unit that others have held up
   bool link_up = true;
   std::string why_no_link;  // that is told while it is not up
   port::Instant clear_at{};

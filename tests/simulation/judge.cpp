@@ -97,13 +97,14 @@ std::string Judge::look_for_unknown(GatewayRun& run, Instant now) {
   return {};
 }
 
-// The silence of who was there instead begins anew with each trouble of the bus.
+// The silence of who was there instead begins anew with each trouble of the bus, and when the first
+// of all that were unplugged is heard again.
 Instant Judge::settled_at(const Device& device, GatewayRun& run) const {
   if (!device.had_twin) return device.undisturbed_since;
   const auto& poll = run.gateway().settings().poll;
   const Duration silence = poll.leave_after + 10s + (sightings + 1) * poll.interval;
-  return std::max(device.undisturbed_since,
-                  site_.buses[site_.bus_of(device)].undisturbed_since + silence);
+  return silence +
+         std::max(device.undisturbed_since, site_.buses[site_.bus_of(device)].undisturbed_since);
 }
 
 std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& run, Instant now) {

@@ -17,7 +17,7 @@ from pathlib import Path
 
 DAYS = "60"
 # Those that want a rare meeting of two faults.
-DAYS_OF = {"a_standstill_is_a_cost": "400", "who_was_held_up_is_taken_for_dead": "200"}
+DAYS_OF = {"a_standstill_is_a_cost": "400"}
 
 # Name: the file, a text that stands in it once, what stands there instead.
 MUTANTS = {
@@ -35,9 +35,6 @@ MUTANTS = {
         "port/modbus/transaction_queue.cpp",
         "return entry.request.transaction == transaction && entry.state < State::answered;",
         "return entry.state < State::answered;"),
-    "who_was_held_up_is_taken_for_dead": (
-        "firmware/polling/bus_schedule.cpp",
-        "if (!unit.has_answered || unit.failures == 0) return;", "if (unit.timeout >= port::Duration{}) return;"),
     # What an answer is worth.
     "torn_registers_count": (
         "firmware/protocol/node_registers.cpp",
@@ -101,8 +98,6 @@ MUTANTS = {
         "firmware/gateway/gateway.cpp",
         "if ((reading.status & node_status::fix_valid) != 0) follow_position(*node);",
         "if ((reading.status & node_status::fix_valid) != 0 && !node->is_placed()) follow_position(*node);"),
-    "an_answer_in_pieces_is_not_known_of": (
-        "port/modbus/rtu_bus.cpp", "std::max(silence_, piece_gap_max)", "silence_"),
     "a_change_is_not_published": (
         "firmware/gateway/gateway.cpp", "changed_ = kept_.take_changed() || changed_;",
         "static_cast<void>(kept_.take_changed());"),
