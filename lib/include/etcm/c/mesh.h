@@ -132,8 +132,8 @@ typedef struct {
 } etcm_config_t;
 
 // A mesh. All zero (static, or {0}) it is not open; so it must be before the first call that takes
-// it. What it points to is in the storage. It must stay where it is while it is open, and is not
-// copied.
+// it, at each start anew: it does not lie where start-up code clears nothing. What it points to is
+// in the storage. It must stay where it is while it is open, and is not copied.
 typedef struct {
   void* state;
   void (*keep_alive)(void* context);
