@@ -23,6 +23,16 @@ class NodesBySerial : public testing::Test {
     put(1, 7, {0, 0});
     rig_.run(500ms);
   }
+  // Another node answers in its place, and it is back.
+  void let_nine_come_and_go() {
+    seat_seven();
+    put(1, 9, {50, 0});
+    rig_.run(1s);
+    EXPECT_EQ(rig_.log.count("node 9 is there now, node 7 is not"), 1u) << logged();
+    put(1, 7, {0, 0});
+    rig_.run(4s);
+    EXPECT_EQ(rig_.log.count("node 7 is there now, node 9 is not"), 1u) << logged();
+  }
   // Until unit 1 has answered so often.
   void run_reads(std::uint32_t count) {
     rig_.run(10ms);
@@ -156,13 +166,7 @@ TEST_F(NodesBySerial, TwoNodesAtOneUnitAreAnAlarmNotAFlipFlop) {
 
 // Such as a device that was given the serial of another by mistake.
 TEST_F(NodesBySerial, WhoGetsItsSerialBackIsNoSecondNode) {
-  seat_seven();
-  put(1, 9, {50, 0});
-  rig_.run(1s);
-  EXPECT_EQ(rig_.log.count("node 9 is there now, node 7 is not"), 1u) << logged();
-  put(1, 7, {0, 0});
-  rig_.run(4s);
-  EXPECT_EQ(rig_.log.count("node 7 is there now, node 9 is not"), 1u) << logged();
+  let_nine_come_and_go();
   EXPECT_EQ(rig_.log.count("two nodes answer"), 0u) << logged();
   EXPECT_TRUE(quarantine().empty());
   // Once is a mistake that was mended; again is two nodes.
@@ -174,12 +178,7 @@ TEST_F(NodesBySerial, WhoGetsItsSerialBackIsNoSecondNode) {
 // What two nodes did there before does not count against those who come when both have gone.
 TEST_F(NodesBySerial, NorIsItWhereTwoOthersAnsweredBeforeTheyWent) {
   put(2, 20, {300, 0});
-  seat_seven();
-  put(1, 9, {50, 0});
-  rig_.run(1s);
-  put(1, 7, {0, 0});
-  rig_.run(4s);
-  ASSERT_EQ(rig_.log.count("node 7 is there now, node 9 is not"), 1u) << logged();
+  let_nine_come_and_go();
   rig_.bus.silence(1);
   rig_.run(10s);
   ASSERT_EQ(rig_.log.count("node 7 left (silent)"), 1u) << logged();
