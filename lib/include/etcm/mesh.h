@@ -23,10 +23,10 @@
 // those take ids of the same kind. So which id comes next can be told from those in use, whatever
 // the history, and the same calls on the same mesh give the same ids on every machine. A Steiner
 // vertex takes the least id too, when it comes; while a change is going on, what it has taken out
-// keeps its own. Ids of nodes and features are the same in every version of the library; in which
-// order Steiner vertices come, and so their ids, may be another in the next. "Bit for bit" is said
-// of what stands where and of what is linked to what: hash(). After canonicalize() the Steiner
-// vertices have other ids than after build(), as a rule.
+// keeps its own. In which order Steiner vertices come, and so their ids and those of nodes that
+// join after them, may be another in the next version of the library. "Bit for bit" is said of what
+// stands where and of what is linked to what: hash(). After canonicalize() the Steiner vertices
+// have other ids than after build(), as a rule.
 //
 // Work: each of these calls takes a limit (work.h). One that would need more answers work_limit,
 // and what it has done until then, going back included, was within the limit. That holds for work
