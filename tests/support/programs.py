@@ -27,10 +27,26 @@ def wait_for(what, condition, patience_s=PATIENCE_S):
     raise AssertionError(f"waited {patience_s} s for {what}")
 
 
+# Below all that the kernel gives to those who ask for any: what it has given once and taken back is
+# given to the next who asks, maybe before the program of a test listens there.
+PORTS = range(20000, 32768)
+claims = []
+
+
 def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+    """A port for a program of this test: no other test gets it until this one ends."""
+    for port in PORTS:
+        claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        try:
+            claim.bind(f"\0etcm-test-port-{port}")
+            with socket.socket() as probe:
+                probe.bind(("", port))
+        except OSError:
+            claim.close()
+            continue
+        claims.append(claim)
+        return port
+    raise AssertionError(f"no free port from {PORTS.start} to {PORTS.stop - 1}")
 
 
 class Program:
@@ -46,7 +62,17 @@ class Program:
         return self.log_path.read_text()
 
     def wait_for_line(self, pattern):
-        return wait_for(f"'{pattern}' in {self.log_path}:\n", lambda: re.search(pattern, self.log()))
+        def found():
+            ended = self.process.poll() is not None
+            match = re.search(pattern, self.log())
+            if ended and not match:
+                raise AssertionError(f"ended without '{pattern}'")
+            return match
+
+        try:
+            return wait_for(f"'{pattern}'", found)
+        except AssertionError as error:
+            raise AssertionError(f"{self.log_path.stem} {error}\n{self.log()}") from None
 
     def stop(self, number=signal.SIGTERM):
         if self.process.poll() is None:

@@ -14,6 +14,8 @@ import subprocess
 import threading
 import time
 
+from programs import free_port
+
 LINES = ["ALERT", "JOIN", "LED", "POWER_KEY", "WATCHDOG"]
 MODULES = ["failover", "net_failover", "virtio", "virtio_ring", "virtio_pci_legacy_dev",
            "virtio_pci_modern_dev", "virtio_pci", "virtio_net"]
@@ -92,9 +94,7 @@ class Board:
         console is /dev/ttyS0; /dev/ttyS1 leads nowhere. Else the serial port is /dev/ttyS0."""
         make_initrd(folder / "initrd", gateway, config, sysroot, kernel, tools)
         make_device_tree(folder / "board.dtb", rs485 or {})
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
+        self.port = free_port()
         self.serial_path = folder / "serial"
         listener = socket.socket(socket.AF_UNIX)
         listener.bind(str(folder / "qtest"))
