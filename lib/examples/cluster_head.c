@@ -66,7 +66,8 @@ static etcm_status_t hear(const message_t* message) {
 // Between messages: takes back what history has left, a share of work at a time. Where one group of
 // roads needs more than a share it stays as it is, conforming all the same.
 static void tidy_up(void) {
-  etcm_feature_t last = ETCM_NONE;
+  // No feature's id, and not what is named while groups are still looked for either.
+  etcm_feature_t last = ETCM_NONE - 1;
   while (etcm_canonicalize(&mesh, WORK_OF_A_MESSAGE) == ETCM_WORK_LIMIT) {
     etcm_error_detail_t detail;
     etcm_error_detail(&mesh, &detail);

@@ -63,7 +63,8 @@ etcm::Status hear(const message_t& message) {
 // Between messages: takes back what history has left, a share of work at a time. Where one group of
 // roads needs more than a share it stays as it is, conforming all the same.
 void tidy_up() {
-  etcm::FeatureId last{};
+  // No feature's id, and not what is named while groups are still looked for either.
+  etcm::FeatureId last{etcm::FeatureId::none_value - 1};
   while (mesh.canonicalize(share) == etcm::Status::work_limit) {
     const etcm::FeatureId feature = mesh.error_detail().feature;
     if (feature == last) return;

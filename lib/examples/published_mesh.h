@@ -16,8 +16,12 @@
 #include <atomic>
 #include <cstdint>
 
+#if __has_include("etcm/mesh.h")
 #include "etcm/mesh.h"
 #include "etcm/storage.h"
+#else  // the drop-in
+#include "etcm.hpp"
+#endif
 
 namespace example {
 

@@ -19,6 +19,8 @@
 #include "inputs/patterns.h"
 #include "inputs/random_graph.h"
 #include "support/meshes.h"
+#include "triangulation/locate.h"
+#include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
 
 namespace etcm::test {
@@ -217,6 +219,29 @@ TEST(KeepAlive, OfAMeshIsNotCalledByThoseWhoReadItsBytes) {
   ASSERT_EQ(reader.attach_copy(reads.bytes()), Status::ok);
   for (const auto& [name, read] : reads.all()) static_cast<void>(read(reader.mesh()));
   EXPECT_EQ(seen.calls, 0u);
+}
+
+// A walk is counted when it has ended: the hook does not wait for that.
+TEST(KeepAliveOfWalks, IsCalledOnTheWay) {
+  constexpr std::int32_t count = 2000;
+  Graph graph{"two rows", {}, {}};
+  for (std::int32_t i = 0; i < count; ++i) graph.nodes.push_back({10 * i, i % 2 * 7});
+  const auto mesh = built(graph);
+  internal::MeshState& m = *internal::MeshAccess::state(**mesh);
+  Watch seen{.mesh = &**mesh};
+  const KeepAlive hook = hook_of(seen);
+  const auto watched = [&](const std::function<std::uint32_t()>& walk) {
+    m.work.start(Work::unlimited(), hook);
+    seen.calls = 0;
+    const std::uint32_t steps = walk();
+    EXPECT_GE(steps, count / 2);
+    constexpr std::uint32_t steps_between =
+        (KeepAlive::units_between + internal::WalkBound::units_between) / 2;
+    EXPECT_GE(seen.calls, steps / steps_between);
+  };
+  const VertexId first{1}, last{static_cast<IdValue>(count)};
+  watched([&] { return find(m, m.at(last), m.topology.edge_at(first), m.work.walk()).steps; });
+  watched([&] { return march(m, first, last, m.work.walk()).steps; });
 }
 
 // Of many segments the last one alone is to be laid again.

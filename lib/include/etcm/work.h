@@ -33,9 +33,10 @@ struct Work {
 //   mesh.keep_alive({[](void*) noexcept { IWDG->KR = 0xAAAA; }});
 //
 // Between two calls of it, before the first and after the last there are at most units_between
-// units and one walk: once around a vertex, along a line or across the mesh, which is tens of units
-// as a rule and never more than twice as many as there are triangles, for a step of it may take as
-// long as two; or along a list of segments. That holds for work that no limit knows of too
+// units and one walk: once around a vertex, along a list of segments, or, where a mesh is only
+// read, across it. That is tens of units as a rule and never more than twice as many as there are
+// triangles, for a step of it may take as long as two. A change walks across the mesh or along a
+// line in parts of 64 steps. That holds for work that no limit knows of too
 // (docs/work.md); only the time that a policy of one's own takes adds to it, and the sort of a list
 // that nodes_within() writes.
 //

@@ -70,7 +70,7 @@ constexpr std::uint32_t work_beyond = 192;
                                       Edge near, VertexId v) noexcept {
   MeshState& m = change.mesh;
   m.owner(v) = Owner(Role::fresh, s);
-  const Found found = find(m, m.at(v), near, m.work.left());
+  const Found found = find(m, m.at(v), near, m.work.walk());
   // What was found where it stands is looked for again when it goes.
   m.work.keep(work_of_split);
   if (!m.work.spend(found.steps) || m.work.is_over() || !insert_vertex(change, v, found)) {
@@ -120,7 +120,7 @@ void constrain_finished(MeshState& m, VertexId v, VertexId end) noexcept {
   if (m.topology.find_edge(v, end, e)) {
     m.topology.mark(e);
   } else {
-    const Subsegment subsegment = between(m, v, end);
+    const Subsegment subsegment = between(m, v, end, m.work.whole_walk());
     m.work.add(subsegment.steps);
     static_cast<void>(constrain_subsegment(m, subsegment));
   }
@@ -154,8 +154,8 @@ Status conform_subsegment(Change& change, SegmentId s, Subsegment& subsegment,
       is_whole = finishes_head;
       return Status::ok;
     }
-    subsegment = finishes_head ? between(m, v, subsegment.tail, m.work.left())
-                               : between(m, subsegment.head, v, m.work.left());
+    subsegment = finishes_head ? between(m, v, subsegment.tail, m.work.walk())
+                               : between(m, subsegment.head, v, m.work.walk());
     m.work.keep(2 * Units{subsegment.steps});
     static_cast<void>(m.work.spend(subsegment.steps));
   }
@@ -180,7 +180,7 @@ Status conform_segment(Change& change, SegmentId s) noexcept {
   VertexId v = r.first.is_none() ? r.from : r.first;
   const VertexId last = r.first.is_none() ? r.to : r.last;
   while (v != last) {
-    Subsegment subsegment = march(m, v, end, m.work.left());
+    Subsegment subsegment = march(m, v, end, m.work.walk());
     // On the way back it is looked for twice.
     m.work.keep(2 * Units{subsegment.steps});
     if (!m.work.spend(subsegment.steps)) return fail(m, Status::work_limit, s, subsegment);
@@ -239,7 +239,7 @@ std::uint32_t constrain_rest(Change& change) noexcept {
   for (SegmentId s = change.dirty.pop(m); !s.is_none(); s = change.dirty.pop(m)) {
     const VertexId end = m.segment(s).to;
     for (VertexId v = m.segment(s).from; v != end;) {
-      const Subsegment subsegment = march(m, v, end, m.work.left());
+      const Subsegment subsegment = march(m, v, end, m.work.walk());
       if (!m.work.spend(subsegment.steps)) return missing;
       const bool is_free = crossed_section(m, s, subsegment).is_none();
       if (!is_free || !can_be_edge(m, subsegment) || !constrain_subsegment(m, subsegment)) {

@@ -106,7 +106,7 @@ Status conform_features(Change& change, FeatureList& features) noexcept {
 Status constrain_segment(MeshState& m, SegmentId s) noexcept {
   const VertexId end = m.segment(s).to;
   for (VertexId v = m.segment(s).from; v != end;) {
-    const Subsegment subsegment = march(m, v, end, m.work.left());
+    const Subsegment subsegment = march(m, v, end, m.work.walk());
     if (!m.work.spend(subsegment.steps)) return Status::work_limit;
     const SegmentId other = met_by(m, s, subsegment);
     if (!other.is_none()) return reject_meeting(m, s, other);

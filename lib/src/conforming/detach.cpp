@@ -4,6 +4,7 @@
 #include "conforming/canonical.h"
 #include "triangulation/change.h"
 #include "triangulation/insert.h"
+#include "triangulation/locate.h"
 #include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
 #include "triangulation/remove.h"
@@ -27,15 +28,43 @@ bool keep_for_single_mark(MeshState& m, VertexId head) noexcept {
   return m.work.spend(degree) && m.work.may_keep(2 * Units{degree} + afar + 8);
 }
 
+namespace {
+
+constexpr std::uint32_t walk_back_few = 32;
+
+}  // namespace
+
 // Around the vertex five turns are made beside the removal; it is found by a short walk and put
 // back, which turns an edge less than its degree, and its edges are looked at twice.
 bool may_remove(Change& change, std::uint32_t degree) noexcept {
   MeshState& m = change.mesh;
-  constexpr std::uint32_t walk = 32;
   if (!m.work.spend(degree)) return false;
   const Units removal = removal_work(degree) + 3 * Units{degree};
-  m.work.keep((work_of_flip + 2) * Units{degree} + walk);
+  m.work.keep((work_of_flip + 2) * Units{degree} + walk_back_few);
   return m.work.spend_whole(removal);
+}
+
+bool keep_walk_back(Change& change, VertexId v) noexcept {
+  MeshState& m = change.mesh;
+  if (!is_taken_back_whole(change) || m.work.is_going_back()) return true;
+  VertexId beside{};
+  Spokes spokes(m.topology, v, m.work.left());
+  do {
+    const VertexId w = spokes.target();
+    const bool stays = w != infinite_vertex && w != change.node && m.owner(w).role() != Role::fresh;
+    if (stays) beside = w;
+  } while (beside.is_none() && spokes.turn());
+  if (!m.work.spend(spokes.turns())) return false;
+  const auto keep = [&m](std::uint32_t steps) noexcept {
+    return m.work.spend(steps) && (steps <= walk_back_few || m.work.may_keep(steps));
+  };
+  if (!beside.is_none() && !keep(m.topology.degree(beside, m.work.left()))) return false;
+  if (!change.detached.is_none() &&
+      !keep(find(m, m.at(change.detached), m.topology.edge_at(v), m.work.walk()).steps)) {
+    return false;
+  }
+  change.beside_detached = beside;
+  return true;
 }
 
 bool may_remove_touching(Change& change, VertexId v, unsigned& degree) noexcept {
@@ -79,7 +108,10 @@ bool detach(Change& change, VertexId steiner) noexcept {
   if (!may_release_marks(m, steiner)) return false;
   if (!may_remove_touching(change, steiner, degree)) return false;
   const Owner owner = m.owner(steiner);
-  if (owner.role() == Role::steiner) note_place(change, m.at(steiner));
+  if (owner.role() == Role::steiner) {
+    if (!keep_walk_back(change, steiner)) return false;
+    note_place(change, m.at(steiner));
+  }
   remove_steiner(m, steiner);
   --m.steiner_count;
   if (owner.role() == Role::fresh) {
@@ -105,7 +137,7 @@ bool stands_on(const MeshState& m, VertexId v, SegmentId s) noexcept {
 bool keep_for_marks(MeshState& m, SegmentId s) noexcept {
   const VertexId to = m.segment(s).to;
   for (VertexId v = m.segment(s).from; v != to;) {
-    const Subsegment subsegment = march(m, v, to, m.work.left());
+    const Subsegment subsegment = march(m, v, to, m.work.walk());
     if (!m.work.spend(subsegment.steps) || !keep_for_mark(m, subsegment)) return false;
     v = subsegment.tail;
     if (v != to && !stands_on(m, v, s)) break;
@@ -138,7 +170,7 @@ bool strip_segment(Change& change, SegmentId s) noexcept {
   if (!m.work.is_going_back() && !keep_for_marks(m, s)) return false;
   touch(change, s);
   const VertexId to = m.segment(s).to;
-  Subsegment subsegment = march(m, m.segment(s).from, to, m.work.left());
+  Subsegment subsegment = march(m, m.segment(s).from, to, m.work.walk());
   if (!m.work.spend(subsegment.steps)) return false;
   if (subsegment.tail == to && subsegment.is_edge && m.topology.is_constrained(subsegment.edge)) {
     if (!may_release(m, subsegment.edge)) return false;
@@ -148,7 +180,7 @@ bool strip_segment(Change& change, SegmentId s) noexcept {
   // The next one is found while this one stands: from there it is near.
   while (subsegment.tail != to && stands_on(m, subsegment.tail, s)) {
     const VertexId v = subsegment.tail;
-    subsegment = march(m, v, to, m.work.left());
+    subsegment = march(m, v, to, m.work.walk());
     if (!m.work.spend(subsegment.steps) || !detach(change, v)) return false;
   }
   return !m.work.is_over();
@@ -174,7 +206,7 @@ namespace {
 // The next vertex of the segment on the way to one of its ends: that end, where what follows is not
 // laid.
 VertexId next_on(MeshState& m, SegmentId s, VertexId v, VertexId end) noexcept {
-  const Subsegment subsegment = march(m, v, end);
+  const Subsegment subsegment = march(m, v, end, m.work.whole_walk());
   m.work.add(subsegment.steps);
   return stands_on(m, subsegment.tail, s) ? subsegment.tail : end;
 }

@@ -9,8 +9,10 @@ namespace etcm::internal {
 // The least room a change asks for to take a vertex of this degree out and to put it back. False:
 // there is none.
 [[nodiscard]] bool may_remove(Change& change, std::uint32_t degree) noexcept;
-// The same, and tells the degree. Touches the segments of Steiner vertices next to v, which may
-// become needless without it.
+// Room to find a Steiner vertex again that goes now, and from there the one that went before it.
+[[nodiscard]] bool keep_walk_back(Change& change, VertexId v) noexcept;
+// The same as may_remove(), and tells the degree. Touches the segments of Steiner vertices next to
+// v, which may become needless without it.
 [[nodiscard]] bool may_remove_touching(Change& change, VertexId v, unsigned& degree) noexcept;
 // Takes a Steiner vertex out of the mesh, to be put back by restore_detached(). False: the limit of
 // the work does not allow it; so with the others.

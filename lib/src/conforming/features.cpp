@@ -100,7 +100,7 @@ SurveyResult survey(MeshState& m, SegmentId root) noexcept {
   SurveyResult surveyed;
   std::uint32_t& nodes_between = surveyed.nodes_between;
   for (VertexId v = r.from; v != r.to;) {
-    const Subsegment subsegment = march(m, v, r.to, m.work.left());
+    const Subsegment subsegment = march(m, v, r.to, m.work.walk());
     surveyed.steps += subsegment.steps;
     if (!m.work.spend(subsegment.steps)) {
       surveyed.status = refuse(m, Status::work_limit, root, SegmentId::none());
@@ -123,7 +123,7 @@ SurveyResult survey(MeshState& m, SegmentId root) noexcept {
 }
 
 Status survey_segment(MeshState& m, SegmentId s, Subsegment& first) noexcept {
-  first = march(m, m.segment(s).from, m.segment(s).to, m.work.left());
+  first = march(m, m.segment(s).from, m.segment(s).to, m.work.walk());
   if (!m.work.spend(first.steps)) return refuse(m, Status::work_limit, s, SegmentId::none());
   const SegmentId other = met_by(m, s, first);
   if (other.is_none()) return Status::ok;
@@ -144,7 +144,7 @@ void link_feature(Change& change, SegmentId root, std::uint32_t nodes_between) n
   SegmentId s = root;
   VertexId v = m.segment(root).from;
   for (; nodes_between != 0; --nodes_between) {
-    v = march(m, v, end).tail;
+    v = march(m, v, end, m.work.whole_walk()).tail;
     if (v == end) break;
     const SegmentId rest = next_segment_for(m, left_over);
     touch(change, rest);

@@ -81,13 +81,13 @@ bool explore(Change& change, SegmentId s) noexcept {
   const VertexId from = m.segment(s).from, to = m.segment(s).to;
   change.group.work_ahead -= change.group.work_of_member;
   for (VertexId v = from; v != to;) {
-    Subsegment subsegment = march(m, v, to, m.work.left());
+    Subsegment subsegment = march(m, v, to, m.work.walk());
     m.work.keep(2 * Units{subsegment.steps});
     if (!m.work.spend(subsegment.steps)) return false;
     if (!subsegment.is_edge) {
       // What was laid has broken it, and has been taken out again.
       if (!constrain_subsegment(m, subsegment)) return false;
-      subsegment = march(m, v, to);
+      subsegment = march(m, v, to, m.work.whole_walk());
     }
     const VertexId tail = subsegment.tail;
     if (tail != to) change.group.work_ahead += work_to_lay;
@@ -128,8 +128,11 @@ bool explore(Change& change, SegmentId s) noexcept {
   MeshState& m = change.mesh;
   for_each(change, change.group.first, end_of_group, [&](SegmentId s) noexcept {
     const VertexId to = m.segment(s).to;
-    for (VertexId v = march(m, m.segment(s).from, to).tail; v != to; v = march(m, v, to).tail) {
-      m.owner(v) = Owner(Role::steiner, s);
+    for (VertexId v = m.segment(s).from; v != to;) {
+      const Subsegment subsegment = march(m, v, to, m.work.whole_walk());
+      m.work.pass(subsegment.steps);
+      v = subsegment.tail;
+      if (v != to) m.owner(v) = Owner(Role::steiner, s);
     }
     make_canonical(m, s);
   });

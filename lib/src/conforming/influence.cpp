@@ -195,7 +195,7 @@ bool find_influenced(Change& change, const Point& place, OnSegment found) noexce
   const MeshState& m = change.mesh;
   const Topology& topo = m.topology;
   if (topo.triangle_count() == 0) return true;
-  const Found at = find(m, place, edge_near(m, place), change.mesh.work.left());
+  const Found at = find(m, place, edge_near(m, place), change.mesh.work.walk());
   if (!change.mesh.work.spend(at.steps)) return false;
   if (at.type == LocateType::on_vertex)
     return find_influenced(change, at.vertex, SegmentId::none(), found);

@@ -54,7 +54,7 @@ Status report(MeshState& m, Status status, VertexId vertex) noexcept {
 
 Status insert_node(Change& change, VertexId v, SegmentId& cut, SegmentId& rest) noexcept {
   MeshState& m = change.mesh;
-  Found found = find(m, m.at(v), edge_near(m, m.at(v)), m.work.left());
+  Found found = find(m, m.at(v), edge_near(m, m.at(v)), m.work.walk());
   if (!m.work.spend(found.steps)) return report(m, Status::work_limit, VertexId::none());
   if (found.type == LocateType::on_vertex && m.owner(found.vertex).role() == Role::node) {
     return report(m, Status::duplicate_vertex, found.vertex);
@@ -68,7 +68,7 @@ Status insert_node(Change& change, VertexId v, SegmentId& cut, SegmentId& rest) 
     }
     touch(change, rest);
     if (strip_segment(change, cut)) {
-      found = find(m, m.at(v), m.walk_start, m.work.left());
+      found = find(m, m.at(v), m.walk_start, m.work.walk());
       static_cast<void>(m.work.spend(found.steps));
     }
   }

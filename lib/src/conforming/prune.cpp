@@ -76,11 +76,6 @@ void note_taken_out(Change& change, SegmentId s, VertexId v) noexcept {
   }
 }
 
-// Others lay their segments again from the nodes on where they fail.
-bool is_taken_back_whole(const Change& change) noexcept {
-  return change.extent == Change::Extent::local || change.extent == Change::Extent::trial;
-}
-
 // Out of the mesh, and where it may have to come back, detached.
 void take_out(Change& change, VertexId v) noexcept {
   MeshState& m = change.mesh;
@@ -119,7 +114,7 @@ bool keep_to_come_back(Change& change, VertexId v, VertexId before, Units degree
       break;
     }
   } while (spokes.turn());
-  return m.work.may_keep(more);
+  return m.work.may_keep(more) && keep_walk_back(change, v);
 }
 
 bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
@@ -132,7 +127,7 @@ bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
   VertexId v = is_all ? from : r.first;
   Point last = m.at(is_all ? to : r.last);
   if (v == from) {
-    const Subsegment subsegment = march(m, v, to, m.work.left());
+    const Subsegment subsegment = march(m, v, to, m.work.walk());
     if (!m.work.spend(subsegment.steps)) return false;
     v = subsegment.tail;
   }
@@ -159,7 +154,7 @@ bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
     take_out(change, v);
     if (!is_all && r.first == v) r.first = before;
     if (!is_all && r.last == v) r.last = after;
-    const Subsegment subsegment = between(m, before, after, m.work.left());
+    const Subsegment subsegment = between(m, before, after, m.work.walk());
     if (!m.work.spend(subsegment.steps) || !constrain_subsegment(m, subsegment)) {
       touch(change, s, before, after);
       return false;

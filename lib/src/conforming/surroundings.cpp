@@ -219,7 +219,7 @@ unsigned Surroundings::encroachments(Parameter t, unsigned enough) noexcept {
   const Point p = site_.at(t);
   WorkMeter& work = work_of(site_);
   if (!work.spend_whole(work_of_place)) return enough;
-  const Found found = find(mesh_, p, near, work.left());
+  const Found found = find(mesh_, p, near, work.walk());
   if (!work.spend(found.steps)) return enough;
   if (found.type == LocateType::on_vertex || found.type == LocateType::outside) return enough;
   // The triangles whose circles hold p hang together like a tree: goes round it, its edges u -> v

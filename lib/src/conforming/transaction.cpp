@@ -60,7 +60,7 @@ void restore_marks(MeshState& m, SegmentId s) noexcept {
   const bool is_all = r.first.is_none();
   const VertexId last = is_all ? r.to : r.last;
   for (VertexId v = is_all ? r.from : r.first; v != last;) {
-    const Subsegment subsegment = march(m, v, r.to);
+    const Subsegment subsegment = march(m, v, r.to, m.work.whole_walk());
     m.work.add(subsegment.steps);
     ETCM_VERIFY_THAT(can_be_edge(m, subsegment));
     static_cast<void>(constrain_subsegment(m, subsegment));
@@ -86,7 +86,7 @@ void restore_marks(MeshState& m, SegmentId s) noexcept {
         --change.fresh_count;
       }
       if (v == last || v == r.to) break;
-      const Subsegment subsegment = march(m, v, r.to);
+      const Subsegment subsegment = march(m, v, r.to, m.work.whole_walk());
       m.work.add(subsegment.steps);
       v = subsegment.tail;
     }
@@ -98,13 +98,16 @@ void restore_marks(MeshState& m, SegmentId s) noexcept {
 
 void put_back(Change& change, VertexId v) noexcept {
   MeshState& m = change.mesh;
-  const Found found = find(m, m.at(v), m.walk_start);
+  const Found found = find(m, m.at(v), m.walk_start, m.work.whole_walk());
   m.work.add(found.steps);
   static_cast<void>(insert_vertex(change, v, found));
 }
 
 void restore_detached(Change& change) noexcept {
   MeshState& m = change.mesh;
+  if (!change.beside_detached.is_none() && m.topology.triangle_count() != 0) {
+    m.walk_start = m.topology.edge_at(change.beside_detached);
+  }
   while (!change.detached.is_none()) {
     const VertexId v = change.detached;
     change.detached = VertexId{m.vertex_edges[v.value].value};
@@ -133,10 +136,7 @@ void settle(Change& change) noexcept {
     change.detached = VertexId{m.vertex_edges[v.value].value};
     free_vertex(m, v);
   }
-  if (change.fresh_count != 0 &&
-      (change.extent == Change::Extent::local || change.extent == Change::Extent::trial)) {
-    settle_fresh(change);
-  }
+  if (change.fresh_count != 0 && is_taken_back_whole(change)) settle_fresh(change);
   if (change.extent == Change::Extent::local) {
     for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched)
       make_stale(m, s);

@@ -90,7 +90,7 @@ Status insert_nodes(Change& change, std::span<const Position> nodes) noexcept {
   number_along_curve(m, nodes);
   for (IdValue i = 1; i < m.vertex_end; ++i) {
     const VertexId v{i};
-    const Found found = find(m, m.at(v), m.walk_start, m.work.left());
+    const Found found = find(m, m.at(v), m.walk_start, m.work.walk());
     if (!m.work.spend(found.steps)) return Status::work_limit;
     if (found.type == LocateType::on_vertex) {
       const VertexId one = own_id(m, v), other = own_id(m, found.vertex);
@@ -186,7 +186,7 @@ SegmentId segment_with(MeshState& m, SegmentId root, VertexId v) noexcept {
   }
   SegmentId s = root;
   if (m.at(r.to) < p) {
-    const Subsegment subsegment = march(m, v, r.from, m.work.left());
+    const Subsegment subsegment = march(m, v, r.from, m.work.walk());
     if (!m.work.spend(subsegment.steps)) return SegmentId::none();
     const VertexId before = subsegment.tail;
     s = m.owner(before).segment();
@@ -204,7 +204,7 @@ Status insert_steiner(Change& change, const SteinerPlace& place) noexcept {
   MeshState& m = change.mesh;
   if (!in_range(place.point)) return Status::bad_coordinate;
   const SegmentId root{static_cast<IdValue>(place.feature)};
-  const Found found = find(m, place.point, edge_near(m, place.point), m.work.left());
+  const Found found = find(m, place.point, edge_near(m, place.point), m.work.walk());
   if (!m.work.spend(found.steps)) return Status::work_limit;
   if (found.type == LocateType::on_vertex) {
     if (m.is_node(found.vertex)) return Status::bad_coordinate;

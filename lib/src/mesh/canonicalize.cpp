@@ -35,7 +35,7 @@ bool triangulate(Change& change) noexcept {
   const OrderEntry* const order = hilbert_order(m, Rounds::even);
   for (std::uint32_t i = 0; i < count; ++i) {
     const VertexId v{static_cast<IdValue>(order[i].vertex)};
-    const Found found = find(m, m.at(v), m.walk_start, m.work.left());
+    const Found found = find(m, m.at(v), m.walk_start, m.work.walk());
     if (!m.work.spend(found.steps) || !insert_vertex(change, v, found)) return false;
   }
   return true;

@@ -149,7 +149,7 @@ Status Loader::insert_nodes() noexcept {
   const OrderEntry* const order = hilbert_order(m_);
   for (std::size_t i = 0; i < head_.node_count; ++i) {
     const VertexId v{static_cast<IdValue>(order[i].vertex)};
-    const Found found = find(m_, m_.at(v), m_.walk_start, m_.work.left());
+    const Found found = find(m_, m_.at(v), m_.walk_start, m_.work.walk());
     if (!m_.work.spend(found.steps)) return Status::work_limit;
     if (found.type == LocateType::on_vertex) return Status::damaged;
     if (!insert_vertex(change_, v, found)) return Status::work_limit;
@@ -229,7 +229,7 @@ Status Loader::insert_steiner(VertexId v) noexcept {
   const SegmentId s{static_cast<IdValue>(segment)};
   if (is_free(m_, s)) return Status::damaged;
   const Point p = point_at(m_, s, static_cast<Parameter>(t));
-  const Found found = find(m_, p, edge_near(m_, p), m_.work.left());
+  const Found found = find(m_, p, edge_near(m_, p), m_.work.walk());
   if (!m_.work.spend(found.steps)) return Status::work_limit;
   if (found.type == LocateType::on_vertex) return Status::damaged;
   m_.points[v.value] = p;

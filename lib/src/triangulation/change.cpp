@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "triangulation/march.h"
 #include "triangulation/mesh_state.h"
 
 namespace etcm::internal {
@@ -14,6 +15,21 @@ bool list_touched(Change& change, SegmentId s) noexcept {
   change.touched = s;
   ++change.touched_count;
   return true;
+}
+
+// What lies between two parts that are touched, from u to v, is looked at on the way back, or once
+// the change has come to stay: twice, to find what is fresh and to mark it again.
+// Not inline: most segments are touched in one place.
+[[gnu::noinline]] void keep_between(Change& change, SegmentId s, VertexId u, VertexId v) noexcept {
+  MeshState& m = change.mesh;
+  if (!is_taken_back_whole(change) || m.work.is_going_back()) return;
+  const Point end = m.at(v);
+  while (m.at(u) < end && !m.work.is_over()) {
+    const Subsegment subsegment = march(m, u, m.segment(s).to, m.work.walk());
+    if (!m.work.spend(subsegment.steps)) return;
+    m.work.keep(2 * Units{subsegment.steps} + 2);
+    u = subsegment.tail;
+  }
 }
 
 }  // namespace
@@ -32,6 +48,8 @@ void touch(Change& change, SegmentId s, VertexId u, VertexId v) noexcept {
     r.first = u;
     r.last = v;
   } else if (!r.first.is_none()) {
+    if (m.at(v) < m.at(r.first)) keep_between(change, s, v, r.first);
+    if (m.at(r.last) < m.at(u)) keep_between(change, s, r.last, u);
     if (m.at(u) < m.at(r.first)) r.first = u;
     if (m.at(r.last) < m.at(v)) r.last = v;
   }

@@ -35,6 +35,7 @@ struct Change {
   SegmentId touched{};            // segments it has touched, linked by next_touched
   VertexId node{};                // that comes in it, or moves, once it is in
   VertexId detached{};            // vertices it has taken out, linked in place of their edges
+  VertexId beside_detached{};     // that was beside the first of them, and stays
   SegmentId recycled_segments{};  // segments that features have left over, linked by next
   std::uint32_t touched_count = 0;
   std::uint32_t broken_count = 0;  // subsegments that it has broken, each time
@@ -76,7 +77,12 @@ struct Change {
   };
 };
 
-// The change may have to put the segment back: all of it, or from u to v.
+// Others lay their segments again from the nodes on where they fail.
+inline bool is_taken_back_whole(const Change& change) noexcept {
+  return change.extent == Change::Extent::local || change.extent == Change::Extent::trial;
+}
+// The change may have to put the segment back: all of it, or from u to v. Where there is no room to
+// look at what lies between them and what it has touched before, it is over.
 void touch(Change& change, SegmentId s) noexcept;
 void touch(Change& change, SegmentId s, VertexId u, VertexId v) noexcept;
 // Its subsegments in the part that is touched may be missing.

@@ -30,7 +30,7 @@ NearVertex nearest_vertex(const MeshState& m, const Point& place) noexcept {
     const NearVertex before = nearest;
     Spokes spokes(m.topology, before.node);
     do {
-      pulse.pass(1);
+      pulse.pass(2);
       if (spokes.target() == infinite_vertex) continue;
       const NearVertex other = seen(spokes.target());
       if (is_nearer(m, other, nearest)) nearest = other;
@@ -59,7 +59,7 @@ bool CircleWalk::next() noexcept {
   }
   if (topo.triangle_count() == 0) return false;
   for (;; bound_.step()) {
-    pulse_.pass(1);
+    pulse_.pass(2);
     const VertexId v = topo.target(spoke_);
     if (v != infinite_vertex) {
       const NearVertex other = seen(v);
@@ -89,7 +89,7 @@ bool CircleWalk::leads_nearest(Edge spoke, const NearVertex& target) noexcept {
   const Topology& topo = m_.topology;
   Edge left = spoke, right = spoke;
   for (StepBound bound(topo.triangle_count());; bound.step()) {
-    pulse_.pass(1);
+    pulse_.pass(2);
     left = topo.rotate_ccw(left);
     if (left == right) return true;
     if (is_beaten(target, left)) return false;

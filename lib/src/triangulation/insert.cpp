@@ -54,21 +54,9 @@ Units work_of_chords(Units breaks, Units flips) noexcept {
   return flips < few ? 0 : work_of_chord * breaks * flips;
 }
 
-// Of many flips the meter is told while they are made. Those of a removal are counted before.
-constexpr std::uint32_t flips_between = 16;
-
-Units counted_meanwhile(std::uint32_t flips) noexcept {
-  return Units{flips} / flips_between * flips_between * work_of_flip;
-}
-
-void count_flips(MeshState& m, bool is_insertion) noexcept {
-  constexpr Units units = flips_between * work_of_flip;
-  if (is_insertion) {
-    m.work.add(units);
-  } else {
-    m.work.pass(units);
-  }
-}
+// Of many edges of a link the meter is told while they are looked at. They are counted by the
+// flips, before or after; but each may take as long as one, and most of a long link may stay.
+constexpr std::uint32_t edges_between = 8;
 
 // For what those that break are found to take beforehand and while others flip: each flip may take
 // one of a degree, or put a segment into the list.
@@ -155,7 +143,8 @@ std::uint32_t legalize_link(MeshState& m, Edge e, VertexId last, const Point& p,
   Relative v = relative_to(m, topo.target(e), p);
   double uv = cross_value(u.at, v.at);
   std::uint32_t flips = 0;
-  for (;;) {
+  for (std::uint32_t looked = 1;; ++looked) {
+    if (looked % edges_between == 0) m.work.pass(edges_between * work_of_flip);
     const Relative w = relative_to(m, topo.apex(topo.twin(e)), p);
     const double uw = cross_value(u.at, w.at), wv = cross_value(w.at, v.at);
     int side = 0;
@@ -168,7 +157,7 @@ std::uint32_t legalize_link(MeshState& m, Edge e, VertexId last, const Point& p,
       if (is_kept && change != nullptr) break_subsegment(*change, e);
       if (!is_kept || change != nullptr) {
         topo.flip(e);
-        if (++flips % flips_between == 0) count_flips(m, change != nullptr);
+        ++flips;
         v = w;
         uv = uw;
         continue;
@@ -236,7 +225,7 @@ bool insert_vertex(Change& change, VertexId v, const Found& found) noexcept {
   }
   const std::uint32_t broken_before = change.broken_count;
   const std::uint32_t flips = legalize_link(m, e, topo.origin(e), p, &change);
-  m.work.add(work_of_flips(flips) - counted_meanwhile(flips));
+  m.work.add(work_of_flips(flips));
   m.work.keep(work_back(flips));
   const std::uint32_t broken = change.broken_count - broken_before;
   if (broken != 0) {

@@ -22,8 +22,7 @@ unsigned infinite_side(const TriangleRecord& t) noexcept {
 }
 
 // All vertices lie on one line: go along the chain of ghosts on one side of it.
-Found find_on_chain(const MeshState& m, const Point& p, Edge near,
-                    std::uint32_t steps_most) noexcept {
+Found find_on_chain(const MeshState& m, const Point& p, Edge near, const Walk& walk) noexcept {
   const Topology& topo = m.topology;
   IdValue t = Topology::triangle_of(near);
   Edge e = Topology::edge(t, infinite_side(topo.triangle(t)));
@@ -32,10 +31,11 @@ Found find_on_chain(const MeshState& m, const Point& p, Edge near,
   // Face p: then the chain is followed from origin to target, over the vertex at infinity's star.
   const Point& origin = m.at(topo.origin(e));
   if ((p < origin) != (m.at(topo.target(e)) < origin)) e = topo.twin(e);
+  WalkBound bound(walk);
   for (std::uint32_t steps = 1;; ++steps) {
     if (steps > topo.triangle_count() + 1u) stop_lost_walk();
     const VertexId u = topo.origin(e), v = topo.target(e);
-    if (p == m.at(u) || steps > steps_most) return {LocateType::on_vertex, e, u, steps};
+    if (p == m.at(u) || bound.is_passed(steps)) return {LocateType::on_vertex, e, u, steps};
     if (p == m.at(v)) return {LocateType::on_vertex, e, v, steps};
     if (strictly_between(p, m.at(u), m.at(v))) return {LocateType::on_edge, e, {}, steps};
     const Edge to_infinity = Topology::next(e);
@@ -58,7 +58,7 @@ bool is_flat(const MeshState& m) noexcept {
   return m.topology.apex(across) == infinite_vertex;
 }
 
-Found find(const MeshState& m, const Point& p, Edge near, std::uint32_t steps_most) noexcept {
+Found find(const MeshState& m, const Point& p, Edge near, Walk walk) noexcept {
   const Topology& topo = m.topology;
   if (topo.triangle_count() == 0) {
     if (!m.only_vertex.is_none() && m.at(m.only_vertex) == p)
@@ -70,7 +70,7 @@ Found find(const MeshState& m, const Point& p, Edge near, std::uint32_t steps_mo
   unsigned ghost_side = infinite_side(topo.triangle(t));
   if (ghost_side < 3) {
     t = Topology::triangle_of(topo.twin(Topology::edge(t, ghost_side)));
-    if (topo.is_ghost(t)) return find_on_chain(m, p, Topology::edge(t, 0), steps_most);
+    if (topo.is_ghost(t)) return find_on_chain(m, p, Topology::edge(t, 0), walk);
   }
   // The first triangle is entered nowhere: ask for a third side too, first the one given.
   Edge e = t == Topology::triangle_of(near) ? near : Topology::edge(t, 0);
@@ -88,11 +88,11 @@ Found find(const MeshState& m, const Point& p, Edge near, std::uint32_t steps_mo
     s0 = 1;
   }
   const std::uint32_t all = topo.triangle_count() + 1u;
-  const std::uint32_t bound = steps_most < all ? steps_most : all;
+  WalkBound bound(walk, all);
   for (std::uint32_t steps = 1;; ++steps) {
     // p is on the inner side of e = u -> v (s0 > 0) or, in the first triangle only, on its line.
     const VertexId apex = topo.apex(e);
-    if (apex == infinite_vertex || steps > bound) {
+    if (apex == infinite_vertex || bound.is_passed(steps)) {
       if (steps > all) stop_lost_walk();
       return {LocateType::outside, e, {}, steps};
     }

@@ -16,8 +16,7 @@ struct Found {
 // Where p lies. outside: `edge` is of the ghost whose hull edge p can see; in a collinear mesh that
 // p prolongs it is the edge from the end of the chain to infinity; with fewer than two vertices
 // none.
-Found find(const MeshState& m, const Point& p, Edge near,
-           std::uint32_t steps_most = any_steps) noexcept;
+Found find(const MeshState& m, const Point& p, Edge near, Walk walk = {}) noexcept;
 
 // True where all vertices are collinear (and there are at least two). O(1).
 bool is_flat(const MeshState& m) noexcept;

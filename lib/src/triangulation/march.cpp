@@ -33,17 +33,17 @@ bool leave_by_subsegment(const MeshState& m, VertexId head, bool forward, std::u
   return found;
 }
 
-// Rotates around the head until an edge lies on the line or a triangle spans it: the near end of
-// its outer edge on the right, the far one on the left. False: not in so many turns.
+// Rotates around the head, from `e` on, until an edge lies on the line or a triangle spans it: the
+// near end of its outer edge on the right, the far one on the left. False: not in so many turns,
+// and `e` is the edge to go on from.
 bool leave_within(const MeshState& m, VertexId head, const Point& goal, std::uint32_t& turns,
-                  Start& start) noexcept {
+                  Edge& e, Start& start) noexcept {
   const Topology& topo = m.topology;
   const Point& origin = m.at(head);
   const bool forward = origin < goal;
   const auto side_of = [&](VertexId v) noexcept {
     return v == infinite_vertex ? 0 : orient2d_fast(origin, goal, m.at(v));
   };
-  Edge e = topo.edge_at(head);
   int side = side_of(topo.target(e));
   for (; turns != 0; --turns) {
     const VertexId v = topo.target(e);
@@ -65,12 +65,28 @@ bool leave_within(const MeshState& m, VertexId head, const Point& goal, std::uin
   return false;
 }
 
+// The same all around, and the meter is told now and then.
+bool leave_somewhere(const MeshState& m, VertexId head, const Point& goal, std::uint32_t& left,
+                     WorkMeter* meter, Start& start) noexcept {
+  constexpr std::uint32_t most = WalkBound::steps_between;
+  Edge e = m.topology.edge_at(head);
+  while (left != 0) {
+    const std::uint32_t allowed = left < most ? left : most;
+    std::uint32_t turns = allowed;
+    const bool found = leave_within(m, head, goal, turns, e, start);
+    left -= allowed - turns;
+    if (found) return true;
+    if (meter != nullptr) meter->pass(2 * allowed);
+  }
+  return false;
+}
+
 // The same by the way along the line from its other end. False: it is too long.
 bool leave_backwards(const MeshState& m, VertexId head, VertexId toward, std::uint32_t& left,
-                     Start& start) noexcept {
+                     WorkMeter* meter, Start& start) noexcept {
   const Topology& topo = m.topology;
   const Point& goal = m.at(head);
-  for (VertexId v = toward; leave_within(m, v, goal, left, start);) {
+  for (VertexId v = toward; leave_somewhere(m, v, goal, left, meter, start);) {
     if (start.is_edge) {
       v = topo.target(start.edge);
       start.edge = topo.twin(start.edge);
@@ -79,7 +95,9 @@ bool leave_backwards(const MeshState& m, VertexId head, VertexId toward, std::ui
     }
     for (const VertexId from = v; v == from;) {
       if (left == 0) return false;
-      --left;
+      if (--left % WalkBound::steps_between == 0 && meter != nullptr) {
+        meter->pass(WalkBound::units_between);
+      }
       start.edge = topo.twin(start.edge);
       const VertexId apex = topo.apex(start.edge);
       if (apex == head) return true;
@@ -95,34 +113,35 @@ bool leave_backwards(const MeshState& m, VertexId head, VertexId toward, std::ui
 // Where the first few turns have not found it. Some steps have been taken before.
 // Not inline: it is rare.
 [[gnu::noinline]] Start leave_afar(const MeshState& m, VertexId head, VertexId toward,
-                                   std::uint32_t steps_most, std::uint32_t steps) noexcept {
+                                   const Walk& walk, std::uint32_t steps) noexcept {
   Start start{};
   const auto most = [&](std::uint32_t wanted) noexcept {
-    const std::uint32_t left = steps < steps_most ? steps_most - steps : 0;
+    const std::uint32_t left = steps < walk.steps_most ? walk.steps_most - steps : 0;
     return wanted < left ? wanted : left;
   };
   std::uint32_t allowed = most(steps_back_most), left = allowed;
-  bool found = leave_backwards(m, head, toward, left, start);
+  bool found = leave_backwards(m, head, toward, left, walk.meter, start);
   if (!found) {
     steps += allowed - left;
     const std::uint32_t all = m.topology.triangle_count();
     allowed = left = most(all);
-    found = leave_within(m, head, m.at(toward), left, start);
+    found = leave_somewhere(m, head, m.at(toward), left, walk.meter, start);
     if (!found && allowed == all) stop_lost_walk();
   }
-  start.steps = found ? steps + (allowed - left) + 1 : steps_most + 1;
+  start.steps = found ? steps + (allowed - left) + 1 : walk.steps_most + 1;
   if (!found) start = {true, m.topology.edge_at(head), start.steps};
   return start;
 }
 
-Start leave(const MeshState& m, VertexId head, VertexId toward, std::uint32_t steps_most,
+Start leave(const MeshState& m, VertexId head, VertexId toward, const Walk& walk,
             std::uint32_t steps) noexcept {
-  const std::uint32_t all = steps < steps_most ? steps_most - steps : 0;
+  const std::uint32_t all = steps < walk.steps_most ? walk.steps_most - steps : 0;
   const std::uint32_t allowed = all < turns_few ? all : turns_few;
   std::uint32_t left = allowed;
   Start start{};
-  if (!leave_within(m, head, m.at(toward), left, start)) {
-    return leave_afar(m, head, toward, steps_most, steps + allowed);
+  Edge e = m.topology.edge_at(head);
+  if (!leave_within(m, head, m.at(toward), left, e, start)) {
+    return leave_afar(m, head, toward, walk, steps + allowed);
   }
   start.steps = steps + (allowed - left) + 1;
   return start;
@@ -130,15 +149,14 @@ Start leave(const MeshState& m, VertexId head, VertexId toward, std::uint32_t st
 
 }  // namespace
 
-Subsegment march(const MeshState& m, VertexId head, VertexId toward,
-                 std::uint32_t steps_most) noexcept {
+Subsegment march(const MeshState& m, VertexId head, VertexId toward, Walk walk) noexcept {
   const Topology& topo = m.topology;
   const Point& origin = m.at(head);
   const Point& goal = m.at(toward);
   Start start{};
   if (m.owner(head).role() == Role::node ||
-      !leave_by_subsegment(m, head, origin < goal, steps_most, start)) {
-    start = leave(m, head, toward, steps_most, start.steps);
+      !leave_by_subsegment(m, head, origin < goal, walk.steps_most, start)) {
+    start = leave(m, head, toward, walk, start.steps);
   }
   Subsegment subsegment;
   subsegment.head = head;
@@ -152,6 +170,7 @@ Subsegment march(const MeshState& m, VertexId head, VertexId toward,
   subsegment.head_edge = start.edge;
   // e always runs from the right of the line to its left, and each triangle is crossed once.
   Edge e = start.edge;
+  WalkBound allowed(walk);
   for (StepBound bound(topo.triangle_count());; bound.step()) {
     if (topo.is_constrained(e)) subsegment.constrained = e;
     const Edge beyond = topo.twin(e);
@@ -159,7 +178,7 @@ Subsegment march(const MeshState& m, VertexId head, VertexId toward,
     // Beyond the hull there is no vertex to go to.
     if (apex == infinite_vertex) stop_lost_walk();
     const int side = orient2d_fast(origin, goal, m.at(apex));
-    if (side == 0 || ++subsegment.steps > steps_most) {
+    if (side == 0 || allowed.is_passed(++subsegment.steps)) {
       // Always onwards, so that no walk from segment to segment comes back to where it was.
       if (side == 0 && (origin < m.at(apex)) != (origin < goal)) stop_lost_walk();
       subsegment.tail = apex;
@@ -171,23 +190,22 @@ Subsegment march(const MeshState& m, VertexId head, VertexId toward,
 }
 
 VertexId march_counted(MeshState& m, VertexId head, VertexId toward) noexcept {
-  const Subsegment subsegment = march(m, head, toward, m.work.left());
+  const Subsegment subsegment = march(m, head, toward, m.work.walk());
   return m.work.spend(subsegment.steps) ? subsegment.tail : toward;
 }
 
-Subsegment between(const MeshState& m, VertexId head, VertexId tail,
-                   std::uint32_t steps_most) noexcept {
+Subsegment between(const MeshState& m, VertexId head, VertexId tail, Walk walk) noexcept {
   Subsegment subsegment;
   subsegment.head = head;
   subsegment.tail = tail;
-  const Start start = leave(m, head, tail, steps_most, 0);
+  const Start start = leave(m, head, tail, walk, 0);
   subsegment.steps = start.steps;
   subsegment.is_edge = start.is_edge;
   if (start.is_edge) {
     subsegment.edge = start.edge;
   } else {
     subsegment.head_edge = start.edge;
-    const Start end = leave(m, tail, head, steps_most, start.steps);
+    const Start end = leave(m, tail, head, walk, start.steps);
     subsegment.tail_edge = end.edge;
     subsegment.steps = end.steps;
   }

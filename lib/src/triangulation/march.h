@@ -22,14 +22,12 @@ struct Subsegment {
   Edge constrained{};       // an edge of a feature that it crosses, if any
   std::uint32_t steps = 0;  // triangles on the way; more than were allowed: it was given up
 };
-Subsegment march(const MeshState& m, VertexId head, VertexId toward,
-                 std::uint32_t steps_most = any_steps) noexcept;
+Subsegment march(const MeshState& m, VertexId head, VertexId toward, Walk walk = {}) noexcept;
 // The next vertex, in the work that is left; `toward` where there is none left.
 VertexId march_counted(MeshState& m, VertexId head, VertexId toward) noexcept;
 // The same where the next vertex is known and the segment is no subsegment: looks at both ends
 // only, and at nothing it crosses.
-Subsegment between(const MeshState& m, VertexId head, VertexId tail,
-                   std::uint32_t steps_most = any_steps) noexcept;
+Subsegment between(const MeshState& m, VertexId head, VertexId tail, Walk walk = {}) noexcept;
 
 // The subsegments of a Steiner vertex, from it.
 struct OwnEdges {

@@ -32,4 +32,11 @@ void WorkMeter::go_back() noexcept {
   call_out([this]() noexcept { keep_alive_->call(keep_alive_->context); });
 }
 
+[[gnu::noinline]] bool WalkBound::goes_on() noexcept {
+  if (pause_ == most_) return false;
+  meter_->pass(units_between);
+  pause_ = most_ - pause_ > steps_between ? pause_ + steps_between : most_;
+  return true;
+}
+
 }  // namespace etcm::internal

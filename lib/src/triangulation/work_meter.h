@@ -18,6 +18,15 @@ using Units = std::size_t;
 // For walks without a limit.
 inline constexpr std::uint32_t any_steps = 0xffff'ffffu;
 
+class WorkMeter;
+
+// How many steps a walk may take, and who is told while it goes on: nobody, where a mesh is only
+// read.
+struct Walk {
+  std::uint32_t steps_most = any_steps;
+  WorkMeter* meter = nullptr;
+};
+
 // It is counted in many places: a small machine has no room for it in each.
 #ifdef __OPTIMIZE_SIZE__
 #define ETCM_COUNTING [[gnu::noinline]]
@@ -47,6 +56,10 @@ class WorkMeter {
     const Units units = limit_ - taken_;
     return units < any_steps ? static_cast<std::uint32_t>(units) : any_steps - 1;
   }
+  // The same, for the walk.
+  [[nodiscard]] Walk walk() noexcept { return {left(), this}; }
+  // Of one that is taken whatever the limit.
+  [[nodiscard]] Walk whole_walk() noexcept { return {any_steps, this}; }
   // Whether so much more may be done. Where not, the call is over but for going back; has_room()
   // only asks.
   [[nodiscard]] ETCM_COUNTING bool fits(Units units) noexcept {
@@ -168,5 +181,30 @@ class WorkMeter {
 };
 
 #undef ETCM_COUNTING
+
+// The steps of a walk as it goes on. They are counted when it has ended; only the hook is due
+// before.
+class WalkBound {
+ public:
+  static constexpr std::uint32_t steps_between = 64;
+  // A step may take as long as two units: three signs, and wide integers that settle them.
+  static constexpr std::uint32_t units_between = 2 * steps_between;
+
+  explicit WalkBound(const Walk& walk, std::uint32_t most = any_steps) noexcept
+      : most_(walk.steps_most < most ? walk.steps_most : most),
+        pause_(walk.meter != nullptr && steps_between < most_ ? steps_between : most_),
+        meter_(walk.meter) {}
+  // One comparison, but for every so many.
+  [[nodiscard]] bool is_passed(std::uint32_t steps) noexcept {
+    return steps > pause_ && !goes_on();
+  }
+
+ private:
+  bool goes_on() noexcept;
+
+  std::uint32_t most_;
+  std::uint32_t pause_;
+  WorkMeter* meter_;
+};
 
 }  // namespace etcm::internal

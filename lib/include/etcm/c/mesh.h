@@ -233,7 +233,8 @@ ETCM_MUST_USE etcm_status_t etcm_restore(etcm_mesh_t* mesh, const etcm_position_
 // ETCM_WORK_LIMIT what is done stays, and the next call goes on where the limit is enough for one
 // group of features: etcm_error_detail() names a feature of the first for which it was not. Where
 // two calls in a row name the same, that group takes more than the limit. ETCM_NONE is named where
-// looking for the groups was not done. Errors: the room-and-bounds statuses.
+// looking for the groups was not done, which may take a few calls. Errors: the room-and-bounds
+// statuses.
 ETCM_MUST_USE etcm_status_t etcm_canonicalize(etcm_mesh_t* mesh, uint64_t limit);
 // Whether it is known to be that mesh.
 bool etcm_is_canonical(const etcm_mesh_t* mesh);
