@@ -211,6 +211,17 @@ TEST(KeepAlive, IsCalledByWhatReadsAllOfAMesh) {
   EXPECT_GT(seen.calls, 0u);
 }
 
+TEST(KeepAlive, IsCalledWhileSavedBytesAreLookedAt) {
+  const Graph graph = inputs::random_graph(2000, inputs::FeatureLength::any, 3);
+  Reads reads(graph);
+  ASSERT_EQ(reads.mesh.save(reads.saved), Status::ok);
+  inputs::OwnedMesh empty(inputs::config_for(graph, 8000));
+  Watch seen{.mesh = &*empty};
+  empty->keep_alive(hook_of(seen));
+  ASSERT_EQ(empty->load(reads.saved, Work{1}), Status::work_limit);
+  EXPECT_GE(seen.calls, reads.saved.size() / 32 / KeepAlive::units_between);
+}
+
 TEST(KeepAlive, OfAMeshIsNotCalledByThoseWhoReadItsBytes) {
   Reads reads(inputs::random_graph(500, inputs::FeatureLength::any, 3));
   Watch seen{.mesh = &reads.mesh};

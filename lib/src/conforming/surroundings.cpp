@@ -259,6 +259,8 @@ unsigned Surroundings::encroachments(Parameter t, unsigned enough) noexcept {
         continue;
       }
     }
+    // It has taken as long as one that leads on.
+    work.pass(work_of_triangle);
     if (depth == 0 && ++sides == 3) return encroachments;
     e = Topology::next(e);
     while (depth != 0 && e == entry) {

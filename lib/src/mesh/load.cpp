@@ -12,6 +12,7 @@
 #include "triangulation/insert.h"
 #include "triangulation/locate.h"
 #include "triangulation/mesh_state.h"
+#include "triangulation/pulse.h"
 #include "triangulation/segment_store.h"
 
 namespace etcm {
@@ -97,7 +98,8 @@ Status Loader::look_at_bytes() noexcept {
   if (whole > size_) return Status::damaged;
   const auto before = static_cast<std::size_t>(whole) - saved_tail_bytes;
   Checksum sum;
-  sum.add(saved_, before);
+  Pulse pulse(m_);
+  sum_up(sum, saved_, before, pulse);
   return sum.value() == long_word_at(saved_ + before) ? Status::ok : Status::damaged;
 }
 
