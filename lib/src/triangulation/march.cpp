@@ -76,7 +76,7 @@ bool leave_somewhere(const MeshState& m, VertexId head, const Point& goal, std::
     const bool found = leave_within(m, head, goal, turns, e, start);
     left -= allowed - turns;
     if (found) return true;
-    if (meter != nullptr) meter->pass(2 * allowed);
+    if (meter != nullptr) meter->pass(2 * Units{allowed});
   }
   return false;
 }
