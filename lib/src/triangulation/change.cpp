@@ -18,17 +18,19 @@ bool list_touched(Change& change, SegmentId s) noexcept {
 }
 
 // What lies between two parts that are touched, from u to v, is looked at on the way back, or once
-// the change has come to stay: twice, to find what is fresh and to mark it again.
+// the change has come to stay: twice, to find what is fresh and to mark it again. It is as it was,
+// so each Steiner vertex has its subsegments, by which it is left.
 // Not inline: most segments are touched in one place.
-[[gnu::noinline]] void keep_between(Change& change, SegmentId s, VertexId u, VertexId v) noexcept {
+[[gnu::noinline]] void keep_between(Change& change, VertexId u, VertexId v) noexcept {
   MeshState& m = change.mesh;
   if (!is_taken_back_whole(change) || m.work.is_going_back()) return;
-  const Point end = m.at(v);
-  while (m.at(u) < end && !m.work.is_over()) {
-    const Subsegment subsegment = march(m, u, m.segment(s).to, m.work.walk());
-    if (!m.work.spend(subsegment.steps)) return;
-    m.work.keep(2 * Units{subsegment.steps} + 2);
-    u = subsegment.tail;
+  constexpr std::uint32_t marks_a_step = 8;  // as march() counts them
+  while (u != v && m.owner(u).role() != Role::node) {
+    const OwnEdges own = own_edges(m, u, m.work.left());
+    const std::uint32_t steps = own.looked / marks_a_step + 1;
+    if (own.onward.is_none() || !m.work.spend(steps)) return;
+    m.work.keep(2 * Units{steps} + 2);
+    u = m.topology.target(own.onward);
   }
 }
 
@@ -48,8 +50,8 @@ void touch(Change& change, SegmentId s, VertexId u, VertexId v) noexcept {
     r.first = u;
     r.last = v;
   } else if (!r.first.is_none()) {
-    if (m.at(v) < m.at(r.first)) keep_between(change, s, v, r.first);
-    if (m.at(r.last) < m.at(u)) keep_between(change, s, r.last, u);
+    if (m.at(v) < m.at(r.first)) keep_between(change, v, r.first);
+    if (m.at(r.last) < m.at(u)) keep_between(change, r.last, u);
     if (m.at(u) < m.at(r.first)) r.first = u;
     if (m.at(r.last) < m.at(v)) r.last = v;
   }
