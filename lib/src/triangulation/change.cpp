@@ -24,7 +24,6 @@ bool list_touched(Change& change, SegmentId s) noexcept {
 [[gnu::noinline]] void keep_between(Change& change, VertexId u, VertexId v) noexcept {
   MeshState& m = change.mesh;
   if (!is_taken_back_whole(change) || m.work.is_going_back()) return;
-  constexpr std::uint32_t marks_a_step = 8;  // as march() counts them
   while (u != v && m.owner(u).role() != Role::node) {
     const OwnEdges own = own_edges(m, u, m.work.left());
     const std::uint32_t steps = own.looked / marks_a_step + 1;

@@ -77,7 +77,7 @@ struct Change {
   };
 };
 
-// Others lay their segments again from the nodes on where they fail.
+// Vertex by vertex. Changes of other extents lay their segments again from the nodes on.
 inline bool is_taken_back_whole(const Change& change) noexcept {
   return change.extent == Change::Extent::local || change.extent == Change::Extent::trial;
 }

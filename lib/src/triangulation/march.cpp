@@ -15,9 +15,6 @@ struct Start {
   std::uint32_t steps;  // that it took; more than were allowed: it was given up
 };
 
-// So many edges are asked for their mark in a step.
-constexpr std::uint32_t marks_a_step = 8;
-
 // A Steiner vertex's subsegments lie on its segment, so they need no test of where they point but
 // one: forwards or backwards.
 bool leave_by_subsegment(const MeshState& m, VertexId head, bool forward, std::uint32_t steps_most,

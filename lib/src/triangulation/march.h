@@ -10,6 +10,8 @@ namespace etcm::internal {
 // steps than this, and else all around.
 inline constexpr std::uint32_t turns_few = 24;
 inline constexpr std::uint32_t steps_back_most = 256;
+// Around a Steiner vertex so many edges are asked for their mark in a step.
+inline constexpr std::uint32_t marks_a_step = 8;
 
 // The segment from a vertex to the next vertex on the way to another, in whose direction it looks.
 struct Subsegment {
