@@ -102,8 +102,9 @@ TEST(FeasibleParameter, IsTheLastThatIsNotOutsideOfTheCircle) {
     SplitSite site;
     site.from = {random.between(-most, most), random.between(-most, most)};
     site.to = {random.between(-most, most), random.between(-most, most)};
-    site.head = static_cast<Parameter>(random.below(parameter_end));
-    site.tail = static_cast<Parameter>(site.head + 1 + random.below(parameter_end - site.head));
+    const int head_at = random.between(0, parameter_end - 1);
+    site.head = static_cast<Parameter>(head_at);
+    site.tail = static_cast<Parameter>(random.between(head_at + 1, parameter_end));
     const Point head = site.at(site.head), tail = site.at(site.tail);
     std::tie(site.head_right, site.head_left) =
         two_ahead(random, head, tail.x - head.x, tail.y - head.y, is_needle);

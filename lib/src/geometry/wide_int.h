@@ -47,15 +47,20 @@ struct Limbs {
     }
     return difference;
   }
+
+  constexpr void subtract_from_upper_half(const Limbs<Count / 2>& a) noexcept {
+    std::uint64_t borrow = 0;
+    for (std::size_t i = 0; i < Count / 2; ++i) {
+      const std::uint64_t digit = std::uint64_t{limb[i + Count / 2]} - a.limb[i] - borrow;
+      limb[i + Count / 2] = static_cast<std::uint32_t>(digit);
+      borrow = digit >> 63;
+    }
+  }
 };
 
 struct LimbArithmetic {
   using Int128 = Limbs<4>;
   using Int256 = Limbs<8>;
-
-  static constexpr Int128 product(std::int64_t a, std::int64_t b) noexcept {
-    return product(to_limbs(a), to_limbs(b));
-  }
 
   template <std::size_t Count>
   static constexpr Limbs<2 * Count> product(const Limbs<Count>& a, const Limbs<Count>& b) noexcept {
@@ -71,9 +76,14 @@ struct LimbArithmetic {
       result.limb[i + Count] = static_cast<std::uint32_t>(carry);
     }
     // Read as unsigned, a negative factor is too great by 2^(32 Count).
-    if (a.is_negative()) subtract_from_upper_half(result, b);
-    if (b.is_negative()) subtract_from_upper_half(result, a);
+    if (a.is_negative()) result.subtract_from_upper_half(b);
+    if (b.is_negative()) result.subtract_from_upper_half(a);
     return result;
+  }
+
+  // After the template: Clang would not have its body yet, were this computed while it compiles.
+  static constexpr Int128 product(std::int64_t a, std::int64_t b) noexcept {
+    return product(to_limbs(a), to_limbs(b));
   }
 
   template <std::size_t Count>
@@ -89,17 +99,6 @@ struct LimbArithmetic {
   static constexpr Limbs<2> to_limbs(std::int64_t a) noexcept {
     const auto bits = static_cast<std::uint64_t>(a);
     return {{static_cast<std::uint32_t>(bits), static_cast<std::uint32_t>(bits >> 32)}};
-  }
-
-  template <std::size_t Count>
-  static constexpr void subtract_from_upper_half(Limbs<2 * Count>& a,
-                                                 const Limbs<Count>& b) noexcept {
-    std::uint64_t borrow = 0;
-    for (std::size_t i = 0; i < Count; ++i) {
-      const std::uint64_t digit = std::uint64_t{a.limb[i + Count]} - b.limb[i] - borrow;
-      a.limb[i + Count] = static_cast<std::uint32_t>(digit);
-      borrow = digit >> 63;
-    }
   }
 };
 
