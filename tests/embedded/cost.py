@@ -62,7 +62,7 @@ def table_of_calls(calls, stacks):
         if stack is None:
             sys.exit(f"cost: the call graph knows no {name}")
         yield (f"| {name} | {spaced(median)} | {spaced(worst)} | {spaced(found)} "
-               f"| {spaced(longest)} | {stack} |")
+               f"| {spaced(longest) if longest else 'none'} | {stack} |")
 
 
 def table_of_units(calls, limit):
@@ -103,8 +103,9 @@ def table_of_flash(parts, from_c):
 
 
 def table_of_memory(memory):
-    yield "| nodes | features | vertices_max | features_max | bytes |"
-    yield "|---:|---:|---:|---:|---:|"
+    yield ("| nodes | features | vertices_max | features_max | storage | save | handles | label_domain "
+           "| connectivity |")
+    yield "|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
     for row in memory:
         yield "| " + " | ".join(spaced(value) for value in row) + " |"
 

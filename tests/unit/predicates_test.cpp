@@ -224,6 +224,22 @@ TEST(NarrowFilters, LeaveNothingOfNearNodesUndecided) {
   }
 }
 
+// As a machine without longer products computes them.
+TEST(NarrowFilters, SplitAProductIntoThoseOf32Bits) {
+  etcm::test::Random random(seed + 7);
+  constexpr std::int32_t most = std::int32_t{1} << narrow_bits;
+  for (int i = 0; i < 100'000; ++i) {
+    const std::int32_t size = std::int32_t{1} << (i % (narrow_bits + 1));
+    const auto a = static_cast<std::int32_t>(random.between(-size, size));
+    const auto b = static_cast<std::int32_t>(random.between(-most, most));
+    ASSERT_EQ(split_product(a, b), std::int64_t{a} * b) << a << " * " << b;
+  }
+  for (const std::int32_t a : {-most, -65'536, -65'535, -1, 0, 1, 65'535, 65'536, most - 1, most}) {
+    ASSERT_EQ(split_product(a, -most), std::int64_t{a} * -most) << a;
+    ASSERT_EQ(split_product(a, most - 1), std::int64_t{a} * (most - 1)) << a;
+  }
+}
+
 // Each number of bits that is shifted out, and points that are nearly on a line or a circle.
 TEST(NarrowFilters, NeverLieNearADegeneracyAtAnyScale) {
   etcm::test::Random random(seed + 6);

@@ -1,10 +1,12 @@
 // The predicates' filter for machines that compute doubles in software: integers of 64 bits, which
 // decide nearly all questions in a tenth of the time that the exact stage takes there.
 //
-// The differences of the points are at most 2^53; all are shifted right alike until they fit 30
-// bits and a sign. A component that is shifted is floor(d / 2^s), too small by less than 1. Where
-// no bit is lost it is exact, as it is for nodes alone: their differences are multiples of 2^28,
-// and s is at most 23.
+// Nodes stand on whole units, and those of one question near each other as a rule: their
+// differences in units have few bits, and the determinant is exact in as many as a machine has.
+// Else the differences are at most 2^53; all are shifted right alike until they fit 30 bits and a
+// sign. A component that is shifted is floor(d / 2^s), too small by less than 1. Where no bit is
+// lost it is exact, as it is for nodes far from each other: s is at most 24, and their differences
+// are multiples of 2^28.
 #pragma once
 
 #include <bit>
@@ -31,51 +33,86 @@ struct NarrowOffset {
 };
 
 inline constexpr int narrow_bits = 30;
-// Components of so few bits, in units, have an incircle determinant below 2^60.
-inline constexpr int short_bits = 14;
 
-// What the shift made of them.
-enum class Narrowed : std::uint8_t {
-  inexact,
-  exact,
-  whole,  // exact, in units, and short
-};
+// As unsigned: of a signed shift compilers keep 64 bits, and multiply those.
+inline std::int32_t upper_word(std::int64_t value) noexcept {
+  return static_cast<std::int32_t>(static_cast<std::uint64_t>(value) >> 32);
+}
 
-// REQUIRES: shift < 32. By words, for a machine of 32 bits cannot know that.
+// REQUIRES: 0 < shift < 32. By words, for a machine of 32 bits cannot know that.
 inline std::int32_t narrow(std::int64_t component, unsigned shift) noexcept {
   const auto low = static_cast<std::uint32_t>(component);
-  const auto high = static_cast<std::uint32_t>(component >> 32);
-  return static_cast<std::int32_t>(low >> shift | (high << 1) << (31 - shift));
+  const auto high = static_cast<std::uint32_t>(upper_word(component));
+  return static_cast<std::int32_t>(low >> shift | high << (32 - shift));
 }
 
 // What a component has but for its sign's bits.
-inline std::uint64_t magnitude(std::int64_t component) noexcept {
-  return static_cast<std::uint64_t>(component ^ (component >> 63));
+inline std::uint32_t magnitude(std::int32_t component) noexcept {
+  return static_cast<std::uint32_t>(component ^ component >> 31);
 }
 
-// Of the points from `origin`. Each difference is taken twice: that is smaller than to keep them.
-inline Narrowed narrow_all(const Point* const* points, std::size_t count, const Point& origin,
-                           NarrowOffset* out) noexcept {
-  std::uint32_t low_bits = 0;
-  std::uint64_t magnitudes = 0;
+// Of the points from `origin`; returns whether no bit is lost. Where all are so near that two bits
+// less are enough, two are shifted out all the same.
+inline bool narrow_all(const Point* const* points, std::size_t count, const Point& origin,
+                       NarrowOffset* out) noexcept {
+  std::int64_t offsets[6];
+  std::uint32_t low_bits = 0, high_words = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::int64_t x = points[i]->x - origin.x, y = points[i]->y - origin.y;
-    low_bits |= static_cast<std::uint32_t>(x | y);
-    magnitudes |= magnitude(x) | magnitude(y);
+    low_bits |= static_cast<std::uint32_t>(x) | static_cast<std::uint32_t>(y);
+    high_words |= magnitude(upper_word(x)) | magnitude(upper_word(y));
+    offsets[2 * i] = x;
+    offsets[2 * i + 1] = y;
   }
-  const int width = static_cast<int>(std::bit_width(magnitudes));
-  auto shift = static_cast<unsigned>(width > narrow_bits ? width - narrow_bits : 0);
-  const bool is_whole = low_bits << (32 - subunit_bits) == 0 && width <= short_bits + subunit_bits;
-  if (is_whole) shift = subunit_bits;
+  const auto shift = static_cast<unsigned>(std::bit_width(high_words) + 32 - narrow_bits);
   for (std::size_t i = 0; i < count; ++i) {
-    out[i] = {narrow(points[i]->x - origin.x, shift), narrow(points[i]->y - origin.y, shift)};
+    out[i] = {narrow(offsets[2 * i], shift), narrow(offsets[2 * i + 1], shift)};
   }
-  if (is_whole) return Narrowed::whole;
-  return low_bits >> shift << shift == low_bits ? Narrowed::exact : Narrowed::inexact;
+  return low_bits >> shift << shift == low_bits;
 }
 
+// Of components of so few bits a lift and a cross product are at most 2^29 in size, and the
+// incircle determinant is below 2^60.
+inline constexpr int short_bits = 14;
+
+// The points from `origin` in units, where all are whole and as short as short_bits says; returns
+// whether that is so.
+inline bool shorten_all(const Point* const* points, std::size_t count, const Point& origin,
+                        NarrowOffset* out) noexcept {
+  auto low_bits = static_cast<std::uint32_t>(origin.x) | static_cast<std::uint32_t>(origin.y);
+  for (std::size_t i = 0; i < count; ++i) {
+    low_bits |= static_cast<std::uint32_t>(points[i]->x) | static_cast<std::uint32_t>(points[i]->y);
+  }
+  if (low_bits << (32 - subunit_bits) != 0) return false;
+  std::uint32_t magnitudes = 0;
+  const std::int32_t x0 = narrow(origin.x, subunit_bits), y0 = narrow(origin.y, subunit_bits);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int32_t x = narrow(points[i]->x, subunit_bits) - x0;
+    const std::int32_t y = narrow(points[i]->y, subunit_bits) - y0;
+    magnitudes |= magnitude(x) | magnitude(y);
+    out[i] = {x, y};
+  }
+  return magnitudes >> short_bits == 0;
+}
+
+// a * b by products of 32 bits. REQUIRES: both in [-2^30, 2^30].
+inline constexpr std::int64_t split_product(std::int32_t a, std::int32_t b) noexcept {
+  const std::int32_t a_high = a >> 16, b_high = b >> 16;
+  const std::int32_t a_low = a & 0xffff, b_low = b & 0xffff;
+  // At most 2^31 - 2^15 in size.
+  const std::int32_t middle = a_high * b_low + a_low * b_high;
+  const auto low = static_cast<std::uint32_t>(a_low) * static_cast<std::uint32_t>(b_low);
+  return (std::int64_t{a_high * b_high} << 32) + (std::int64_t{middle} << 16) + low;
+}
+
+// REQUIRES: as split_product.
 inline std::int64_t narrow_product(std::int32_t a, std::int32_t b) noexcept {
+#if defined(__arm__) && defined(__thumb__) && !defined(__thumb2__)
+  // It has no longer products, and a compiler would take those of 64 by 64.
+  return split_product(a, b);
+#else
   return std::int64_t{a} * b;
+#endif
 }
 
 // At most 2^61 in size, as a lift is.
@@ -98,53 +135,56 @@ inline std::int64_t size_of(const NarrowOffset& a) noexcept {
 inline int orient2d_narrow(const Point& a, const Point& b, const Point& c) noexcept {
   const Point* const points[] = {&a, &b};
   NarrowOffset at[2];
-  const Narrowed kind = narrow_all(points, 2, c, at);
+  const bool is_exact = narrow_all(points, 2, c, at);
   const std::int64_t value = narrow_cross(at[0], at[1]);
-  if (kind != Narrowed::inexact) return sign_of(value);
+  if (is_exact) return sign_of(value);
   return size_of(value) >= size_of(at[0]) + size_of(at[1]) + 2 ? sign_of(value) : undecided;
 }
 
-// The determinant of narrow components, as long as it fits.
-inline std::int64_t short_incircle(const NarrowOffset& a, const NarrowOffset& b,
-                                   const NarrowOffset& c) noexcept {
-  return narrow_lift(a) * narrow_cross(b, c) + narrow_lift(b) * narrow_cross(c, a) +
-         narrow_lift(c) * narrow_cross(a, b);
+inline std::int32_t short_cross(const NarrowOffset& a, const NarrowOffset& b) noexcept {
+  return a.x * b.y - a.y * b.x;
 }
 
-// One of the three terms of the determinant over 2^62, and the sizes that bound its error.
-struct NarrowTerm {
-  std::int64_t value;
-  std::int64_t sizes;
-};
+// The determinant of the three from at[0] on; the two behind them are the first two again.
+// REQUIRES: components of at most short_bits bits and a sign.
+inline std::int64_t short_incircle(const NarrowOffset* at) noexcept {
+  std::int64_t value = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::int32_t lift = at[i].x * at[i].x + at[i].y * at[i].y;
+    value += narrow_product(lift, short_cross(at[i + 1], at[i + 2]));
+  }
+  return value;
+}
 
-inline NarrowTerm narrow_term(const NarrowOffset& a, const NarrowOffset& b,
-                              const NarrowOffset& c) noexcept {
-  const auto lift = static_cast<std::int32_t>(narrow_lift(a) >> 31);
-  const auto cross = static_cast<std::int32_t>(narrow_cross(b, c) >> 31);
-  return {narrow_product(lift, cross), lift + size_of(std::int64_t{cross})};
+// The sign of the same, of narrow components, or `undecided`.
+//
+// A lift l of narrow components differs from the true one by at most 2 (|X| + |Y|) + 2 <= 2^32 + 2,
+// a cross product k too, as above. Over 2^32, rounded down, they are at most 2^29 in size and wrong
+// by at most 2 + 2^-31; so a term l k is wrong by less than (2 + 2^-31) (l + |k|) + 4.1, and all
+// three by less than twice the sum s of their sizes, which is below 2^32, plus 15. Their sum is at
+// most 3 * 2^58.
+inline int narrow_incircle(const NarrowOffset* at) noexcept {
+  std::int64_t value = 0;
+  std::uint32_t sizes = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::int32_t lift = upper_word(narrow_lift(at[i]));
+    const std::int32_t cross = upper_word(narrow_cross(at[i + 1], at[i + 2]));
+    value += narrow_product(lift, cross);
+    sizes += static_cast<std::uint32_t>(lift) + magnitude(cross) + 1;
+  }
+  return size_of(value) >= 2 * std::int64_t{sizes} + 15 ? sign_of(value) : undecided;
 }
 
 // The sign of incircle(a, b, c, d), or `undecided`.
-//
-// A lift l of narrow components differs from the true one by at most 2 (|X| + |Y|) + 2 <= 2^32 + 2,
-// a cross product k too, as above. Over 2^31, rounded down, they are at most 2^30 in size and wrong
-// by at most 3 + 2^-30; so a term is wrong by less than 3.01 (l + |k|) + 9.1, and all three by less
-// than 4 times the sum of their sizes plus 28. Their sum is at most 3 * 2^60.
 inline int incircle_narrow(const Point& a, const Point& b, const Point& c,
                            const Point& d) noexcept {
   const Point* const points[] = {&a, &b, &c};
-  NarrowOffset at[3];
-  if (narrow_all(points, 3, d, at) == Narrowed::whole) {
-    return sign_of(short_incircle(at[0], at[1], at[2]));
-  }
-  std::int64_t value = 0;
-  std::int64_t sizes = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const NarrowTerm term = narrow_term(at[i], at[(i + 1) % 3], at[(i + 2) % 3]);
-    value += term.value;
-    sizes += term.sizes;
-  }
-  return size_of(value) >= 4 * sizes + 28 ? sign_of(value) : undecided;
+  NarrowOffset at[5];
+  const bool is_short = shorten_all(points, 3, d, at);
+  if (!is_short) narrow_all(points, 3, d, at);
+  at[3] = at[0];
+  at[4] = at[1];
+  return is_short ? sign_of(short_incircle(at)) : narrow_incircle(at);
 }
 
 }  // namespace etcm::internal
