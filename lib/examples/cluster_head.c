@@ -65,6 +65,7 @@ static etcm_status_t hear(const message_t* message) {
 
 // Between messages: takes back what history has left, a share of work at a time. Where one group of
 // roads needs more than a share it stays as it is, conforming all the same.
+// A board kicks its watchdog before each share.
 static void tidy_up(void) {
   // No feature's id, and not what is named while groups are still looked for either.
   etcm_feature_t last = ETCM_NONE - 1;

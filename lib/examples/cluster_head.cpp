@@ -62,6 +62,7 @@ etcm::Status hear(const message_t& message) {
 
 // Between messages: takes back what history has left, a share of work at a time. Where one group of
 // roads needs more than a share it stays as it is, conforming all the same.
+// A board kicks its watchdog before each share.
 void tidy_up() {
   // No feature's id, and not what is named while groups are still looked for either.
   etcm::FeatureId last{etcm::FeatureId::none_value - 1};

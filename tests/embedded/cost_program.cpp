@@ -5,7 +5,6 @@
 //
 // With ETCM_COST_SEARCH, a count of inputs, it is the search: it tries as many and tells which are
 // the worst of each call.
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -15,6 +14,7 @@
 #include "console.h"
 #include "cost_inputs.h"
 #include "cost_memory.h"
+#include "cost_row.h"
 #include "etcm/analysis.h"
 #include "etcm/audit.h"
 #include "etcm/bound.h"
@@ -31,16 +31,10 @@ namespace {
 
 using namespace etcm;
 using inputs::Random;
+using test::Kind;
 using test::put;
-using test::put_number;
+using test::Row;
 
-// That lib/docs/work.md states.
-constexpr std::uint64_t instructions_max = ETCM_INSTRUCTIONS_MAX;
-// Of smaller calls fixed costs are measured, not the units.
-constexpr std::uint64_t least_units = 1000;
-// From one end of a row of nodes to the other; a step takes as long as two units at worst.
-constexpr std::uint32_t walk_most = 2 * 2 * test::cost_node_count;
-constexpr std::uint32_t samples_most = 96;
 constexpr std::uint32_t rounds = 12;
 constexpr std::uint32_t many = 800;
 constexpr std::uint32_t random_inputs = 4;
@@ -64,56 +58,15 @@ std::span<T> as() {
   return {reinterpret_cast<T*>(memory.data()), memory.size() / sizeof(T)};
 }
 
-enum class Kind : std::uint8_t {
-  change,    // its work is counted
-  read,      // calls the hook
-  question,  // calls no hook
-};
-
-struct Row {
-  const char* name;
-  Kind kind = Kind::change;
-  std::uint32_t count = 0;
-  std::uint32_t samples[samples_most] = {};
-  std::uint64_t worst = 0;  // on random input
-  std::uint64_t found = 0;  // on any
-  std::uint32_t found_with = 0;
-  std::uint64_t unit = 0;  // most instructions a unit, of calls of least_units and more
-  std::uint32_t unit_with = 0;
-  std::uint64_t least = 0;  // most instructions of smaller ones
-  std::uint64_t longest = 0;
-  std::uint32_t longest_with = 0;
-};
-
-template <class T>
-void raise(T& most, T value, std::uint32_t& with) {
-  if (value <= most) return;
-  most = value;
-  with = seed;
-}
-
 template <class Call>
 auto measure(Row& row, const Call& call) {
   timer.start();
   const auto answer = call();
   timer.stop();
-  const std::uint64_t instructions = timer.instructions();
   bool is_done = true;
   if constexpr (std::is_same_v<decltype(answer), const Status>) is_done = answer == Status::ok;
-  if (is_random && is_done) {
-    if (row.count < samples_most)
-      row.samples[row.count++] = static_cast<std::uint32_t>(instructions);
-    row.worst = std::max(row.worst, instructions);
-  }
-  raise(row.found, instructions, row.found_with);
-  raise(row.longest, timer.longest(), row.longest_with);
-  if (row.kind != Kind::change) return answer;
-  const std::uint64_t units = mesh.work_needed().units;
-  if (units < least_units) {
-    row.least = std::max(row.least, instructions);
-  } else {
-    raise(row.unit, (instructions + units - 1) / units, row.unit_with);
-  }
+  row.take({timer.instructions(), timer.longest(),
+            row.kind == Kind::change ? mesh.work_needed().units : 0, seed, is_random && is_done});
   return answer;
 }
 
@@ -177,6 +130,11 @@ void ask(Random& random, VertexId node) {
   seen = measure(nearer, [&] { return nearest_nodes(mesh, place, ten); });
   std::array<Neighbour, 16> some;
   seen = measure(around, [&] { return mesh.neighbours(node, some); });
+}
+
+void ask_features(VertexId node, FeatureId feature) {
+  std::array<VertexId, 32> vertices;
+  seen = measure(along, [&] { return mesh.chain(feature, vertices); });
   std::array<FeatureAt, 8> there;
   seen = measure(at_node, [&] { return features_at(mesh, node, there); });
 }
@@ -195,8 +153,7 @@ void change(Random& random) {
   static_cast<void>(measure(dry_add, [&] { return dry.add_feature({id, other}).status; }));
   const Status added = measure(add_feature, [&] { return mesh.add_feature({id, other}, feature); });
   if (added == Status::ok) {
-    std::array<VertexId, 32> vertices;
-    seen = measure(along, [&] { return mesh.chain(feature, vertices); });
+    ask_features(id, feature);
     static_cast<void>(measure(canonicalize, [&] { return mesh.canonicalize(); }));
     static_cast<void>(measure(dry_remove, [&] { return dry.remove_feature(feature).status; }));
     static_cast<void>(measure(remove_feature, [&] { return mesh.remove_feature(feature); }));
@@ -305,11 +262,7 @@ void grow(Row& row, const Join& join_one) {
       is_right = false;
     }
   }
-  row.worst = std::max(row.worst, others.worst);
-  row.found = row.worst;
-  row.unit = std::max(row.unit, others.unit);
-  row.least = std::max(row.least, others.least);
-  row.longest = std::max(row.longest, others.longest);
+  row.take_worst_of(others);
 }
 
 void grow_by_joins() {
@@ -350,28 +303,21 @@ void live(std::uint32_t with) {
   if (mesh.unresolved() == 0 && mesh.node_count() != 0) go_on();
 }
 
-std::uint64_t median_of(Row& row) {
-  if (row.count == 0) return 0;
-  std::sort(row.samples, row.samples + row.count);
-  return row.samples[row.count / 2];
-}
-
-void print(Row& row) {
-  put("cost;");
-  put(row.name);
-  const bool has_hook = row.kind != Kind::question;
-  for (const std::uint64_t value :
-       {median_of(row), row.worst, row.found, row.unit, row.least, has_hook ? row.longest : 0,
-        std::uint64_t{row.found_with}, std::uint64_t{row.unit_with},
-        std::uint64_t{row.longest_with}}) {
-    put(";");
-    put_number(value);
+// A hundred features from one node to others in a circle around it.
+void ask_star() {
+  constexpr std::uint32_t circle = 16, spokes = 100;
+  seed = circle;
+  Random random(seed);
+  test::make_cost_input(seed, random, input);
+  input.nodes[0] = {};
+  const std::span<FeatureEnds> star = as<FeatureEnds>().first(spokes);
+  for (std::uint32_t i = 0; i < spokes; ++i) {
+    star[i] = {VertexId{1}, VertexId{static_cast<IdValue>(2 + i)}};
   }
-  put("\n");
-  if (row.unit > instructions_max || row.least > instructions_max * least_units ||
-      (has_hook && row.longest > instructions_max * (KeepAlive::units_between + walk_most))) {
-    is_right = false;
-  }
+  mesh.clear();
+  if (mesh.build(input.nodes, star) != Status::ok) is_right = false;
+  ask(random, VertexId{1});
+  ask_features(VertexId{1}, FeatureId{spokes / 2});
 }
 
 }  // namespace
@@ -386,8 +332,9 @@ int main() {
   for (std::uint32_t i = 0; i < random_inputs; ++i) live(i * test::cost_kinds);
   is_random = false;
   for (const std::uint32_t with : kept) live(with);
+  ask_star();
 #endif
-  for (Row* row : rows) print(*row);
+  for (Row* row : rows) is_right &= put_row(*row);
   for (const std::uint32_t nodes : {50u, 200u, 1000u}) test::put_memory(nodes);
   put(is_right ? "within the limits\n" : "beyond a limit\n");
   return is_right ? 0 : 1;

@@ -333,6 +333,24 @@ TEST(KeepAlive, IsNotCalledByWhatIsShortNorOnceTakenBack) {
   EXPECT_EQ(seen.calls, 0u);
 }
 
+TEST(KeepAlive, MayChangeAnotherMesh) {
+  const Graph graph = inputs::random_graph(100, inputs::FeatureLength::any, 3);
+  inputs::OwnedMesh mesh(inputs::config_for(graph, 500)), alone(inputs::config_for(graph, 500));
+  ASSERT_EQ(alone->build(graph.nodes, graph.features), Status::ok);
+  OwnedMesh other(MeshConfig{.vertices_max = 2000, .features_max = 0});
+  mesh->keep_alive({[](void* of) noexcept {
+                      Mesh& another = *static_cast<Mesh*>(of);
+                      const auto count = static_cast<std::int32_t>(another.node_count());
+                      VertexId id;
+                      EXPECT_EQ(another.join({count, count * count % 97}, id), Status::ok);
+                    },
+                    &*other});
+  ASSERT_EQ(mesh->build(graph.nodes, graph.features), Status::ok);
+  EXPECT_EQ(mesh->hash(), alone->hash());
+  EXPECT_GT(other->node_count(), 50u);
+  EXPECT_TRUE(audit(*other));
+}
+
 #ifdef ETCM_CHECK_ARGUMENTS
 TEST(KeepAliveDeathTest, CannotChangeTheMesh) {
   testing::GTEST_FLAG(death_test_style) = "threadsafe";

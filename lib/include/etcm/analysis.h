@@ -69,7 +69,8 @@ struct ConnectivityScratch {
 };
 
 // The answer holds for links between any two vertices, not only along edges of the mesh.
-// `scratch` needs vertex_id_end() elements; else buffer_too_small. O(n log n).
+// `scratch` needs vertex_id_end() elements, which are at most vertices_max + 1; else
+// buffer_too_small, and nothing is written. O(n log n).
 Status connectivity(const Mesh& mesh, std::uint32_t radio_range,
                     std::span<ConnectivityScratch> scratch, Connectivity& out) noexcept;
 
@@ -152,7 +153,7 @@ struct Interpolated {
   std::int64_t value = 0;
 };
 
-// Errors: buffer_too_small. Costs one locate().
+// Errors: buffer_too_small, and `out` is as it was. Costs one locate().
 Status interpolate(const Mesh& mesh, const Point& place, std::span<const std::int32_t> readings,
                    Interpolated& out) noexcept;
 

@@ -20,8 +20,9 @@ enum class Exterior : std::uint8_t {
 
 // Labels each triangle of the mesh: region[i] is that of TriangleId i; ghosts are outside. A hole
 // is what can be reached from a seed without crossing a feature (Triangle's .poly holes).
-// `region` needs triangle_count() elements, `scratch` as many; else buffer_too_small.
-// A seed may be any point; one that lies outside the hull, or on a feature, labels nothing. O(n).
+// `region` needs triangle_count() elements, `scratch` as many; else buffer_too_small, and nothing
+// is written. Twice vertices_max are always enough. A seed may be any point; one that lies outside
+// the hull, or on a feature, labels nothing. O(n).
 Status label_domain(const Mesh& mesh, Exterior exterior, std::span<const Point> hole_seeds,
                     std::span<Region> region, std::span<TriangleId> scratch) noexcept;
 

@@ -17,9 +17,10 @@
 //
 // - No heap, no threads, no static data, no mathematical library; every call ends.
 // - What data can cause is answered with a status (c/types.h), and then the mesh is as it was.
-// - What only a mistake in a program can cause stops it: a mesh that is not open, an id that names
-//   nothing, storage that is null. It calls etcm_illegal_argument (c/types.h). Other pointers, such
-//   as the mesh or where an answer goes, are not checked.
+// - What only a mistake in a program can cause stops it: a mesh that is not open, a question of an
+//   id that names nothing (a change answers that), storage that is null. It calls
+//   etcm_illegal_argument (c/types.h). Other pointers, such as the mesh or where an answer goes,
+//   are not checked.
 // - One thread changes a mesh, or any number read it. Two meshes share nothing: two tasks may
 //   change one each at the same time. Handles belong to their mesh.
 // - An interrupt may call what a task may: but it must not read a mesh that it may have stopped in

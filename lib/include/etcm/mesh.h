@@ -27,6 +27,9 @@
 // join after them, may be another in the next version of the library. "Bit for bit" is said of what
 // stands where and of what is linked to what: hash(). After canonicalize() the Steiner vertices
 // have other ids than after build(), as a rule.
+// An id that names nothing is data for a change: it answers unknown_vertex or unknown_feature. For
+// a question it is a mistake of the program (illegal_argument.h): ask kind() or is_feature()
+// before.
 //
 // Work: each of these calls takes a limit (work.h). One that would need more answers work_limit,
 // and what it has done until then, going back included, was within the limit. That holds for work
@@ -35,7 +38,8 @@
 //
 // Room: what a change takes out, Steiner vertices and segments of features that turn to another
 // line, keeps its place until the change ends. So a full mesh may answer out_of_vertices or
-// out_of_features where there would have been room in the end.
+// out_of_features where there would have been room in the end. Then canonicalize() gives back what
+// history has left; else fewer features, or storage for more: save(), open() it and load().
 //
 // Errors: while unresolved() is not 0 each change but clear() answers mesh_unresolved, save() too
 // (build(), restore() and load() mesh_not_empty). The room-and-bounds codes are out_of_vertices,
@@ -221,15 +225,18 @@ class Mesh {
   // out_of_features (the feature that ran through it may need more Steiner vertices without it).
   Status leave(VertexId node, Work limit = Work::unlimited()) noexcept;
 
-  // A node moves and keeps its id, and its features follow it. As leave() and join(), and
-  // add_feature() for each feature that follows; the end of a feature may move. Errors:
-  // unknown_vertex, bad_coordinate, duplicate_vertex, overlapping_features, crossing_features, and
-  // the room-and-bounds codes.
+  // A node moves and keeps its id, and the features that end at it follow it; one that runs through
+  // it stays where it is, and no longer runs through it unless it stands on the line still. As
+  // leave() and join(), and add_feature() for each feature that follows. Errors: unknown_vertex,
+  // bad_coordinate, duplicate_vertex, overlapping_features, crossing_features, and the
+  // room-and-bounds codes.
   Status move(VertexId node, Position position, Work limit = Work::unlimited()) noexcept;
 
   // Adds a feature between two nodes and makes it a union of mesh edges. Sets `id` on success only.
   // Features may share a node, at their ends or on the way: who wants one to end on another (a
-  // T-junction), or two to cross, lets a node join there first, exactly on the line.
+  // T-junction), or two to cross, lets a node join there first, exactly on the line. Where lines
+  // cross between units there is no such place: round it, and let each be two features that end at
+  // the node there; they bend by less than a unit.
   // O(the edges that it crosses) and an insertion for each Steiner vertex, those of features that
   // must give way included.
   // Errors: unknown_vertex, zero_length_feature, repeated_feature, overlapping_features,

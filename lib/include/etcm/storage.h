@@ -17,7 +17,10 @@
 //                  but for one time in 2^64. A call that changes the mesh alters it even where it
 //                  is refused, and so does a dry run: the mesh is as it was, its bytes are not. So
 //                  seal after each such call, whatever it answered. It is a checksum, no
-//                  signature: who can write the bytes on purpose can make it right.
+//                  signature: who can write the bytes on purpose can make it right. What a program
+//                  keeps beside the mesh, such as the devices behind its ids, is not in it: that
+//                  wants a checksum of its own, or is written between a change and its seal, so
+//                  that a reset in between lets go of both.
 //   attach_copy()  All but the head, where it can be seen that these are no bytes of a mesh. For
 //                  copies that this program made of a mesh at rest.
 // Bytes that may be forged belong to neither: such a mesh is sent as Mesh::save() writes it, for
@@ -30,8 +33,9 @@
 //   wrong_id_width     its ids are of another width (ETCM_ID_BITS)
 //   storage_too_small  there are fewer bytes than its capacities ask for
 //   damaged            the head contradicts itself, or the checksum is another
-// Storage is for the program that made it, or one with the same version of the library: another
-// may lay it out otherwise (wrong_version). What must outlast an update of the program is saved.
+// Storage is for the program that made it, or one with the same version of the library
+// (ETCM_VERSION). Another may lay it out otherwise: then it answers wrong_version, and what must
+// outlast an update of the program is saved. Where the layout is the same it is taken.
 // Machines of 32 and of 64 bits lay storage out alike. To a machine with another order of bytes or
 // other ids the mesh goes as Mesh::save() writes it.
 //

@@ -43,8 +43,8 @@ struct Work {
 // The mesh may be in the middle of a change then: `call` must not use it, nor its storage, nor what
 // the call was given. To change it is a programming error, which is noticed while a change goes on
 // (illegal_argument.h); so is to open or to attach it, which is not noticed. It may do anything
-// else: kick a watchdog, read a clock, let other tasks run, set a flag. It cannot end the call; a
-// limit does that.
+// else: kick a watchdog, read a clock, let other tasks run, set a flag, use another mesh (the stack
+// of both calls adds up). It cannot end the call; a limit does that.
 struct KeepAlive {
   void (*call)(void* context) noexcept = nullptr;  // null: nobody is called
   void* context = nullptr;

@@ -255,14 +255,15 @@ ETCM_MUST_USE etcm_status_t etcm_join(etcm_mesh_t* mesh, etcm_position_t positio
 // A node leaves. Errors: ETCM_UNKNOWN_VERTEX, ETCM_ENDPOINT_IN_USE, ETCM_CROSSING_FEATURES (two
 // features met there), room and bounds but ETCM_OUT_OF_FEATURES.
 ETCM_MUST_USE etcm_status_t etcm_leave(etcm_mesh_t* mesh, etcm_vertex_t node, uint64_t limit);
-// A node moves, keeps its id, and its features follow it; the end of one may move. Errors:
-// ETCM_UNKNOWN_VERTEX, ETCM_BAD_COORDINATE, ETCM_DUPLICATE_VERTEX, ETCM_OVERLAPPING_FEATURES,
-// ETCM_CROSSING_FEATURES, room and bounds.
+// A node moves, keeps its id, and the features that end at it follow it; one that runs through it
+// stays, and runs through it no longer. Errors: ETCM_UNKNOWN_VERTEX, ETCM_BAD_COORDINATE,
+// ETCM_DUPLICATE_VERTEX, ETCM_OVERLAPPING_FEATURES, ETCM_CROSSING_FEATURES, room and bounds.
 ETCM_MUST_USE etcm_status_t etcm_move(etcm_mesh_t* mesh, etcm_vertex_t node,
                                       etcm_position_t position, uint64_t limit);
 // Adds a feature between two nodes. Sets `feature` on success only. Features may share a node, at
 // their ends or on the way: who wants one to end on another (a T-junction), or two to cross, lets a
-// node join there first, exactly on the line. Errors: ETCM_UNKNOWN_VERTEX,
+// node join there first, exactly on the line; where lines cross between units, at a rounded place,
+// and each is two features that end there. Errors: ETCM_UNKNOWN_VERTEX,
 // ETCM_ZERO_LENGTH_FEATURE, ETCM_REPEATED_FEATURE, ETCM_OVERLAPPING_FEATURES,
 // ETCM_CROSSING_FEATURES, room and bounds.
 ETCM_MUST_USE etcm_status_t etcm_add_feature(etcm_mesh_t* mesh, etcm_vertex_t from,
@@ -277,7 +278,8 @@ ETCM_MUST_USE etcm_status_t etcm_remove_feature(etcm_mesh_t* mesh, etcm_feature_
 // on, at most ETCM_KEEP_ALIVE_UNITS of work and one walk apart, so that a watchdog does not bite;
 // null for none. A walk is tens of units as a rule, and never more than twice as many as there are
 // triangles. The mesh may be in the middle of a change then: `call` must not use it, nor its
-// storage. It may kick a watchdog, read a clock, let other tasks run; it cannot end the call. Where
+// storage. It may kick a watchdog, read a clock, let other tasks run, use another mesh; it cannot
+// end the call. Where
 // several threads read one mesh, each calls it. It is kept by etcm_open() and
 // etcm_attach(), until another is given; docs/work.md has what it is good for.
 #define ETCM_KEEP_ALIVE_UNITS 256u
