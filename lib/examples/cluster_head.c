@@ -11,16 +11,23 @@
 #include "messages.h"
 #include "out.h"
 
-enum { devices_max = 16, vertices_max = 100, roads_max = 20, neighbours_max = 8 };
+enum {
+  devices_max = 16,
+  roads_max = 10,
+  vertices_max = ETCM_VERTICES_FOR(devices_max, roads_max),
+  segments_max = ETCM_SEGMENTS_FOR(roads_max),
+  neighbours_max = 8
+};
 
 // The work that a message may take, in units of the library: 95 ms at the most on a Cortex-M4 of
-// 168 MHz with two cycles an instruction. docs/cost.md has what to set for other watchdogs.
+// 168 MHz with two cycles an instruction. docs/cost.md has what to set for other watchdogs and
+// machines: a Cortex-M0+ of 16 MHz takes 3.5 s for as many.
 #define WORK_OF_A_MESSAGE 20000u
 
 // All that must outlive a reset: in memory that is not cleared then (a section such as .noinit,
 // which the linker script has to know), or written to flash and read back.
 static struct {
-  ETCM_STORAGE(mesh, vertices_max, roads_max);
+  ETCM_STORAGE(mesh, vertices_max, segments_max);
   etcm_vertex_t vertex_of[devices_max];  // ETCM_INFINITE: the device has not joined
 } kept;
 
@@ -104,7 +111,7 @@ static void tell(void) {
 // At each start: takes up what has been kept. Where that is no mesh, as at the first start or after
 // a reset in the midst of a change, it begins with an empty one, and the devices join anew.
 static etcm_status_t wake_up(void) {
-  const etcm_config_t config = {.vertices_max = vertices_max, .features_max = roads_max};
+  const etcm_config_t config = {.vertices_max = vertices_max, .features_max = segments_max};
   const etcm_status_t status = etcm_attach(&mesh, kept.mesh, sizeof kept.mesh, NULL);
   if (status == ETCM_OK) return status;
   for (int i = 0; i < devices_max; ++i) kept.vertex_of[i] = ETCM_INFINITE;

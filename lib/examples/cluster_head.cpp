@@ -9,15 +9,17 @@
 
 namespace {
 
-constexpr std::uint32_t devices_max = 16;
+constexpr std::uint32_t devices_max = 16, roads_max = 10;
+constexpr etcm::MeshConfig capacity = etcm::capacity_for(devices_max, roads_max);
 // The work that a message may take: 95 ms at the most on a Cortex-M4 of 168 MHz with two cycles an
-// instruction. docs/cost.md has what to set for other watchdogs.
+// instruction. docs/cost.md has what to set for other watchdogs and machines: a Cortex-M0+ of
+// 16 MHz takes 3.5 s for as many.
 constexpr etcm::Work share{20'000};
 
 // All that must outlive a reset: in memory that is not cleared then (a section such as .noinit,
 // which the linker script has to know), or written to flash and read back.
 struct Kept {
-  etcm::MeshStorage<100, 20> mesh;
+  etcm::MeshStorage<capacity.vertices_max, capacity.features_max> mesh;
   std::array<etcm::IdValue, devices_max> vertex_of;  // 0: the device has not joined
 } kept;
 

@@ -24,6 +24,8 @@ RUNTIME = re.compile(r"lib(gcc|c|c_nano|m|stdc\+\+\w*)\.a")
 WATCHDOG_MS = 250
 CLOCKS_MHZ = (16, 168)
 CYCLES = (2, 1)
+# Calls that are part of who makes them.
+INLINE = ("edges_of",)
 
 
 def stacks_of(arguments):
@@ -58,7 +60,8 @@ def table_of_calls(calls, stacks):
     yield "| call | instructions, median | at worst, random | at worst, found | longest between two calls of the hook | stack |"
     yield "|---|---:|---:|---:|---:|---:|"
     for name, (median, worst, found, _, _, longest, *_) in calls.items():
-        stack = stacks.get(re.split(r"[, ]", name)[0])
+        call = re.split(r"[, ]", name)[0]
+        stack = "inline" if call in INLINE else stacks.get(call)
         if stack is None:
             sys.exit(f"cost: the call graph knows no {name}")
         yield (f"| {name} | {spaced(median)} | {spaced(worst)} | {spaced(found)} "
@@ -75,6 +78,18 @@ def table_of_units(calls, limit):
             instructions = clock * 1000 * WATCHDOG_MS // cycles
             yield (f"| {clock} MHz | {cycles} | {spaced(instructions // limit)} "
                    f"| {gap * cycles / (clock * 1000):.1f} |")
+
+
+def table_of_long_calls(calls):
+    """Which need the hook, or a limit."""
+    yield f"| clock | cycles an instruction | longer than {WATCHDOG_MS} ms in the median | and at worst, found |"
+    yield "|---|---:|---|---|"
+    for clock in CLOCKS_MHZ:
+        for cycles in CYCLES:
+            most = clock * 1000 * WATCHDOG_MS // cycles
+            mostly = [name for name, (median, *_) in calls.items() if median > most]
+            ever = [name for name, (_, _, found, *_) in calls.items() if found > most and name not in mostly]
+            yield f"| {clock} MHz | {cycles} | {'; '.join(mostly) or 'none'} | {'; '.join(ever) or 'none'} |"
 
 
 def text_of_archive(size, archive):
@@ -143,6 +158,7 @@ def main():
 
     calls, memory = measured(arguments)
     tables = [table_of_calls(calls, stacks_of(arguments)), table_of_units(calls, arguments.limit),
+              table_of_long_calls(calls),
               table_of_flash(arguments.parts, text_of_archive(arguments.size, arguments.c_library)),
               table_of_memory(memory)]
     now = "\n\n".join("\n".join(table) for table in tables)

@@ -26,6 +26,7 @@
 #include "etcm/nearest.h"
 #include "etcm/predicates.h"
 #include "etcm/storage.h"
+#include "etcm/traverse.h"
 
 namespace {
 
@@ -80,25 +81,27 @@ Row opening{"open", Kind::question}, clearing{"clear", Kind::question}, build{"b
     nearest{"nearest_node", Kind::read}, nearer{"nearest_nodes, ten", Kind::read},
     within{"nodes_within, ten", Kind::read}, around{"neighbours", Kind::question},
     along{"chain", Kind::question}, at_node{"features_at", Kind::question},
+    of_edge{"feature_between", Kind::question}, ways{"edges_of, all", Kind::question},
+    hull{"finite_triangle_count", Kind::question}, at_vertex{"links_at", Kind::question},
     hash{"hash", Kind::read}, proof{"audit", Kind::read}, sealing{"seal", Kind::read},
-    attaching{"attach", Kind::read}, reading{"MeshReader::attach", Kind::question},
-    saving{"save", Kind::read}, loading{"load"}, least{"least_steiner", Kind::question},
-    labels{"label_domain", Kind::read}, edges{"links", Kind::read},
-    network{"connectivity", Kind::read}, relay{"relays", Kind::read},
+    attaching{"attach", Kind::read}, copied{"attach_copy", Kind::question},
+    reading{"MeshReader::attach", Kind::question}, saving{"save", Kind::read}, loading{"load"},
+    least{"least_steiner", Kind::question}, labels{"label_domain", Kind::read},
+    edges{"links", Kind::read}, network{"connectivity", Kind::read}, relay{"relays", Kind::read},
     gaps{"barrier_gaps", Kind::read}, holes{"coverage_holes", Kind::read},
     between{"interpolate", Kind::question}, circles{"incircle, a hundred", Kind::question},
     build_alone{"build, nodes alone"}, join_alone{"join, nodes alone"},
     leave_alone{"leave, nodes alone"}, join_many{"join, 800 nodes alone"},
     handle_join{"Handles::join, 800 nodes alone"};
-Row* const rows[] = {&opening,      &clearing,       &build,       &restore,   &rebuild,
-                     &canonicalize, &optimise,       &join,        &leave,     &move,
-                     &add_feature,  &remove_feature, &dry_join,    &dry_leave, &dry_move,
-                     &dry_add,      &dry_remove,     &find,        &nearest,   &nearer,
-                     &within,       &around,         &along,       &at_node,   &hash,
-                     &proof,        &sealing,        &attaching,   &reading,   &saving,
-                     &loading,      &least,          &labels,      &edges,     &network,
-                     &relay,        &gaps,           &holes,       &between,   &circles,
-                     &build_alone,  &join_alone,     &leave_alone, &join_many, &handle_join};
+Row* const rows[] = {
+    &opening,    &clearing, &build,      &restore,     &rebuild,        &canonicalize, &optimise,
+    &join,       &leave,    &move,       &add_feature, &remove_feature, &dry_join,     &dry_leave,
+    &dry_move,   &dry_add,  &dry_remove, &find,        &nearest,        &nearer,       &within,
+    &around,     &along,    &at_node,    &of_edge,     &ways,           &hull,         &at_vertex,
+    &hash,       &proof,    &sealing,    &attaching,   &copied,         &reading,      &saving,
+    &loading,    &least,    &labels,     &edges,       &network,        &relay,        &gaps,
+    &holes,      &between,  &circles,    &build_alone, &join_alone,     &leave_alone,  &join_many,
+    &handle_join};
 
 Position anywhere(Random& random) {
   const std::int32_t x = random.between(0, input.side);
@@ -137,6 +140,7 @@ void ask_features(VertexId node, FeatureId feature) {
   seen = measure(along, [&] { return mesh.chain(feature, vertices); });
   std::array<FeatureAt, 8> there;
   seen = measure(at_node, [&] { return features_at(mesh, node, there); });
+  seen = measure(of_edge, [&] { return feature_between(mesh, vertices[0], vertices[1]).value; });
 }
 
 void change(Random& random) {
@@ -191,6 +195,13 @@ void lay_again(std::uint32_t feature_count) {
 
 // What the network is like; ranges are such that a few are beyond them.
 void analyse(Random& random) {
+  seen = measure(ways, [] {
+    std::uint32_t count = 0;
+    for (const MeshEdge edge : edges_of(mesh)) count += edge.constrained ? 1 : 0;
+    return count;
+  });
+  seen = measure(hull, [] { return mesh.finite_triangle_count(); });
+  seen = measure(at_vertex, [] { return links_at(mesh, VertexId{1}, as<Link>()); });
   const auto range = static_cast<std::uint32_t>(input.side / 12);
   static_cast<void>(measure(labels, [] {
     return label_domain(mesh, Exterior::automatic, {}, region, as<TriangleId>());
@@ -216,6 +227,7 @@ void go_on() {
   });
   MeshReader reader;
   if (measure(attaching, [] { return attach(mesh, storage.bytes()); }) != Status::ok ||
+      measure(copied, [] { return attach_copy(mesh, storage.bytes()); }) != Status::ok ||
       measure(reading, [&] { return reader.attach(storage.bytes()); }) != Status::ok ||
       measure(saving, [] { return mesh.save(as<std::byte>()); }) != Status::ok) {
     is_right = false;

@@ -6,7 +6,7 @@
 // The change is made and taken back, as one that is refused at the very end: so the answer is that
 // of the change itself, and the mesh is as it was (mesh.h), with error_detail(), work_needed(),
 // is_canonical() and what canonicalize() would do; only a seal of its bytes is broken (storage.h).
-// It takes about twice as long as the change.
+// It takes two to three times as long as the change.
 #pragma once
 
 #include <cstdint>

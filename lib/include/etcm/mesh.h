@@ -21,7 +21,9 @@
 // Ids: the least free id is given out first. A node that joins gets the least id above 0 that no
 // vertex has, a feature the least that no feature has, and no segment of one behind its first:
 // those take ids of the same kind. So which id comes next can be told from those in use, whatever
-// the history, and the same calls on the same mesh give the same ids on every machine. A Steiner
+// the history, and the same calls on the same mesh give the same ids on every machine, as long as
+// they get the same answers: a limit may be enough in one of two meshes that came about in other
+// ways, as a loaded one has, and not in the other (docs/work.md). A Steiner
 // vertex takes the least id too, when it comes; while a change is going on, what it has taken out
 // keeps its own. In which order Steiner vertices come, and so their ids and those of nodes that
 // join after them, may be another in the next version of the library. "Bit for bit" is said of what
@@ -78,7 +80,8 @@ struct FeatureEnds {
   VertexId to;
 };
 
-// What the last failed call stumbled over; fields that do not apply are none.
+// What the last change stumbled over: `status` is what it answered, ok where it succeeded, and
+// fields that do not apply are none. What only reads, and a dry run, leaves it.
 struct ErrorDetail {
   Status status = Status::ok;
   VertexId vertex{};    // the node in the way, or the unknown one
@@ -185,8 +188,8 @@ class Mesh {
   // features, bit for bit. Changes keep the mesh conforming at once, with Steiner vertices that
   // depend on what was there before; this takes them back. Lays again what the changes can have had
   // an influence on, group by group of features that depend on each other; the cost goes with
-  // those, and is at most that of rebuild(). Between groups the mesh is whole: work_limit leaves
-  // what has been done, and the next call goes on, where its limit is enough for one group:
+  // those, and is at most some 1.2 of rebuild(). Between groups the mesh is whole: work_limit
+  // leaves what has been done, and the next call goes on, where its limit is enough for one group:
   // error_detail().feature is one of the first that was not. Named twice in a row, with no change
   // in between, its group takes more than that limit, and no number of calls gets beyond it. None
   // is named where not even looking for the groups was done; that is work for a few calls at most.
@@ -243,8 +246,8 @@ class Mesh {
   // crossing_features, and the room-and-bounds codes.
   Status add_feature(FeatureEnds ends, FeatureId& id, Work limit = Work::unlimited()) noexcept;
 
-  // Removes a feature and its Steiner vertices. O(their degrees). Errors: unknown_feature,
-  // work_limit.
+  // Removes a feature and its Steiner vertices. O(their degrees, and features at its ends). Errors:
+  // unknown_feature, work_limit.
   Status remove_feature(FeatureId feature, Work limit = Work::unlimited()) noexcept;
 
   // The function that each of these calls, and each that reads much, calls from time to time while
@@ -282,7 +285,9 @@ class Mesh {
   // is behind the point is cut off: of one ask point().
   [[nodiscard]] Position position(VertexId node) const noexcept;
   // The feature a Steiner vertex stands on. Of a node it answers any value, which means nothing
-  // and is no error: see features_at().
+  // and is no error: see features_at(). Where it stands there: point() is the place, exactly on the
+  // line; chain() has the order; the share of the way is (point - from) / (to - from) for the ends
+  // in sub-units, of x or of y, whichever differs more.
   [[nodiscard]] FeatureId feature_of(VertexId steiner) const noexcept;
   // Writes the neighbours counter-clockwise, the vertex at infinity left out, as many as fit, and
   // returns how many there are: less than 6 on average, and of one vertex as many as there are

@@ -21,8 +21,9 @@
 //                  keeps beside the mesh, such as the devices behind its ids, is not in it: that
 //                  wants a checksum of its own, or is written between a change and its seal, so
 //                  that a reset in between lets go of both.
-//   attach_copy()  All but the head, where it can be seen that these are no bytes of a mesh. For
-//                  copies that this program made of a mesh at rest.
+//   attach_copy()  Everything but the head, which is looked at: whether a mesh begins there, of
+//                  this layout and within these bytes. For copies that this program made of a mesh
+//                  at rest.
 // Bytes that may be forged belong to neither: such a mesh is sent as Mesh::save() writes it, for
 // Mesh::load() believes nothing.
 //

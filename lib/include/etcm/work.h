@@ -28,7 +28,10 @@ struct Work {
 // Called over and over inside of a call that may take long, so that a watchdog does not bite while
 // it goes on (Mesh::keep_alive()): one that changes a mesh, a dry run, and one that reads all of it
 // or around a place, such as audit(), hash(), save(), seal(), attach(), nodes_within() and what
-// analysis.h has. It is the Mesh's that the call was given; a MeshReader's has none.
+// analysis.h has. It is the Mesh's that the call was given; a MeshReader's has none. Not by open(),
+// clear(), attach_copy(), locate(), neighbours(), chain(), features_at(), feature_between(),
+// links_at(), interpolate(), least_steiner(), finite_triangle_count(), saved_bytes() and the ranges
+// of traverse.h, which between two steps are the caller's.
 //
 //   mesh.keep_alive({[](void*) noexcept { IWDG->KR = 0xAAAA; }});
 //

@@ -1,157 +1,98 @@
+#include "base/texts.h"
 #include "etcm/illegal_argument.h"
 
 namespace etcm {
 inline namespace ETCM_IDS {
+namespace {
 
-const char* to_string(Call call) noexcept {
-  switch (call) {
-    case Call::open:
-      return "open";
-    case Call::clear:
-      return "clear";
-    case Call::build:
-      return "build";
-    case Call::restore:
-      return "restore";
-    case Call::rebuild:
-      return "rebuild";
-    case Call::least_steiner:
-      return "least_steiner";
-    case Call::optimise:
-      return "optimise";
-    case Call::canonicalize:
-      return "canonicalize";
-    case Call::is_canonical:
-      return "is_canonical";
-    case Call::join:
-      return "join";
-    case Call::leave:
-      return "leave";
-    case Call::move:
-      return "move";
-    case Call::add_feature:
-      return "add_feature";
-    case Call::remove_feature:
-      return "remove_feature";
-    case Call::config:
-      return "config";
-    case Call::node_count:
-      return "node_count";
-    case Call::steiner_count:
-      return "steiner_count";
-    case Call::feature_count:
-      return "feature_count";
-    case Call::triangle_count:
-      return "triangle_count";
-    case Call::finite_triangle_count:
-      return "finite_triangle_count";
-    case Call::unresolved:
-      return "unresolved";
-    case Call::vertex_id_end:
-      return "vertex_id_end";
-    case Call::feature_id_end:
-      return "feature_id_end";
-    case Call::error_detail:
-      return "error_detail";
-    case Call::kind:
-      return "kind";
-    case Call::point:
-      return "point";
-    case Call::position:
-      return "position";
-    case Call::feature_of:
-      return "feature_of";
-    case Call::neighbours:
-      return "neighbours";
-    case Call::triangle:
-      return "triangle";
-    case Call::is_feature:
-      return "is_feature";
-    case Call::ends:
-      return "ends";
-    case Call::chain:
-      return "chain";
-    case Call::hash:
-      return "hash";
-    case Call::audit:
-      return "audit";
-    case Call::locate:
-      return "locate";
-    case Call::label_domain:
-      return "label_domain";
-    case Call::links:
-      return "links";
-    case Call::links_at:
-      return "links_at";
-    case Call::connectivity:
-      return "connectivity";
-    case Call::relays:
-      return "relays";
-    case Call::barrier_gaps:
-      return "barrier_gaps";
-    case Call::coverage_holes:
-      return "coverage_holes";
-    case Call::interpolate:
-      return "interpolate";
-    case Call::nearest_node:
-      return "nearest_node";
-    case Call::nearest_nodes:
-      return "nearest_nodes";
-    case Call::nodes_within:
-      return "nodes_within";
-    case Call::features_at:
-      return "features_at";
-    case Call::feature_between:
-      return "feature_between";
-    case Call::work_needed:
-      return "work_needed";
-    case Call::handles:
-      return "handles";
-    case Call::dry_run:
-      return "dry_run";
-    case Call::work_used:
-      return "work_used";
-    case Call::seal:
-      return "seal";
-    case Call::attach:
-      return "attach";
-    case Call::saved_bytes:
-      return "saved_bytes";
-    case Call::save:
-      return "save";
-    case Call::load:
-      return "load";
-    case Call::policy:
-      return "policy";
-  }
-  return "unknown";
+// In the order of the numbers, and one for what is none.
+constexpr char call_names[] =
+    "open\0"
+    "clear\0"
+    "build\0"
+    "restore\0"
+    "rebuild\0"
+    "join\0"
+    "leave\0"
+    "move\0"
+    "add_feature\0"
+    "remove_feature\0"
+    "config\0"
+    "node_count\0"
+    "steiner_count\0"
+    "feature_count\0"
+    "triangle_count\0"
+    "finite_triangle_count\0"
+    "unresolved\0"
+    "vertex_id_end\0"
+    "feature_id_end\0"
+    "error_detail\0"
+    "kind\0"
+    "point\0"
+    "position\0"
+    "feature_of\0"
+    "neighbours\0"
+    "triangle\0"
+    "is_feature\0"
+    "ends\0"
+    "chain\0"
+    "hash\0"
+    "audit\0"
+    "locate\0"
+    "label_domain\0"
+    "links\0"
+    "links_at\0"
+    "connectivity\0"
+    "relays\0"
+    "barrier_gaps\0"
+    "coverage_holes\0"
+    "interpolate\0"
+    "canonicalize\0"
+    "is_canonical\0"
+    "nearest_node\0"
+    "nearest_nodes\0"
+    "nodes_within\0"
+    "features_at\0"
+    "feature_between\0"
+    "optimise\0"
+    "least_steiner\0"
+    "work_needed\0"
+    "handles\0"
+    "dry_run\0"
+    "work_used\0"
+    "seal\0"
+    "attach\0"
+    "saved_bytes\0"
+    "save\0"
+    "load\0"
+    "policy\0"
+    "unknown";
+constexpr char fault_names[] =
+    "the mesh is not open\0"
+    "storage is null or not aligned to 8\0"
+    "no such vertex\0"
+    "no such triangle\0"
+    "no such feature\0"
+    "the range is 0\0"
+    "a triangle has no region\0"
+    "the mesh has features\0"
+    "called from within a change\0"
+    "the split is outside of the subsegment\0"
+    "unknown";
+static_assert(internal::text_count(call_names) == static_cast<std::size_t>(Call::policy) + 2);
+static_assert(internal::text_count(fault_names) == static_cast<std::size_t>(Fault::outside) + 2);
+
+template <class Number>
+const char* name_of(const char* names, Number value, Number last) noexcept {
+  const auto number = static_cast<std::size_t>(value), known = static_cast<std::size_t>(last) + 1;
+  return internal::nth_text(names, number < known ? number : known);
 }
 
-const char* to_string(Fault fault) noexcept {
-  switch (fault) {
-    case Fault::not_open:
-      return "the mesh is not open";
-    case Fault::bad_storage:
-      return "storage is null or not aligned to 8";
-    case Fault::no_vertex:
-      return "no such vertex";
-    case Fault::no_triangle:
-      return "no such triangle";
-    case Fault::no_feature:
-      return "no such feature";
-    case Fault::zero_range:
-      return "the range is 0";
-    case Fault::no_region:
-      return "a triangle has no region";
-    case Fault::has_features:
-      return "the mesh has features";
-    case Fault::in_callback:
-      return "called from within a change";
-    case Fault::outside:
-      return "the split is outside of the subsegment";
-  }
-  return "unknown";
-}
+}  // namespace
+
+const char* to_string(Call call) noexcept { return name_of(call_names, call, Call::policy); }
+
+const char* to_string(Fault fault) noexcept { return name_of(fault_names, fault, Fault::outside); }
 
 }  // namespace ETCM_IDS
 }  // namespace etcm

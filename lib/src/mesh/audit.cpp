@@ -1,5 +1,6 @@
 #include "etcm/audit.h"
 
+#include "base/texts.h"
 #include "geometry/predicates_inline.h"
 #include "triangulation/locate.h"
 #include "triangulation/march.h"
@@ -206,32 +207,27 @@ class Auditor {
   Pulse pulse_;
 };
 
+// In the order of the rules, and one for what is none.
+constexpr char rule_names[] =
+    "none\0"
+    "counts\0"
+    "links\0"
+    "incidence\0"
+    "orientation\0"
+    "hull\0"
+    "delaunay\0"
+    "canonical\0"
+    "on_feature\0"
+    "conforming\0"
+    "unknown";
+constexpr std::size_t rule_count = static_cast<std::size_t>(Rule::conforming) + 1;
+static_assert(text_count(rule_names) == rule_count + 1);
+
 }  // namespace
 
 const char* to_string(Rule rule) noexcept {
-  switch (rule) {
-    case Rule::none:
-      return "none";
-    case Rule::counts:
-      return "counts";
-    case Rule::links:
-      return "links";
-    case Rule::incidence:
-      return "incidence";
-    case Rule::orientation:
-      return "orientation";
-    case Rule::hull:
-      return "hull";
-    case Rule::delaunay:
-      return "delaunay";
-    case Rule::canonical:
-      return "canonical";
-    case Rule::on_feature:
-      return "on_feature";
-    case Rule::conforming:
-      return "conforming";
-  }
-  return "unknown";
+  const auto number = static_cast<std::size_t>(rule);
+  return nth_text(rule_names, number < rule_count ? number : rule_count);
 }
 
 Audit audit(const Mesh& mesh) noexcept { return Auditor(opened(mesh, Call::audit)).run(); }

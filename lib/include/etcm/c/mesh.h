@@ -186,7 +186,8 @@ typedef struct {
   etcm_point_t point;
 } etcm_steiner_place_t;
 
-// What the last failed call stumbled over; what does not apply is ETCM_NONE, or 0.
+// What the last change stumbled over: its status, ETCM_OK where it succeeded; what does not apply
+// is ETCM_NONE, or 0. What only reads, and a dry run, leaves it.
 typedef struct {
   etcm_status_t status;
   etcm_vertex_t vertex;    // the node in the way, or the unknown one
@@ -277,11 +278,12 @@ ETCM_MUST_USE etcm_status_t etcm_remove_feature(etcm_mesh_t* mesh, etcm_feature_
 // etcm_hash(), etcm_save(), etcm_seal(), etcm_nodes_within() and the analysis) calls while it goes
 // on, at most ETCM_KEEP_ALIVE_UNITS of work and one walk apart, so that a watchdog does not bite;
 // null for none. A walk is tens of units as a rule, and never more than twice as many as there are
-// triangles. The mesh may be in the middle of a change then: `call` must not use it, nor its
-// storage. It may kick a watchdog, read a clock, let other tasks run, use another mesh; it cannot
-// end the call. Where
-// several threads read one mesh, each calls it. It is kept by etcm_open() and
-// etcm_attach(), until another is given; docs/work.md has what it is good for.
+// triangles; of one across the mesh or along a line a change has 64 steps between two calls. The
+// sort of a list that etcm_nodes_within() writes comes on top. Short questions call nothing
+// (etcm/work.h names them). The mesh may be in the middle of a change then: `call` must not use it,
+// nor its storage. It may kick a watchdog, read a clock, let other tasks run, use another mesh; it
+// cannot end the call. Where several threads read one mesh, each calls it. It is kept by
+// etcm_open() and etcm_attach(), until another is given; docs/work.md has what it is good for.
 #define ETCM_KEEP_ALIVE_UNITS 256u
 void etcm_keep_alive(etcm_mesh_t* mesh, void (*call)(void* context), void* context);
 
@@ -290,7 +292,7 @@ void etcm_keep_alive(etcm_mesh_t* mesh, void (*call)(void* context), void* conte
 uint64_t etcm_work_used(const etcm_mesh_t* mesh);
 uint64_t etcm_work_needed(const etcm_mesh_t* mesh);
 
-// Of the last change that was refused. O(1).
+// Of the last change, refused or not. O(1).
 void etcm_error_detail(const etcm_mesh_t* mesh, etcm_error_detail_t* detail);
 
 // --- Reading
@@ -325,7 +327,9 @@ etcm_point_t etcm_point(const etcm_mesh_t* mesh, etcm_vertex_t vertex);
 // behind the point is cut off: of one ask etcm_point().
 etcm_position_t etcm_position(const etcm_mesh_t* mesh, etcm_vertex_t node);
 // The feature that a Steiner vertex stands on. Of a node it answers any value, which means nothing
-// and is no error: see etcm_features_at().
+// and is no error: see etcm_features_at(). Where it stands there: etcm_point() is the place,
+// exactly on the line; etcm_chain() has the order; the share of the way is (point - from) / (to -
+// from) for the ends in sub-units, of x or of y, whichever differs more.
 etcm_feature_t etcm_feature_of(const etcm_mesh_t* mesh, etcm_vertex_t steiner);
 // A list: the neighbours counter-clockwise, without the vertex at infinity. There are less than 6
 // on average, and of one vertex as many as there are others at the most: a list for
