@@ -15,7 +15,7 @@ HEADERS = Path(__file__).resolve().parents[2] / "lib/include/etcm"
 CONTRACTS = [("*Mesh.html", "A node joins. It may stand on a Steiner vertex"),
              ("work_8h.html", "counted, not timed"),
              ("structetcm*MeshConfig.html", "Nodes and Steiner vertices together"),
-             ("c_2mesh_8h.html", "A node moves, keeps its id, and its features follow it"),
+             ("c_2mesh_8h.html", "A node moves, keeps its id, and the features that end at it follow it"),
              ("c_2mesh_8h.html", "Whether etcm_open() would take the configuration"),
              ("structetcm*config*.html", "What is decided once"),
              ("c_2types_8h.html", "no vertices, a policy without a function, too wide for ids"),
