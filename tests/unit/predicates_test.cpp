@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <ostream>
+#include <tuple>
+#include <vector>
 
 #include "geometry/narrow_filter.h"
 #include "geometry/predicates_inline.h"
@@ -221,6 +224,48 @@ TEST(NarrowFilters, LeaveNothingOfNearNodesUndecided) {
     const Point a = node(), b = node(), c = node(), d = node();
     ASSERT_EQ(orient2d_narrow(a, b, c), etcm::test::exact_orientation(a, b, c));
     ASSERT_EQ(incircle_narrow(a, b, c, d), etcm::test::exact_incircle(a, b, c, d));
+  }
+}
+
+// As long as the short stage takes, and a step longer: its products must fit there, too.
+TEST(NarrowFilters, NeverLieWhereShortDifferencesEnd) {
+  constexpr std::int32_t most = 1 << (short_bits - 1);
+  std::vector<Point> points;
+  for (const std::int32_t x : {-most - 1, -most, 1 - most, 0, most - 1, most}) {
+    for (const std::int32_t y : {-most - 1, -most, 1 - most, 0, most - 1, most}) {
+      points.push_back(etcm::to_point({x, y}));
+    }
+  }
+  for (const Point& d : {points.front(), points[7], points[21], points.back()}) {
+    for (const Point& a : points) {
+      for (const Point& b : points) {
+        for (const Point& c : points) {
+          const int side = incircle_narrow(a, b, c, d);
+          ASSERT_TRUE(side == undecided || side == etcm::test::exact_incircle(a, b, c, d))
+              << testing::PrintToString(std::tie(a, b, c, d));
+        }
+      }
+    }
+  }
+}
+
+// Nodes on a circle, of which one is a Steiner vertex a little beside it: in units it would be on.
+TEST(NarrowFilters, NeverTakeASteinerVertexForANode) {
+  etcm::test::Random random(seed + 8);
+  for (int i = 0; i < 20'000; ++i) {
+    const auto left = random.between(-100, 0), right = random.between(1, 100);
+    const auto low = random.between(-100, 0), high = random.between(1, 100);
+    const auto node = [](std::int64_t x, std::int64_t y) {
+      return etcm::to_point({static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)});
+    };
+    std::array<Point, 4> four{node(left, low), node(right, low), node(right, high),
+                              node(left, high)};
+    Point& beside = four[static_cast<std::size_t>(i % 4)];
+    (i / 4 % 2 == 0 ? beside.x : beside.y) += random.between(1, etcm::subunits_per_unit - 1);
+    const auto [a, b, c, d] = four;
+    const int side = incircle_narrow(a, b, c, d);
+    ASSERT_TRUE(side == undecided || side == etcm::test::exact_incircle(a, b, c, d))
+        << testing::PrintToString(four);
   }
 }
 
