@@ -230,13 +230,12 @@ TEST(NarrowFilters, LeaveNothingOfNearNodesUndecided) {
 // As long as the short stage takes, and a step longer: its products must fit there, too.
 TEST(NarrowFilters, NeverLieWhereShortDifferencesEnd) {
   constexpr std::int32_t most = 1 << (short_bits - 1);
+  constexpr std::array places{-2 * most, -most, 1 - most, 0, most, 2 * most};
   std::vector<Point> points;
-  for (const std::int32_t x : {-most - 1, -most, 1 - most, 0, most - 1, most}) {
-    for (const std::int32_t y : {-most - 1, -most, 1 - most, 0, most - 1, most}) {
-      points.push_back(etcm::to_point({x, y}));
-    }
+  for (const std::int32_t x : places) {
+    for (const std::int32_t y : places) points.push_back(etcm::to_point({x, y}));
   }
-  for (const Point& d : {points.front(), points[7], points[21], points.back()}) {
+  for (const Point& d : {points.front(), points[7], points[28], points.back()}) {
     for (const Point& a : points) {
       for (const Point& b : points) {
         for (const Point& c : points) {
@@ -246,6 +245,23 @@ TEST(NarrowFilters, NeverLieWhereShortDifferencesEnd) {
         }
       }
     }
+  }
+}
+
+// What is short on one axis is not short.
+TEST(NarrowFilters, NeverLieOfNodesFarOnOneAxis) {
+  etcm::test::Random random(seed + 9);
+  for (int i = 0; i < 20'000; ++i) {
+    const auto node = [&] {
+      const auto short_one = static_cast<std::int32_t>(random.between(-100, 100));
+      const auto long_one = static_cast<std::int32_t>(random.between(-1 << 22, 1 << 22));
+      return etcm::to_point(i % 2 == 0 ? etcm::Position{short_one, long_one}
+                                       : etcm::Position{long_one, short_one});
+    };
+    const Point a = node(), b = node(), c = node(), d = node();
+    const int side = incircle_narrow(a, b, c, d);
+    ASSERT_TRUE(side == undecided || side == etcm::test::exact_incircle(a, b, c, d))
+        << testing::PrintToString(std::tie(a, b, c, d));
   }
 }
 
@@ -261,7 +277,9 @@ TEST(NarrowFilters, NeverTakeASteinerVertexForANode) {
     std::array<Point, 4> four{node(left, low), node(right, low), node(right, high),
                               node(left, high)};
     Point& beside = four[static_cast<std::size_t>(i % 4)];
-    (i / 4 % 2 == 0 ? beside.x : beside.y) += random.between(1, etcm::subunits_per_unit - 1);
+    (i / 4 % 2 == 0 ? beside.x : beside.y) += i / 8 % 2 == 0
+                                                  ? etcm::subunits_per_unit / 2
+                                                  : random.between(1, etcm::subunits_per_unit - 1);
     const auto [a, b, c, d] = four;
     const int side = incircle_narrow(a, b, c, d);
     ASSERT_TRUE(side == undecided || side == etcm::test::exact_incircle(a, b, c, d))
