@@ -81,7 +81,8 @@ struct FeatureEnds {
 };
 
 // What the last change stumbled over: `status` is what it answered, ok where it succeeded, and
-// fields that do not apply are none. What only reads, and a dry run, leaves it.
+// fields that do not apply are none. What only reads, and a dry run, leaves it; open() and clear()
+// leave none.
 struct ErrorDetail {
   Status status = Status::ok;
   VertexId vertex{};    // the node in the way, or the unknown one
@@ -139,8 +140,8 @@ class Mesh {
   // so does work_limit. steiner_budget, grid_exhausted and out_of_vertices during conforming leave
   // the valid Delaunay mesh of what is done; unresolved() counts the rest, at least one, and
   // changes are refused until clear(); it may be read. Built again after that it needs more
-  // steiner_max or vertices_max, or after grid_exhausted not that feature, or nodes farther apart
-  // (error_detail()). So a mesh is whole, and may be changed, exactly while
+  // steiner_max or vertices_max, which open() gives, or after grid_exhausted not that feature, or
+  // nodes farther apart (error_detail()). So a mesh is whole, and may be changed, exactly while
   // unresolved() is 0. Subsegments that were not made are not compared with each other: features
   // that cross or overlap there, and nowhere else, may not be named. `nodes_stand`, where given, is
   // called with `context` between the nodes, which are a Delaunay mesh by then, and the first

@@ -1,4 +1,5 @@
-// What a call can answer. Errors are values; a failed call leaves the mesh as it was.
+// What a call can answer. Errors are values; a failed call leaves the mesh as it was, but for what
+// the head of mesh.h excepts.
 #pragma once
 
 #include <cstdint>

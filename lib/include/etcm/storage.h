@@ -35,8 +35,8 @@
 //   storage_too_small  there are fewer bytes than its capacities ask for
 //   damaged            the head contradicts itself, or the checksum is another
 // Storage is for the program that made it, or one with the same version of the library
-// (ETCM_VERSION). Another may lay it out otherwise: then it answers wrong_version, and what must
-// outlast an update of the program is saved. Where the layout is the same it is taken.
+// (ETCM_VERSION): another may lay it out otherwise. Where it does, it answers wrong_version; where
+// it does not, the storage is taken. So what must outlast an update of the program is saved.
 // Machines of 32 and of 64 bits lay storage out alike. To a machine with another order of bytes or
 // other ids the mesh goes as Mesh::save() writes it.
 //

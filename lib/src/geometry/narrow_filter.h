@@ -40,10 +40,12 @@ inline std::int32_t upper_word(std::int64_t value) noexcept {
 }
 
 // REQUIRES: 0 < shift < 32. By words, for a machine of 32 bits cannot know that.
+inline std::int32_t narrow(std::int32_t low, std::int32_t high, unsigned shift) noexcept {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(low) >> shift |
+                                   static_cast<std::uint32_t>(high) << (32 - shift));
+}
 inline std::int32_t narrow(std::int64_t component, unsigned shift) noexcept {
-  const auto low = static_cast<std::uint32_t>(component);
-  const auto high = static_cast<std::uint32_t>(upper_word(component));
-  return static_cast<std::int32_t>(low >> shift | high << (32 - shift));
+  return narrow(static_cast<std::int32_t>(component), upper_word(component), shift);
 }
 
 // What a component has but for its sign's bits.
@@ -52,21 +54,22 @@ inline std::uint32_t magnitude(std::int32_t component) noexcept {
 }
 
 // Of the points from `origin`; returns whether no bit is lost. Where all are so near that two bits
-// less are enough, two are shifted out all the same.
+// less are enough, two are shifted out all the same. `out` has room for twice as many: the words of
+// the differences are kept there, of x and of y, until they are narrowed.
 inline bool narrow_all(const Point* const* points, std::size_t count, const Point& origin,
                        NarrowOffset* out) noexcept {
-  std::int64_t offsets[6];
   std::uint32_t low_bits = 0, high_words = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::int64_t x = points[i]->x - origin.x, y = points[i]->y - origin.y;
     low_bits |= static_cast<std::uint32_t>(x) | static_cast<std::uint32_t>(y);
     high_words |= magnitude(upper_word(x)) | magnitude(upper_word(y));
-    offsets[2 * i] = x;
-    offsets[2 * i + 1] = y;
+    out[2 * i] = {static_cast<std::int32_t>(x), upper_word(x)};
+    out[2 * i + 1] = {static_cast<std::int32_t>(y), upper_word(y)};
   }
   const auto shift = static_cast<unsigned>(std::bit_width(high_words) + 32 - narrow_bits);
   for (std::size_t i = 0; i < count; ++i) {
-    out[i] = {narrow(offsets[2 * i], shift), narrow(offsets[2 * i + 1], shift)};
+    const NarrowOffset x = out[2 * i], y = out[2 * i + 1];
+    out[i] = {narrow(x.x, x.y, shift), narrow(y.x, y.y, shift)};
   }
   return low_bits >> shift << shift == low_bits;
 }
@@ -134,7 +137,7 @@ inline std::int64_t size_of(const NarrowOffset& a) noexcept {
 // product of the true components from that of the narrow ones by less than their sizes plus 2.
 inline int orient2d_narrow(const Point& a, const Point& b, const Point& c) noexcept {
   const Point* const points[] = {&a, &b};
-  NarrowOffset at[2];
+  NarrowOffset at[4];
   const bool is_exact = narrow_all(points, 2, c, at);
   const std::int64_t value = narrow_cross(at[0], at[1]);
   if (is_exact) return sign_of(value);
@@ -175,11 +178,12 @@ inline int narrow_incircle(const NarrowOffset* at) noexcept {
   return size_of(value) >= 2 * std::int64_t{sizes} + 15 ? sign_of(value) : undecided;
 }
 
-// The sign of incircle(a, b, c, d), or `undecided`.
-inline int incircle_narrow(const Point& a, const Point& b, const Point& c,
-                           const Point& d) noexcept {
+// The sign of incircle(a, b, c, d), or `undecided`. A call, so that the exact stage after it has
+// its stack.
+[[gnu::noinline]] inline int incircle_narrow(const Point& a, const Point& b, const Point& c,
+                                             const Point& d) noexcept {
   const Point* const points[] = {&a, &b, &c};
-  NarrowOffset at[5];
+  NarrowOffset at[6];
   const bool is_short = shorten_all(points, 3, d, at);
   if (!is_short) narrow_all(points, 3, d, at);
   at[3] = at[0];

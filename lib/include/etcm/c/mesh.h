@@ -3,7 +3,8 @@
 // A call that changes the mesh succeeds whole, or the mesh is as it was, ids and etcm_hash()
 // included, and the status says why. But etcm_build() may leave a partly conforming mesh, and says
 // so; etcm_canonicalize() and etcm_optimise() keep what they have done, each step of it whole. A
-// refused call rearranges the storage all the same: a seal wants to be made anew (bytes.h). Each
+// refused call rearranges the storage all the same: triangles may have other numbers,
+// etcm_neighbours() may begin with another, and a seal wants to be made anew (bytes.h). Each
 // takes a limit of work (ETCM_UNLIMITED: none), counted and so the same on every
 // machine; docs/work.md has the time of a unit. One that would need more answers ETCM_WORK_LIMIT.
 //
@@ -11,15 +12,21 @@
 // ETCM_STEINER_BUDGET, ETCM_WORK_LIMIT, ETCM_GRID_EXHAUSTED. What a change takes out keeps its
 // place until the change ends, so a mesh that is nearly full may be too full for it. Besides, each
 // answers ETCM_MESH_UNRESOLVED where etcm_build() has left features unresolved; etcm_save() does
-// too, and etcm_build(), etcm_restore() and etcm_load() answer ETCM_MESH_NOT_EMPTY.
+// too, and etcm_build(), etcm_restore() and etcm_load() answer ETCM_MESH_NOT_EMPTY. The way on is
+// etcm_clear(), or etcm_open() with greater capacities, and etcm_build() with what
+// etcm_error_detail() says is needed: more vertices_max or steiner_max, or after
+// ETCM_GRID_EXHAUSTED not that feature, or nodes farther apart.
 //
 // Ids: a node that joins gets the least id above 0 that no vertex has, a feature the least that no
 // feature and no further segment of one has; a Steiner vertex takes the least, too, when it comes.
-// So the same calls on the same mesh give the same ids, whatever the history and the machine; the
-// same nodes in another order have other ids. Those of Steiner vertices may be others in another
-// version of the library, and after etcm_canonicalize() than after etcm_build(). What the mesh is
-// like, but for the ids, depends on its vertices and features alone; which Steiner vertices there
-// are depends on the history, until etcm_canonicalize() makes the mesh what etcm_build() makes.
+// So the same calls on the same mesh give the same ids, whatever the history and the machine, as
+// long as they get the same answers: a limit may be enough in one of two meshes that came about in
+// other ways, as a loaded one has, and not in the other (docs/work.md). The same nodes in another
+// order have other ids. In which order Steiner vertices come, and so their ids and those of nodes
+// that join after them, may be another in the next version of the library; they have other ids
+// after etcm_canonicalize() than after etcm_build(). What the mesh is like, but for the ids,
+// depends on its vertices and features alone; which Steiner vertices there are depends on the
+// history, until etcm_canonicalize() makes the mesh what etcm_build() makes.
 //
 // Lists: a call writes as many entries as fit and returns how many there are; the buffer may be
 // null where `room` is 0.
@@ -281,9 +288,10 @@ ETCM_MUST_USE etcm_status_t etcm_remove_feature(etcm_mesh_t* mesh, etcm_feature_
 // triangles; of one across the mesh or along a line a change has 64 steps between two calls. The
 // sort of a list that etcm_nodes_within() writes comes on top. Short questions call nothing
 // (etcm/work.h names them). The mesh may be in the middle of a change then: `call` must not use it,
-// nor its storage. It may kick a watchdog, read a clock, let other tasks run, use another mesh; it
-// cannot end the call. Where several threads read one mesh, each calls it. It is kept by
-// etcm_open() and etcm_attach(), until another is given; docs/work.md has what it is good for.
+// nor its storage. It may kick a watchdog, read a clock, let other tasks run, use another mesh, but
+// not what the call was given; to open or attach a mesh on that storage is a mistake that nobody
+// notices. It cannot end the call. Where several threads read one mesh, each calls it. It is kept
+// by etcm_open() and etcm_attach(), until another is given; docs/work.md has what it is good for.
 #define ETCM_KEEP_ALIVE_UNITS 256u
 void etcm_keep_alive(etcm_mesh_t* mesh, void (*call)(void* context), void* context);
 
@@ -292,7 +300,7 @@ void etcm_keep_alive(etcm_mesh_t* mesh, void (*call)(void* context), void* conte
 uint64_t etcm_work_used(const etcm_mesh_t* mesh);
 uint64_t etcm_work_needed(const etcm_mesh_t* mesh);
 
-// Of the last change, refused or not. O(1).
+// Of the last change, refused or not; after etcm_open() and etcm_clear() of none. O(1).
 void etcm_error_detail(const etcm_mesh_t* mesh, etcm_error_detail_t* detail);
 
 // --- Reading
