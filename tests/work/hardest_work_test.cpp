@@ -33,6 +33,11 @@ struct Mended {
 void PrintTo(const Mended& mended, std::ostream* out) { *out << mended.name; }
 
 constexpr Mended all_mended[] = {
+    {"whole_mesh_goes_back_where_some_see_a_long_row",
+     "row 8 7 0 141 0, row 8 0 141 141 0, row 8 -1 282 141 0, canonicalize, row 400 0 423 141 0, "
+     "row 8 -51619 282 141 0, node 13 -22, row 4 0 352 141 0, row 8 0 846 141 1916, "
+     "row 8 4 987 141 0, node -838220 128582, unline 8, node 36950 -343519, node -1162 -2, "
+     "line 55 7, canonicalize"},
     {"feature_beside_a_row_goes", "scatter 1 0 1 0 0, row 13 0 0 1 0, line 0 24, unline 0"},
     {"join_on_a_feature_of_a_hub", "node 0 0, ring 26 0 0 1, line 0 1, node 1 0"},
     {"second_node", "node 0 0, node -1 0"},

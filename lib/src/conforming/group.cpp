@@ -148,8 +148,9 @@ void release_group(Change& change) noexcept {
 
 Units work_to_lay_all(const MeshState& m) noexcept {
   // A vertex that is put back, and its subsegments. In rounds of halves that are drawn it turns
-  // some four edges in the mean where it turns the most; here is room for five.
-  constexpr Units work_of_vertex = 96;
+  // some four edges in the mean where it turns the most; here is room for twelve, for where a few
+  // see a long row of others each, the draw may have them come from far to near.
+  constexpr Units work_of_vertex = 192;
   return (work_of_vertex + work_of_listing) * (Units{m.vertex_end} + m.segment_end);
 }
 
