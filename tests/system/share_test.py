@@ -100,12 +100,19 @@ class Share(ShareCase):
         self.assertEqual(client.read_input_registers(0, 3, slave=5).exception_code, 0x0B)
         self.assertEqual(client.read_input_registers(5000, 2, slave=1).exception_code, 2)
         self.assertEqual(client.write_register(200, 1, slave=1).exception_code, 1)
+        # An answer that a busy machine holds up for longer than the gateway waits is asked for again.
+        for _ in range(4):
+            found = self.scan()
+            if len(found) == 3:
+                break
+        self.assertEqual(found, [7, 8, 9])
+
+    def scan(self):
         done = subprocess.run([PROGRAMS / "etcm-bus", "scan", "-a", "1:5", "-o", "5", "--json", "-p",
                                str(self.share_port), "127.0.0.1"],
                               capture_output=True, text=True, timeout=PATIENCE_S)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertEqual([unit["node"]["serial"] for unit in json.loads(done.stdout)],
-                         [7, 8, 9])
+        return [unit["node"]["serial"] for unit in json.loads(done.stdout)]
 
     def test_real_programs_read_over_tcp_while_the_gateway_polls(self):
         self.over_tcp()
