@@ -105,7 +105,8 @@ inline constexpr std::int64_t split_product(std::int32_t a, std::int32_t b) noex
   // At most 2^31 - 2^15 in size.
   const std::int32_t middle = a_high * b_low + a_low * b_high;
   const auto low = static_cast<std::uint32_t>(a_low) * static_cast<std::uint32_t>(b_low);
-  return (std::int64_t{a_high * b_high} << 32) + (std::int64_t{middle} << 16) + low;
+  const std::int32_t high = a_high * b_high;
+  return (std::int64_t{high} << 32) + (std::int64_t{middle} << 16) + low;
 }
 
 // REQUIRES: as split_product.
