@@ -227,6 +227,12 @@ TEST(NarrowFilters, LeaveNothingOfNearNodesUndecided) {
   }
 }
 
+void expect_no_lie(const Point& a, const Point& b, const Point& c, const Point& d) {
+  const int side = incircle_narrow(a, b, c, d);
+  ASSERT_TRUE(side == undecided || side == etcm::test::exact_incircle(a, b, c, d))
+      << testing::PrintToString(std::tie(a, b, c, d));
+}
+
 // As long as the short stage takes, and a step longer: its products must fit there, too.
 TEST(NarrowFilters, NeverLieWhereShortDifferencesEnd) {
   constexpr std::int32_t most = 1 << (short_bits - 1);
@@ -239,9 +245,7 @@ TEST(NarrowFilters, NeverLieWhereShortDifferencesEnd) {
     for (const Point& a : points) {
       for (const Point& b : points) {
         for (const Point& c : points) {
-          const int side = incircle_narrow(a, b, c, d);
-          ASSERT_TRUE(side == undecided || side == etcm::test::exact_incircle(a, b, c, d))
-              << testing::PrintToString(std::tie(a, b, c, d));
+          ASSERT_NO_FATAL_FAILURE(expect_no_lie(a, b, c, d));
         }
       }
     }
@@ -259,9 +263,7 @@ TEST(NarrowFilters, NeverLieOfNodesFarOnOneAxis) {
                                        : etcm::Position{long_one, short_one});
     };
     const Point a = node(), b = node(), c = node(), d = node();
-    const int side = incircle_narrow(a, b, c, d);
-    ASSERT_TRUE(side == undecided || side == etcm::test::exact_incircle(a, b, c, d))
-        << testing::PrintToString(std::tie(a, b, c, d));
+    ASSERT_NO_FATAL_FAILURE(expect_no_lie(a, b, c, d));
   }
 }
 
@@ -281,9 +283,7 @@ TEST(NarrowFilters, NeverTakeASteinerVertexForANode) {
                                                   ? etcm::subunits_per_unit / 2
                                                   : random.between(1, etcm::subunits_per_unit - 1);
     const auto [a, b, c, d] = four;
-    const int side = incircle_narrow(a, b, c, d);
-    ASSERT_TRUE(side == undecided || side == etcm::test::exact_incircle(a, b, c, d))
-        << testing::PrintToString(four);
+    ASSERT_NO_FATAL_FAILURE(expect_no_lie(a, b, c, d));
   }
 }
 
