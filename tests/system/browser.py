@@ -99,7 +99,11 @@ class Looking:
             "return document.querySelector(arguments[0])?.innerText ?? ''", selector)
 
     def wait_for_text(self, selector, pattern):
-        wait_for(f"'{pattern}' in {selector}", lambda: re.search(pattern, self.text(selector)))
+        try:
+            wait_for(f"'{pattern}' in {selector}", lambda: re.search(pattern, self.text(selector)))
+        except AssertionError as error:
+            said = "\n".join(entry["message"] for entry in self.browser.get_log("browser"))
+            raise AssertionError(f"{error}\n{self.text('body')}\n{said}") from None
 
     def picture(self):
         """The map's pixels, as text."""

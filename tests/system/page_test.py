@@ -297,6 +297,30 @@ class InABrowser(BrowserCase):
         wait_for("no alarm", lambda: not self.find("#lost").is_displayed())
         self.wait_for_text("#counts", r"Nodes\s*2")
 
+    def test_a_page_of_which_a_part_has_not_come_is_loaded_again(self):
+        """A browser gives up what it is loading where the network changes under it."""
+        self.start_page(["0,1,join,0,0", "0,2,join,90,0"])
+        self.browser.execute_cdp_cmd("Network.enable", {})
+        block = lambda *parts: self.browser.execute_cdp_cmd(
+            "Network.setBlockedURLs", {"urls": [f"*/{part}" for part in parts]})
+        self.addCleanup(self.browser.execute_cdp_cmd, "Network.disable", {})
+        self.addCleanup(block)
+        is_styled = "return getComputedStyle(document.querySelector('#counts')).display === 'flex'"
+        for part in ("main.js", "shading.js"):
+            block(part, "status.json")
+            self.browser.get(self.url)
+            self.wait_for_text("#lost", "Not all of this page has come from the gateway")
+            block()
+            self.wait_for_text("#counts", r"Nodes\s*2")
+            self.assertFalse(self.find("#lost").is_displayed())
+        block("style.css")
+        self.browser.get(self.url)
+        self.wait_for_text("#counts", r"Nodes\s*2")
+        self.assertFalse(self.browser.execute_script(is_styled))
+        block()
+        wait_for("its style", lambda: self.browser.execute_script(is_styled))
+        self.wait_for_text("#counts", r"Nodes\s*2")
+
     def test_it_fits_a_telephone_and_the_night(self):
         rows = [f"0,{1000 + n},join,{n * 137 % 1009},{n * n * 7 % 641}" for n in range(1, 81)]
         features = "".join(f"[[feature]]\nfrom = {a}\nto = {b}\n"
