@@ -30,9 +30,10 @@ enum class [[nodiscard]] Status : std::uint8_t{
                                 // (unless a node stands there)
     endpoint_in_use = 12,       // the node is the endpoint of a feature and cannot leave
     mesh_not_empty = 13,        // build(), restore() and load() need an empty mesh
-    mesh_unresolved = 14,   // build() left features unresolved: only clear() goes on from there;
-                            // of restore(): a feature would be, and the mesh is empty
-    buffer_too_small = 15,  // a span of the caller's is shorter than the call needs
+    mesh_unresolved = 14,       // build() left features unresolved: clear() or open() goes on,
+                                // with more room, else build() answers the same again;
+                                // of restore(): a feature would be, and the mesh is empty
+    buffer_too_small = 15,      // a span of the caller's is shorter than the call needs
 
     // --- Bytes that should be a mesh (storage.h)
 

@@ -84,8 +84,8 @@ static_assert(internal::text_count(fault_names) == static_cast<std::size_t>(Faul
 
 template <class Number>
 const char* name_of(const char* names, Number value, Number last) noexcept {
-  const auto number = static_cast<std::size_t>(value), known = static_cast<std::size_t>(last) + 1;
-  return internal::nth_text(names, number < known ? number : known);
+  return internal::nth_text(names, static_cast<std::size_t>(value),
+                            static_cast<std::size_t>(last) + 1);
 }
 
 }  // namespace

@@ -17,9 +17,9 @@ constexpr std::size_t text_count(const char (&texts)[Size]) noexcept {
   return count;
 }
 
-// The n-th of them, from 0. REQUIRES: there is one.
-inline const char* nth_text(const char* texts, std::size_t n) noexcept {
-  for (; n != 0; --n) {
+// The n-th of them, from 0; of what has no text of its own the last that there is.
+inline const char* nth_text(const char* texts, std::size_t n, std::size_t last) noexcept {
+  for (std::size_t left = n < last ? n : last; left != 0; --left) {
     while (*texts != '\0') ++texts;
     ++texts;
   }

@@ -226,8 +226,7 @@ static_assert(text_count(rule_names) == rule_count + 1);
 }  // namespace
 
 const char* to_string(Rule rule) noexcept {
-  const auto number = static_cast<std::size_t>(rule);
-  return nth_text(rule_names, number < rule_count ? number : rule_count);
+  return nth_text(rule_names, static_cast<std::size_t>(rule), rule_count);
 }
 
 Audit audit(const Mesh& mesh) noexcept { return Auditor(opened(mesh, Call::audit)).run(); }

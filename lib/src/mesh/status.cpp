@@ -79,20 +79,17 @@ constexpr char status_texts[] =
 constexpr std::size_t known_statuses = static_cast<std::size_t>(Status::damaged) + 1;
 static_assert(internal::text_count(status_texts) == 2 * (known_statuses + 1));
 
-std::size_t number_of(Status status) noexcept {
-  const auto number = static_cast<std::size_t>(status);
-  return number < known_statuses ? number : known_statuses;
+// A name and a sentence for each.
+const char* text_of(Status status, std::size_t which) noexcept {
+  return internal::nth_text(status_texts, 2 * static_cast<std::size_t>(status) + which,
+                            2 * known_statuses + which);
 }
 
 }  // namespace
 
-const char* to_string(Status status) noexcept {
-  return internal::nth_text(status_texts, 2 * number_of(status));
-}
+const char* to_string(Status status) noexcept { return text_of(status, 0); }
 
-const char* explain(Status status) noexcept {
-  return internal::nth_text(status_texts, 2 * number_of(status) + 1);
-}
+const char* explain(Status status) noexcept { return text_of(status, 1); }
 
 }  // namespace ETCM_IDS
 }  // namespace etcm
