@@ -16,6 +16,7 @@ enum {
   roads_max = 10,
   vertices_max = ETCM_VERTICES_FOR(devices_max, roads_max),
   segments_max = ETCM_SEGMENTS_FOR(roads_max),
+  shares_max = roads_max + 8,  // one for each group of roads, and some to look for them
   neighbours_max = 8
 };
 
@@ -74,12 +75,13 @@ static etcm_status_t hear(const message_t* message) {
 // roads needs more than a share it stays as it is, conforming all the same.
 // A board kicks its watchdog before each share.
 static void tidy_up(void) {
-  // No feature's id, and not what is named while groups are still looked for either.
-  etcm_feature_t last = ETCM_NONE - 1;
-  while (etcm_canonicalize(&mesh, WORK_OF_A_MESSAGE) == ETCM_WORK_LIMIT) {
+  etcm_feature_t last = ETCM_NONE;
+  for (int share = 0; share < shares_max; ++share) {
+    if (etcm_canonicalize(&mesh, WORK_OF_A_MESSAGE) != ETCM_WORK_LIMIT) return;
     etcm_error_detail_t detail;
     etcm_error_detail(&mesh, &detail);
-    if (detail.feature == last) return;
+    // No feature is named while groups are still looked for.
+    if (detail.feature != ETCM_NONE && detail.feature == last) return;
     last = detail.feature;
   }
 }

@@ -10,6 +10,7 @@
 namespace {
 
 constexpr std::uint32_t devices_max = 16, roads_max = 10;
+constexpr int shares_max = roads_max + 8;  // one for each group of roads, and some to look for them
 constexpr etcm::MeshConfig capacity = etcm::capacity_for(devices_max, roads_max);
 // The work that a message may take: 95 ms at the most on a Cortex-M4 of 168 MHz with two cycles an
 // instruction. docs/cost.md has what to set for other watchdogs and machines: a Cortex-M0+ of
@@ -66,11 +67,12 @@ etcm::Status hear(const message_t& message) {
 // roads needs more than a share it stays as it is, conforming all the same.
 // A board kicks its watchdog before each share.
 void tidy_up() {
-  // No feature's id, and not what is named while groups are still looked for either.
-  etcm::FeatureId last{etcm::FeatureId::none_value - 1};
-  while (mesh.canonicalize(share) == etcm::Status::work_limit) {
+  etcm::FeatureId last;
+  for (int i = 0; i < shares_max; ++i) {
+    if (mesh.canonicalize(share) != etcm::Status::work_limit) return;
     const etcm::FeatureId feature = mesh.error_detail().feature;
-    if (feature == last) return;
+    // No feature is named while groups are still looked for.
+    if (!feature.is_none() && feature == last) return;
     last = feature;
   }
 }

@@ -1,10 +1,9 @@
 // A mesh that one writer changes while others read it, without a lock.
 //
-// There are two meshes with one history. Readers are given the one in front; the writer changes the
-// one behind, puts it in front, waits until nobody reads the other any more, and makes the same
-// change there. The same calls on meshes of one history answer the same and give the same ids
-// (mesh.h), so both are one mesh again. A reader never waits; a change takes twice the time, and
-// the mesh twice the memory.
+// There are two meshes. Readers are given the one in front; the writer changes the one behind, puts
+// it in front, waits until nobody reads the other any more, and makes the same change there. The
+// same change of the same mesh gives the same mesh and the same ids (mesh.h), so both are one
+// again. A reader never waits; a change takes twice the time, and the mesh twice the memory.
 //
 // For threads, and for interrupts that read what the main program writes: one that has begun is
 // over before the main program goes on, so there the writer never waits. A machine without an
@@ -53,16 +52,21 @@ class PublishedMesh {
     }
   }
 
-  // Makes a change, which is called twice, each time with another mesh, and must do the same. What
-  // is refused is not published. `idle` is called over and over while readers are waited for.
+  // Makes a change: `make` is called twice, each time with another mesh and a limit of work, and
+  // must do the same. What is refused is not published. `idle` is called over and over while
+  // readers are waited for.
+  //
+  // Only the first is limited: a change that was refused left the mesh behind as it was, but not
+  // how its storage is arranged, so in one of the two a call may take a little more work than in
+  // the other. With a limit for both one of them could end without the change.
   template <class Change, class Idle>
-  etcm::Status change(Change make, Idle idle) noexcept {
+  etcm::Status change(Change make, etcm::Work limit, Idle idle) noexcept {
     const unsigned before = front_.load(), after = 1 - before;
-    const etcm::Status status = make(meshes_[after]);
+    const etcm::Status status = make(meshes_[after], limit);
     if (status != etcm::Status::ok) return status;
     front_.store(after);
     while (readers_[before].load() != 0) idle();
-    return make(meshes_[before]);
+    return make(meshes_[before], etcm::Work::unlimited());
   }
 
  private:

@@ -26,22 +26,22 @@ constexpr unsigned reader_count = 4;
 // A grid of posts with a fence through its middle, then sensors that join between them.
 constexpr std::int32_t side = 12, spacing = 100;
 
-Status set_up(Mesh& mesh) noexcept {
+Status set_up(Mesh& mesh, Work limit) noexcept {
   VertexId first, last, id;
-  Status status = mesh.join({-50, -37}, first);
-  if (status == Status::ok) status = mesh.join({side * spacing, side * spacing - 13}, last);
+  Status status = mesh.join({-50, -37}, first, limit);
+  if (status == Status::ok) status = mesh.join({side * spacing, side * spacing - 13}, last, limit);
   FeatureId fence;
-  if (status == Status::ok) status = mesh.add_feature({first, last}, fence);
+  if (status == Status::ok) status = mesh.add_feature({first, last}, fence, limit);
   for (std::int32_t i = 0; i < side * side && status == Status::ok; ++i) {
-    status = mesh.join({i % side * spacing, i / side * spacing}, id);
+    status = mesh.join({i % side * spacing, i / side * spacing}, id, limit);
   }
   return status;
 }
 
-Status change(Mesh& mesh, std::uint32_t number) noexcept {
+Status change(Mesh& mesh, std::uint32_t number, Work limit) noexcept {
   const auto scatter = static_cast<std::int32_t>(number * 7919u % 1'000'003u);
   VertexId id;
-  return mesh.join({1 + scatter % (side * spacing), 1 + scatter / 7 % (side * spacing)}, id);
+  return mesh.join({1 + scatter % (side * spacing), 1 + scatter / 7 % (side * spacing)}, id, limit);
 }
 
 using Hashes = std::array<std::uint64_t, change_count + 1>;
@@ -50,11 +50,11 @@ bool write_down(Hashes& hashes) {
   static MeshStorage<vertices_max, features_max> storage;
   Mesh mesh;
   if (mesh.open(storage.bytes(), storage.config()) != Status::ok) return false;
-  if (set_up(mesh) != Status::ok) return false;
+  if (set_up(mesh, Work::unlimited()) != Status::ok) return false;
   hashes[0] = mesh.hash();
   for (std::uint32_t i = 0; i < change_count; ++i) {
     // What is refused changes nothing, and is refused by both meshes.
-    static_cast<void>(change(mesh, i));
+    static_cast<void>(change(mesh, i, Work::unlimited()));
     hashes[i + 1] = mesh.hash();
   }
   return true;
@@ -106,7 +106,7 @@ bool copy_is_read(std::uint64_t hash) {
   static MeshStorage<vertices_max, features_max> original, copy;
   Mesh mesh;
   if (mesh.open(original.bytes(), original.config()) != Status::ok) return false;
-  if (set_up(mesh) != Status::ok) return false;
+  if (set_up(mesh, Work::unlimited()) != Status::ok) return false;
   std::memcpy(copy.bytes().data(), original.bytes().data(), original.bytes().size());
   MeshReader reader;
   if (reader.attach_copy(copy.bytes()) != Status::ok) return false;
@@ -126,14 +126,16 @@ int main() {
   static Progress progress;
   if (!write_down(hashes) || published.open() != Status::ok) return 1;
   const auto rest = [] { std::this_thread::yield(); };
-  if (published.change(set_up, rest) != Status::ok) return 1;
+  if (published.change(set_up, Work::unlimited(), rest) != Status::ok) return 1;
 
   std::array<std::thread, reader_count> readers;
   for (std::thread& reader : readers)
     reader = std::thread([] { read_on(published, hashes, progress); });
   for (std::uint32_t i = 0; i < change_count; ++i) {
     while (progress.seen.load() < i) rest();
-    static_cast<void>(published.change([i](Mesh& mesh) noexcept { return change(mesh, i); }, rest));
+    static_cast<void>(
+        published.change([i](Mesh& mesh, Work limit) noexcept { return change(mesh, i, limit); },
+                         Work::unlimited(), rest));
   }
   for (std::thread& reader : readers) reader.join();
 

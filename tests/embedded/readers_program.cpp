@@ -34,30 +34,30 @@ std::array<std::uint64_t, change_count + 1> hashes;
 // Of the interrupt.
 std::uint32_t at, reads, torn;
 
-Status set_up(Mesh& mesh) noexcept {
+Status set_up(Mesh& mesh, Work limit) noexcept {
   VertexId first, last;
-  Status status = mesh.join({-10, 3}, first);
-  if (status == Status::ok) status = mesh.join({1010, 996}, last);
+  Status status = mesh.join({-10, 3}, first, limit);
+  if (status == Status::ok) status = mesh.join({1010, 996}, last, limit);
   FeatureId fence;
-  return status == Status::ok ? mesh.add_feature({first, last}, fence) : status;
+  return status == Status::ok ? mesh.add_feature({first, last}, fence, limit) : status;
 }
 
 // All join, and leave in another order, over and over.
-Status change(Mesh& mesh, std::uint32_t number) noexcept {
+Status change(Mesh& mesh, std::uint32_t number, Work limit) noexcept {
   const std::uint32_t step = number % (2 * crowd);
-  if (step >= crowd) return mesh.leave(VertexId{static_cast<IdValue>(3 + step * 7 % crowd)});
+  if (step >= crowd) return mesh.leave(VertexId{static_cast<IdValue>(3 + step * 7 % crowd)}, limit);
   const auto scatter = static_cast<std::int32_t>((number + 1) * 7919u % 100'003u);
   VertexId id;
-  return mesh.join({scatter % 1000, scatter / 7 % 1000}, id);
+  return mesh.join({scatter % 1000, scatter / 7 % 1000}, id, limit);
 }
 
 bool write_down() {
   Mesh mesh;
   if (mesh.open(storage.bytes(), storage.config()) != Status::ok) return false;
-  if (set_up(mesh) != Status::ok) return false;
+  if (set_up(mesh, Work::unlimited()) != Status::ok) return false;
   hashes[0] = mesh.hash();
   for (std::uint32_t i = 0; i < change_count; ++i) {
-    static_cast<void>(change(mesh, i));
+    static_cast<void>(change(mesh, i, Work::unlimited()));
     hashes[i + 1] = mesh.hash();
   }
   return true;
@@ -81,13 +81,14 @@ extern "C" void etcm_tick() {
 int main() {
   const auto nothing = [] {};
   if (!write_down() || published.open() != Status::ok) return 1;
-  if (published.change(set_up, nothing) != Status::ok) return 1;
+  if (published.change(set_up, Work::unlimited(), nothing) != Status::ok) return 1;
   reload() = ticks_between;
   current() = 0;
   control() = 7;  // enabled, with an interrupt, by the processor's clock
   for (std::uint32_t i = 0; i < change_count; ++i) {
     static_cast<void>(
-        published.change([i](Mesh& mesh) noexcept { return change(mesh, i); }, nothing));
+        published.change([i](Mesh& mesh, Work limit) noexcept { return change(mesh, i, limit); },
+                         Work::unlimited(), nothing));
   }
   control() = 0;
   put("reads by an interrupt: ");

@@ -5,8 +5,9 @@
 //
 // The change is made and taken back, as one that is refused at the very end: so the answer is that
 // of the change itself, and the mesh is as it was (mesh.h), with error_detail(), work_needed(),
-// is_canonical() and what canonicalize() would do; only a seal of its bytes is broken (storage.h).
-// It takes two to three times as long as the change.
+// is_canonical() and what canonicalize() would do. Only its storage is arranged otherwise: a seal
+// of its bytes is broken (storage.h), and later calls may take a little more or less work. It takes
+// two to three times as long as the change.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +21,9 @@ struct Outcome {
   Status status = Status::ok;  // what the change would answer
   ErrorDetail detail{};        // what error_detail() would tell
   std::int32_t steiner = 0;    // Steiner vertices that would come, less those that would go
-  Work work{};                 // what work_needed() would tell
+  // What work_needed() would tell. The dry run rearranges the storage, so the change made after it
+  // may need a little more: a quarter more has always been enough (docs/work.md).
+  Work work{};
 };
 
 class DryRun {

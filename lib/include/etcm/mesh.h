@@ -48,11 +48,12 @@
 // out_of_features, steiner_budget, work_limit and grid_exhausted.
 //
 // Threads: none inside; one thread at a time, or any number of readers: what is const writes
-// nothing. Two meshes share nothing, so two threads may change one each; handles (handles.h) belong
-// to their mesh. What reads in the middle of a change, as an interrupt may, gets answers of no
-// mesh, and may be stopped for it (etcm_check_failed); docs/readers.md has ways to read and
-// write at once. Storage need not be zeroed, and what was in it is forgotten by open(); what a mesh
-// was is taken up again by attach() (storage.h) or load().
+// nothing, while a change that is refused and a dry run write, too. Two meshes share nothing, so
+// two threads may change one each; handles (handles.h) belong to their mesh. What reads in the
+// middle of a change, as an interrupt may, gets answers of no mesh, and may be stopped for it
+// (etcm_check_failed); docs/readers.md has ways to read and write at once. Storage need not be
+// zeroed, and what was in it is forgotten by open(); what a mesh was is taken up again by attach()
+// (storage.h) or load().
 #pragma once
 
 #include <array>
@@ -260,7 +261,9 @@ class Mesh {
   // What the last of these calls has done, going back included.
   [[nodiscard]] Work work_used() const noexcept;
   // The least limit with which it succeeds, where it has: what it has done, and the room that it
-  // kept for going back. Where it was refused the same as work_used().
+  // kept for going back. Where it was refused the same as work_used(), which is no limit to try:
+  // after work_limit the way on is a greater one, or none and keep_alive(); with the same it is
+  // refused again.
   [[nodiscard]] Work work_needed() const noexcept;
 
   // Counts. O(1), but finite_triangle_count(): O(hull).

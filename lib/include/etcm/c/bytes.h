@@ -1,8 +1,9 @@
 // A mesh as bytes for C: what was copied, kept over a reset, written to flash or mapped into
 // another process is a mesh again (etcm/storage.h, which says what is believed of the bytes).
 //
-// Storage goes to the program that made it, or to one with the same version of the library and the
-// same width of ids. What must outlast an update, or goes to another machine, is saved.
+// Storage goes to the program that made it, or to one with the same version of the library, the
+// same width of ids and the same order of bytes, on whatever machine. What must outlast an update,
+// or goes elsewhere, is saved.
 //
 // The errors of all calls that attach, and then what was attached before still is: ETCM_NOT_A_MESH,
 // ETCM_WRONG_BYTE_ORDER, ETCM_WRONG_VERSION, ETCM_WRONG_ID_WIDTH, ETCM_STORAGE_TOO_SMALL,

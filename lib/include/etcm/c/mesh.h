@@ -240,9 +240,9 @@ ETCM_MUST_USE etcm_status_t etcm_restore(etcm_mesh_t* mesh, const etcm_position_
 // features, bit for bit. Costs what the changes since can have had an influence on. With
 // ETCM_WORK_LIMIT what is done stays, and the next call goes on where the limit is enough for one
 // group of features: etcm_error_detail() names a feature of the first for which it was not. Where
-// two calls in a row name the same, that group takes more than the limit. ETCM_NONE is named where
-// looking for the groups was not done, which may take a few calls. Errors: the room-and-bounds
-// statuses.
+// two calls in a row name the same, that group takes more than the limit, and no number of calls
+// ends it: with long features one group is often all of them. ETCM_NONE is named where looking for
+// the groups was not done, which may take a few calls. Errors: the room-and-bounds statuses.
 ETCM_MUST_USE etcm_status_t etcm_canonicalize(etcm_mesh_t* mesh, uint64_t limit);
 // Whether it is known to be that mesh.
 bool etcm_is_canonical(const etcm_mesh_t* mesh);
@@ -295,9 +295,11 @@ ETCM_MUST_USE etcm_status_t etcm_remove_feature(etcm_mesh_t* mesh, etcm_feature_
 #define ETCM_KEEP_ALIVE_UNITS 256u
 void etcm_keep_alive(etcm_mesh_t* mesh, void (*call)(void* context), void* context);
 
-// The work of the last of these calls: what it has done; and of one that has succeeded the least
-// limit with which it does, else the same.
+// What the last of these calls has done.
 uint64_t etcm_work_used(const etcm_mesh_t* mesh);
+// The least limit with which it succeeds, where it has. Where it was refused only what it had done,
+// which is no limit to try: after ETCM_WORK_LIMIT the way on is a greater limit, or ETCM_UNLIMITED
+// with etcm_keep_alive(); with the same it is refused again.
 uint64_t etcm_work_needed(const etcm_mesh_t* mesh);
 
 // Of the last change, refused or not; after etcm_open() and etcm_clear() of none. O(1).
