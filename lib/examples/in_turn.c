@@ -5,6 +5,8 @@
 //
 // On a board interrupt() hangs on a timer. Here the library calls it, in the midst of each change
 // (etcm_keep_alive()), where an interrupt does most harm.
+#include <stdatomic.h>
+#include <stdbool.h>
 
 // In an installed tree, or beside the one source.
 #if __has_include("etcm/etcm.h")
@@ -31,14 +33,20 @@ static int32_t nearest_yet = INT32_MAX;
 
 static void interrupt(void* context) {
   (void)context;
+  // A question calls the hook, too, of the mesh that it is asked of: here this function.
+  static bool is_reading;
+  if (is_reading) return;
+  is_reading = true;
   const etcm_mesh_t* const mesh = &meshes[front];
   const etcm_point_t origin = {0, 0};
   const etcm_vertex_t nearest = etcm_nearest_node(mesh, origin);
-  if (nearest == ETCM_NONE) return;
-  const int32_t x = etcm_position(mesh, nearest).x;
-  reads += 1;
-  if (x > nearest_yet) wrong += 1;
-  nearest_yet = x;
+  if (nearest != ETCM_NONE) {
+    const int32_t x = etcm_position(mesh, nearest).x;
+    reads += 1;
+    if (x > nearest_yet) wrong += 1;
+    nearest_yet = x;
+  }
+  is_reading = false;
 }
 
 // Both meshes get the change. It is limited once: what was refused before has left the mesh behind
@@ -49,7 +57,10 @@ static etcm_status_t join(etcm_position_t place) {
   etcm_vertex_t vertex;
   const etcm_status_t status = etcm_join(&meshes[after], place, WORK_OF_A_CHANGE, &vertex);
   if (status != ETCM_OK) return status;
+  // What a compiler writes of one mesh is written before the other is.
+  atomic_signal_fence(memory_order_seq_cst);
   front = after;
+  atomic_signal_fence(memory_order_seq_cst);
   return etcm_join(&meshes[before], place, ETCM_UNLIMITED, &vertex);
 }
 

@@ -315,8 +315,8 @@ void live(std::uint32_t with) {
   if (mesh.unresolved() == 0 && mesh.node_count() != 0) go_on();
 }
 
-// A hundred features from one node to others in a circle around it.
-void ask_star() {
+// A hundred features from one node to others in a circle around it. No input of the search.
+[[maybe_unused]] void ask_star() {
   constexpr std::uint32_t circle = 16, spokes = 100;
   seed = circle;
   Random random(seed);

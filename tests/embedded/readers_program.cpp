@@ -96,5 +96,5 @@ int main() {
   put(", torn: ");
   put_number(torn);
   put("\n");
-  return torn == 0 && reads >= change_count / 4 ? 0 : 1;
+  return torn == 0 && reads >= change_count / 8 ? 0 : 1;
 }

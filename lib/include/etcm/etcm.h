@@ -21,8 +21,9 @@
 //   id that names nothing (a change answers that), storage that is null. It calls
 //   etcm_illegal_argument (c/types.h). Other pointers, such as the mesh or where an answer goes,
 //   are not checked.
-// - One thread changes a mesh, or any number read it. Two meshes share nothing: two tasks may
-//   change one each at the same time. Handles belong to their mesh.
+// - One thread changes a mesh, or any number read it: what takes a `const etcm_mesh_t*` writes
+//   nothing. A change that is refused, a dry run, etcm_seal() and handles write. Two meshes share
+//   nothing: two tasks may change one each at the same time. Handles belong to their mesh.
 // - An interrupt may call what a task may: but it must not read a mesh that it may have stopped in
 //   the middle of a change, nor change one that it may have stopped being read.
 //

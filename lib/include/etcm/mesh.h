@@ -7,8 +7,8 @@
 //   there are does depend on the order of changes, until canonicalize().
 // - Each feature is a union of mesh edges, exactly; each Steiner vertex lies exactly on its
 // feature.
-//   (After build() answered steiner_budget or grid_exhausted: but for the segments that
-//   unresolved() counts.)
+//   (After build() answered steiner_budget, out_of_vertices or grid_exhausted: but for the
+//   subsegments that unresolved() counts; two vertices of chain() in a row may have no edge then.)
 // - 0, 1, 2 and collinear nodes are meshes too: they have no finite triangle.
 //
 // Guarantee of every call that changes the mesh: it succeeds whole, or the mesh, its hash included,
@@ -23,12 +23,15 @@
 // those take ids of the same kind. So which id comes next can be told from those in use, whatever
 // the history, and the same calls on the same mesh give the same ids on every machine, as long as
 // they get the same answers: a limit may be enough in one of two meshes that came about in other
-// ways, as a loaded one has, and not in the other (docs/work.md). A Steiner
-// vertex takes the least id too, when it comes; while a change is going on, what it has taken out
-// keeps its own. In which order Steiner vertices come, and so their ids and those of nodes that
-// join after them, may be another in the next version of the library. "Bit for bit" is said of what
-// stands where and of what is linked to what: hash(). After canonicalize() the Steiner vertices
-// have other ids than after build(), as a rule.
+// ways, as a loaded one has, and not in the other (docs/work.md). But canonicalize(), and rebuild()
+// of a mesh that is_canonical(): what they lay again goes with the history, so after them two
+// meshes are compared by hash(), and ids by where they stand. A Steiner vertex takes the least id
+// too, when it comes; while a change is going on, what it has taken out keeps its own. In which
+// order Steiner vertices come, and so their ids and those of nodes that join after them, may be
+// another in the next version of the library. "Bit for bit" is said of what stands where and of
+// what is linked to what: hash(). After canonicalize() the Steiner vertices have other ids than
+// after build(), as a rule.
+//
 // An id that names nothing is data for a change: it answers unknown_vertex or unknown_feature. For
 // a question it is a mistake of the program (illegal_argument.h): ask kind() or is_feature()
 // before.
@@ -262,8 +265,8 @@ class Mesh {
   [[nodiscard]] Work work_used() const noexcept;
   // The least limit with which it succeeds, where it has: what it has done, and the room that it
   // kept for going back. Where it was refused the same as work_used(), which is no limit to try:
-  // after work_limit the way on is a greater one, or none and keep_alive(); with the same it is
-  // refused again.
+  // after work_limit the way on is a greater one, or none and keep_alive(). With the same it is
+  // refused again, as a rule; canonicalize() goes on.
   [[nodiscard]] Work work_needed() const noexcept;
 
   // Counts. O(1), but finite_triangle_count(): O(hull).

@@ -29,9 +29,9 @@ struct Work {
 // it goes on (Mesh::keep_alive()): one that changes a mesh, a dry run, and one that reads all of it
 // or around a place, such as audit(), hash(), save(), seal(), attach(), nodes_within() and what
 // analysis.h has. It is the Mesh's that the call was given; a MeshReader's has none. Not by open(),
-// clear(), attach_copy(), locate(), neighbours(), chain(), features_at(), feature_between(),
-// links_at(), interpolate(), least_steiner(), finite_triangle_count(), saved_bytes() and the ranges
-// of traverse.h, which between two steps are the caller's.
+// clear(), attach_copy(), Handles::open(), locate(), neighbours(), chain(), features_at(),
+// feature_between(), links_at(), interpolate(), least_steiner(), finite_triangle_count(),
+// saved_bytes() and the ranges of traverse.h, which between two steps are the caller's.
 //
 //   mesh.keep_alive({[](void*) noexcept { IWDG->KR = 0xAAAA; }});
 //
@@ -42,6 +42,9 @@ struct Work {
 // line in parts of 64 steps. That holds for work that no limit knows of too
 // (docs/work.md); only the time that a policy of one's own takes adds to it, and the sort of a list
 // that nodes_within() writes.
+//
+// It is called where the call runs: by a question in an interrupt, in the interrupt. Where `call`
+// asks another mesh that has the same hook, it is called by itself.
 //
 // The mesh may be in the middle of a change then: `call` must not use it, nor its storage, nor what
 // the call was given. To change it is a programming error, which is noticed while a change goes on

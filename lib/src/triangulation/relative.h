@@ -15,7 +15,8 @@ struct Relative {
 };
 
 inline Relative relative_to(const MeshState& m, VertexId v, const Point& p) noexcept {
-  if (v == infinite_vertex) return {v, {0, 0}, 0};
+  // Nobody asks where doubles are computed in software: what decides there takes the points.
+  if (!has_double_unit || v == infinite_vertex) return {v, {0, 0}, 0};
   const Offset at = offset(m.at(v), p);
   return {v, at, lift(at)};
 }

@@ -13,20 +13,23 @@
 // place until the change ends, so a mesh that is nearly full may be too full for it. Besides, each
 // answers ETCM_MESH_UNRESOLVED where etcm_build() has left features unresolved; etcm_save() does
 // too, and etcm_build(), etcm_restore() and etcm_load() answer ETCM_MESH_NOT_EMPTY. The way on is
-// etcm_clear(), or etcm_open() with greater capacities, and etcm_build() with what
-// etcm_error_detail() says is needed: more vertices_max or steiner_max, or after
-// ETCM_GRID_EXHAUSTED not that feature, or nodes farther apart.
+// etcm_open() with a greater vertices_max or steiner_max (how much is not known: twice as much),
+// and etcm_build(); or etcm_clear(), which gives no more room, and etcm_build() of fewer features,
+// after ETCM_GRID_EXHAUSTED without the one that etcm_error_detail() names or with nodes farther
+// apart.
 //
 // Ids: a node that joins gets the least id above 0 that no vertex has, a feature the least that no
 // feature and no further segment of one has; a Steiner vertex takes the least, too, when it comes.
 // So the same calls on the same mesh give the same ids, whatever the history and the machine, as
 // long as they get the same answers: a limit may be enough in one of two meshes that came about in
-// other ways, as a loaded one has, and not in the other (docs/work.md). The same nodes in another
-// order have other ids. In which order Steiner vertices come, and so their ids and those of nodes
-// that join after them, may be another in the next version of the library; they have other ids
-// after etcm_canonicalize() than after etcm_build(). What the mesh is like, but for the ids,
-// depends on its vertices and features alone; which Steiner vertices there are depends on the
-// history, until etcm_canonicalize() makes the mesh what etcm_build() makes.
+// other ways, as a loaded one has, and not in the other (docs/work.md). But etcm_canonicalize(),
+// and etcm_rebuild() of a mesh that is known to be canonical: what they lay again goes with the
+// history, so after them two meshes are compared by etcm_hash(), and ids by where they stand. The
+// same nodes in another order have other ids. In which order Steiner vertices come, and so their
+// ids and those of nodes that join after them, may be another in the next version of the library;
+// they have other ids after etcm_canonicalize() than after etcm_build(). What the mesh is like, but
+// for the ids, depends on its vertices and features alone; which Steiner vertices there are depends
+// on the history, until etcm_canonicalize() makes the mesh what etcm_build() makes.
 //
 // Lists: a call writes as many entries as fit and returns how many there are; the buffer may be
 // null where `room` is 0.
@@ -290,8 +293,10 @@ ETCM_MUST_USE etcm_status_t etcm_remove_feature(etcm_mesh_t* mesh, etcm_feature_
 // (etcm/work.h names them). The mesh may be in the middle of a change then: `call` must not use it,
 // nor its storage. It may kick a watchdog, read a clock, let other tasks run, use another mesh, but
 // not what the call was given; to open or attach a mesh on that storage is a mistake that nobody
-// notices. It cannot end the call. Where several threads read one mesh, each calls it. It is kept
-// by etcm_open() and etcm_attach(), until another is given; docs/work.md has what it is good for.
+// notices. It cannot end the call. Where several threads read one mesh, each calls it, and a
+// question in an interrupt calls it there; where `call` asks a mesh that has the same hook, it is
+// called by itself. It is kept by etcm_open() and etcm_attach(), until another is given;
+// docs/work.md has what it is good for.
 #define ETCM_KEEP_ALIVE_UNITS 256u
 void etcm_keep_alive(etcm_mesh_t* mesh, void (*call)(void* context), void* context);
 
@@ -299,7 +304,8 @@ void etcm_keep_alive(etcm_mesh_t* mesh, void (*call)(void* context), void* conte
 uint64_t etcm_work_used(const etcm_mesh_t* mesh);
 // The least limit with which it succeeds, where it has. Where it was refused only what it had done,
 // which is no limit to try: after ETCM_WORK_LIMIT the way on is a greater limit, or ETCM_UNLIMITED
-// with etcm_keep_alive(); with the same it is refused again.
+// with etcm_keep_alive(). With the same it is refused again, as a rule; etcm_canonicalize() goes
+// on.
 uint64_t etcm_work_needed(const etcm_mesh_t* mesh);
 
 // Of the last change, refused or not; after etcm_open() and etcm_clear() of none. O(1).

@@ -31,7 +31,8 @@ typedef uint32_t etcm_id_t;
 #define ETCM_NONE ((etcm_id_t)-1)
 
 // Nodes and Steiner vertices share the ids from 1 up; the least that is free is given out first. So
-// the same calls on the same mesh give the same ids on every machine; in another order, others.
+// the same calls on the same mesh give the same ids on every machine; in another order, others
+// (c/mesh.h).
 typedef etcm_id_t etcm_vertex_t;
 // The vertex at infinity: a triangle that has it as a corner is a ghost, behind an edge of the
 // hull.
