@@ -20,7 +20,7 @@ class Writer {
 
   // What `change` of the example is given, without its limit.
   auto next() {
-    const std::uint64_t kind = nodes_.size() < 3 ? 0 : random_.below(10);
+    const std::uint64_t kind = nodes_.size() < 3 ? 0 : random_.below(11);
     const Position place{coordinate(), coordinate()};
     const VertexId from = any(nodes_), to = any(nodes_);
     const FeatureId feature = any(features_);
@@ -29,7 +29,9 @@ class Writer {
       if (kind < 5) return mesh.leave(from, limit);
       if (kind < 7) return mesh.move(from, place, limit);
       if (kind < 9) return mesh.add_feature({from, to}, added_, limit);
-      return mesh.remove_feature(feature, limit);
+      if (kind < 10) return mesh.remove_feature(feature, limit);
+      // With a limit it would keep a part of what it does.
+      return mesh.canonicalize();
     };
   }
 
@@ -58,6 +60,16 @@ class Writer {
   FeatureId added_;
 };
 
+// What stands at each id.
+std::vector<Point> places_of(const Mesh& mesh) {
+  std::vector<Point> places;
+  for (IdValue id = 1; id < mesh.vertex_id_end(); ++id) {
+    const VertexId vertex{id};
+    places.push_back(mesh.kind(vertex) == VertexKind::none ? Point{} : mesh.point(vertex));
+  }
+  return places;
+}
+
 // What is refused rearranges the storage of the mesh behind, so a call may take more work in the
 // other one than in it: who limits both would have one of them without the change.
 TEST(PublishedMesh, StaysOneMeshUnderALimitOfWork) {
@@ -70,6 +82,7 @@ TEST(PublishedMesh, StaysOneMeshUnderALimitOfWork) {
       const auto change = writer.next();
       Status first = Status::ok;
       std::uint64_t hash = 0;
+      std::vector<Point> places;
       bool is_second = false;
       const Status answered = published.change(
           [&](Mesh& mesh, Work limit) {
@@ -77,10 +90,12 @@ TEST(PublishedMesh, StaysOneMeshUnderALimitOfWork) {
             if (is_second) {
               EXPECT_EQ(status, first) << "seed " << seed << ", step " << step;
               EXPECT_EQ(mesh.hash(), hash) << "seed " << seed << ", step " << step;
+              EXPECT_EQ(places_of(mesh), places) << "seed " << seed << ", step " << step;
             }
             is_second = true;
             first = status;
             hash = mesh.hash();
+            places = places_of(mesh);
             writer.look(mesh);
             return status;
           },

@@ -23,9 +23,10 @@
 // those take ids of the same kind. So which id comes next can be told from those in use, whatever
 // the history, and the same calls on the same mesh give the same ids on every machine, as long as
 // they get the same answers: a limit may be enough in one of two meshes that came about in other
-// ways, as a loaded one has, and not in the other (docs/work.md). But canonicalize(), and rebuild()
-// of a mesh that is_canonical(): what they lay again goes with the history, so after them two
-// meshes are compared by hash(), and ids by where they stand. A Steiner vertex takes the least id
+// ways, as a loaded one has, and not in the other (docs/work.md). But canonicalize(), rebuild()
+// and optimise(): what they lay again goes with the changes that were made before, those aside that
+// were refused and dry runs. So after them two meshes that came about in other ways are compared by
+// hash(), and ids by where they stand. A Steiner vertex takes the least id
 // too, when it comes; while a change is going on, what it has taken out keeps its own. In which
 // order Steiner vertices come, and so their ids and those of nodes that join after them, may be
 // another in the next version of the library. "Bit for bit" is said of what stands where and of
@@ -143,15 +144,15 @@ class Mesh {
   // O(n log n). Errors in the input leave the mesh empty, with error_detail() naming the culprit;
   // so does work_limit. steiner_budget, grid_exhausted and out_of_vertices during conforming leave
   // the valid Delaunay mesh of what is done; unresolved() counts the rest, at least one, and
-  // changes are refused until clear(); it may be read. Built again after that it needs more
-  // steiner_max or vertices_max, which open() gives, or after grid_exhausted not that feature, or
-  // nodes farther apart (error_detail()). So a mesh is whole, and may be changed, exactly while
-  // unresolved() is 0. Subsegments that were not made are not compared with each other: features
-  // that cross or overlap there, and nowhere else, may not be named. `nodes_stand`, where given, is
-  // called with `context` between the nodes, which are a Delaunay mesh by then, and the first
-  // feature: for who measures both. It must not use the mesh.
-  // Errors: mesh_not_empty; in the input bad_coordinate, duplicate_vertex, unknown_vertex,
-  // zero_length_feature, repeated_feature, overlapping_features, crossing_features,
+  // changes are refused until clear() or open(); it may be read. Built again after that it needs
+  // more steiner_max or vertices_max, which open() gives (how much is not known: twice as much), or
+  // fewer features; after grid_exhausted not that feature, or nodes farther apart (error_detail()).
+  // So a mesh is whole, and may be changed, exactly while unresolved() is 0. Subsegments that were
+  // not made are not compared with each other: features that cross or overlap there, and nowhere
+  // else, may not be named. `nodes_stand`, where given, is called with `context` between the nodes,
+  // which are a Delaunay mesh by then, and the first feature: for who measures both. It must not
+  // use the mesh. Errors: mesh_not_empty; in the input bad_coordinate, duplicate_vertex,
+  // unknown_vertex, zero_length_feature, repeated_feature, overlapping_features, crossing_features,
   // out_of_features, and out_of_vertices where there are more nodes than vertices_max; and the
   // room-and-bounds codes.
   Status build(std::span<const Position> nodes, std::span<const FeatureEnds> features,
@@ -218,7 +219,8 @@ class Mesh {
   // canonicalize() takes it all back. O(f log f) for f features, and for each trial what laying
   // some 8 Steiner vertices takes, and taking it back. A trial needs room for up to 19 more
   // vertices, and is without effect where there is none. Errors: mesh_unresolved; work_limit, and
-  // what has been found by then stays.
+  // what has been found by then stays: go on with `first_trial + trials`, for a trial that was left
+  // out is no loss.
   Status optimise(std::uint32_t trials, std::uint32_t first_trial = 0,
                   Work limit = Work::unlimited()) noexcept;
 

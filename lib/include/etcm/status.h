@@ -30,8 +30,8 @@ enum class [[nodiscard]] Status : std::uint8_t{
                                 // (unless a node stands there)
     endpoint_in_use = 12,       // the node is the endpoint of a feature and cannot leave
     mesh_not_empty = 13,        // build(), restore() and load() need an empty mesh
-    mesh_unresolved = 14,       // build() left features unresolved: clear() or open() goes on,
-                                // with more room, else build() answers the same again;
+    mesh_unresolved = 14,       // build() left features unresolved: open() with more room goes on,
+                                // or clear() and fewer features (Mesh::build());
                                 // of restore(): a feature would be, and the mesh is empty
     buffer_too_small = 15,      // a span of the caller's is shorter than the call needs
 
@@ -43,7 +43,8 @@ enum class [[nodiscard]] Status : std::uint8_t{
     wrong_id_width = 25,    // they have ids of another width
     damaged = 26,           // they contradict themselves or their checksum, or are cut off
 
-    // --- Room and bounds: normal answers, the mesh is whole
+    // --- Room and bounds: normal answers, the mesh is as it was; but build() leaves what it has
+    // done where conforming finds no room, no budget or no grid point (unresolved())
 
     out_of_vertices = 16,  // the vertex capacity is used up
     out_of_features = 17,  // the feature capacity is used up (a feature needs one place for each

@@ -23,13 +23,14 @@
 // So the same calls on the same mesh give the same ids, whatever the history and the machine, as
 // long as they get the same answers: a limit may be enough in one of two meshes that came about in
 // other ways, as a loaded one has, and not in the other (docs/work.md). But etcm_canonicalize(),
-// and etcm_rebuild() of a mesh that is known to be canonical: what they lay again goes with the
-// history, so after them two meshes are compared by etcm_hash(), and ids by where they stand. The
-// same nodes in another order have other ids. In which order Steiner vertices come, and so their
-// ids and those of nodes that join after them, may be another in the next version of the library;
-// they have other ids after etcm_canonicalize() than after etcm_build(). What the mesh is like, but
-// for the ids, depends on its vertices and features alone; which Steiner vertices there are depends
-// on the history, until etcm_canonicalize() makes the mesh what etcm_build() makes.
+// etcm_rebuild() and etcm_optimise(): what they lay again goes with the changes that were made
+// before, those aside that were refused and dry runs. So after them two meshes that came about in
+// other ways are compared by etcm_hash(), and ids by where they stand. The same nodes in another
+// order have other ids. In which order Steiner vertices come, and so their ids and those of nodes
+// that join after them, may be another in the next version of the library; they have other ids
+// after etcm_canonicalize() than after etcm_build(). What the mesh is like, but for the ids,
+// depends on its vertices and features alone; which Steiner vertices there are depends on the
+// history, until etcm_canonicalize() makes the mesh what etcm_build() makes.
 //
 // Lists: a call writes as many entries as fit and returns how many there are; the buffer may be
 // null where `room` is 0.

@@ -97,13 +97,13 @@ enum {
   ETCM_CROSSING_FEATURES = 11,     // it would cross, or touch the inside of, another
   ETCM_ENDPOINT_IN_USE = 12,       // the node is the endpoint of a feature and cannot leave
   ETCM_MESH_NOT_EMPTY = 13,        // etcm_build(), etcm_restore() and etcm_load() need an empty one
-  ETCM_MESH_UNRESOLVED = 14,       // etcm_build() left features unresolved: etcm_clear() or
-                                   // etcm_open() goes on, with more room, for in the same the same
-                                   // etcm_build() answers the same; of etcm_restore(): a feature
-                                   // would be, and the mesh is empty
+  ETCM_MESH_UNRESOLVED = 14,       // etcm_build() left features unresolved: etcm_open() with
+                                   // more room goes on, or etcm_clear() and fewer features;
+                                   // of etcm_restore(): one would be, and the mesh is empty
   ETCM_BUFFER_TOO_SMALL = 15,      // the caller's buffer is shorter than the call needs
 
-  // --- Room and bounds: normal answers, the mesh is whole
+  // --- Room and bounds: normal answers, the mesh is as it was; but etcm_build() leaves what it has
+  // done where conforming finds no room, no budget or no grid point (etcm_unresolved())
 
   ETCM_OUT_OF_VERTICES = 16,  // the vertex capacity is used up
   ETCM_OUT_OF_FEATURES = 17,  // the feature capacity is (one place for each segment)
