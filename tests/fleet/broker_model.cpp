@@ -58,6 +58,23 @@ void BrokerModel::step(Instant now) {
                 [](const auto& session) { return !session->is_open && session->sent.empty(); });
 }
 
+Instant BrokerModel::next() const {
+  Instant next = port::never;
+  for (const Due& will : wills_) next = std::min(next, will.at);
+  for (const auto& towards : bridge_) {
+    if (!towards.empty()) next = std::min(next, towards.front().at);
+  }
+  for (const auto& session : sessions_) {
+    if (!session->sent.empty()) next = std::min(next, session->sent.front().at);
+    if (!session->is_open) continue;
+    if (!session->acknowledged.empty()) next = std::min(next, session->acknowledged.begin()->first);
+    for (const auto& [topic, queue] : session->incoming) {
+      if (!queue.empty()) next = std::min(next, queue.front().at);
+    }
+  }
+  return next;
+}
+
 void BrokerModel::take(std::size_t side, const ModelMessage& message, bool is_from_bridge,
                        Instant now) {
   if (message.is_retained) {
@@ -222,6 +239,7 @@ void ModelClient::connect_if_due(Instant now) {
   if (is_connected() || !has_network_ || now < retry_at_) return;
   session_ = broker_.connect(side_, filters_, will_, now);
   is_told_ = true;
+  ++counters_.connections;
   listener_->on_connected(clock_.at(now));
 }
 

@@ -52,6 +52,8 @@ class BrokerModel {
   BrokerModel(Random& random, const Habits& habits) : random_(random), habits_(habits) {}
 
   void step(Instant now);
+  // When there is something to do.
+  Instant next() const;
 
   // --- faults
   void restart(std::size_t side, Memory memory, Instant now);
@@ -147,7 +149,10 @@ class ModelClient final : public port::MessageBroker {
   void subscribe(std::span<const std::string> filters) override;
   bool publish(const port::BrokerMessage& message, std::uint32_t token) override;
   void step(Instant now) override;
-  Instant next_deadline() const override { return port::never; }
+  // But for what the broker does.
+  Instant next_deadline() const override {
+    return is_connected() || !has_network_ ? port::never : retry_at_;
+  }
 
  private:
   void connect_if_due(Instant now);

@@ -39,7 +39,8 @@ void ConverterWorld::advance(Instant) {}
 void ConverterWorld::send(std::span<std::uint8_t> frame, std::uint16_t transaction,
                           std::uint8_t address, std::size_t pdu_bytes) {
   const auto pdu = frame.subspan(port::mbap_header_bytes, pdu_bytes);
-  if (pdu[0] == 3 || pdu[0] == 4) {
+  const bool is_clients = clients != nullptr && clients->is_sending(address, pdu);
+  if (!is_clients && (pdu[0] == 3 || pdu[0] == 4)) {
     asked_before[address] = std::exchange(asked_at[address], now_);
   }
   if (hangs || queue_.size() >= habits_.queue_max) return;
@@ -47,6 +48,7 @@ void ConverterWorld::send(std::span<std::uint8_t> frame, std::uint16_t transacti
                     .address = address,
                     .connection = connection_,
                     .sent_at = now_,
+                    .is_clients = is_clients,
                     .pdu = {pdu.begin(), pdu.end()}});
   if (queue_.size() == 1) begin();
 }
@@ -78,7 +80,8 @@ void ConverterWorld::begin() {
     done_at_ = now_ + on_the_line + said->after;
     said_ = said->pdu;
     // It has waited behind others.
-    if (said->is_sound && done_at_ < request.sent_at + timeout_) answered_ = device;
+    if (said->is_sound && !request.is_clients && done_at_ < request.sent_at + timeout_)
+      answered_ = device;
   }
   if (answers > 1 && random_.below(2) == 0) {
     said_.clear();

@@ -5,6 +5,7 @@
 #include <deque>
 #include <vector>
 
+#include "bus_clients.h"
 #include "device.h"
 #include "modbus/frame_connection.h"
 
@@ -38,7 +39,8 @@ class ConverterWorld final : public port::FrameConnection {
   void cut(bool is_now_cut);
   bool is_cut() const { return is_cut_; }
 
-  bool hangs = false;  // takes requests, and says nothing
+  BusClients* clients = nullptr;  // who share the line behind it
+  bool hangs = false;             // takes requests, and says nothing
   std::vector<Instant> asked_at;
   std::vector<Instant> asked_before;  // the time before that
 
@@ -48,6 +50,7 @@ class ConverterWorld final : public port::FrameConnection {
     std::uint8_t address = 0;
     std::uint64_t connection = 0;
     Instant sent_at{};
+    bool is_clients = false;
     std::vector<std::uint8_t> pdu;
   };
   void begin();

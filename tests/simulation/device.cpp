@@ -12,9 +12,9 @@ namespace {
 // Who asks about what was so long ago gets no answer here.
 constexpr Duration remembered = 10min;
 
-constexpr std::uint8_t read_holding = 3, read_input = 4, write_one = 6, write_many = 16;
+constexpr std::uint8_t write_one = 6, write_many = 16;
 constexpr std::uint8_t illegal_function = 1, illegal_address = 2, device_busy = 6;
-constexpr std::uint16_t position_registers = 12, configuration_first = 200, configuration_end = 443;
+constexpr std::uint16_t configuration_first = 200, configuration_end = 443;
 constexpr std::uint16_t fix_valid = 1, leaving = 1 << 5;
 
 std::uint16_t word(std::span<const std::uint8_t> bytes, std::size_t at) {

@@ -35,6 +35,10 @@ enum class Ailment : std::uint8_t {
 };
 inline constexpr std::size_t ailment_count = 11;
 
+inline constexpr std::uint8_t read_holding = 3, read_input = 4;
+// That it has, from the first.
+inline constexpr std::uint16_t position_registers = 12;
+
 class Device {
  public:
   Device(std::uint32_t serial, std::uint8_t unit, Position place, Instant now);

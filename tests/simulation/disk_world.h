@@ -59,6 +59,8 @@ class DiskWorld final : public port::Store {
     } else if (is_under_way_ && !is_full && random_.below(2) == 0) {
       take_in();
     }
+    // It hung with what was to be saved long ago.
+    is_behind_ = is_behind_ || (is_under_way_ && hangs);
     has_taken_in_ = false;
     is_under_way_ = false;
   }

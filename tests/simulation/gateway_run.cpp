@@ -1,10 +1,8 @@
 #include "gateway_run.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 
@@ -27,8 +25,13 @@ void TellingLog::write(port::Level, std::string_view line) {
 }
 
 GatewayRun::GatewayRun(SiteWorld& site, const SimulatedClock& clock,
-                       const port::WallClock& wall_clock, std::uint64_t number)
-    : site_(site), settings_(read(site.path())), told_(clock), events_(clock, told_) {
+                       const port::WallClock& wall_clock, std::uint64_t number,
+                       GatewayCompany company)
+    : site_(site),
+      company_(std::move(company)),
+      settings_(read(site.path())),
+      told_(clock),
+      events_(clock, told_) {
   const std::vector<firmware::PolledBus> polled = open_buses(0);
   memory_.resize(storage_bytes(settings_->mesh));
   static_cast<void>(mesh_.open(memory_, settings_->mesh));
@@ -40,15 +43,12 @@ GatewayRun::GatewayRun(SiteWorld& site, const SimulatedClock& clock,
                                                                         .clock = clock,
                                                                         .wall_clock = &wall_clock,
                                                                         .log = events_,
+                                                                        .broker = company_.broker,
                                                                         .run = number,
                                                                         .version = "simulated"});
   const Instant now = clock.now();
   gateway_->restore(now);
-  alarms_.emplace(firmware::AlarmSources{.gateway = *gateway_,
-                                         .masters = counters_,
-                                         .readers = nullptr,
-                                         .refusal = refusal_,
-                                         .started_at = now});
+  open_alarms(wall_clock, now);
   counters_.is_listening = true;
   page_.emplace(firmware::StatusSources{.gateway = *gateway_,
                                         .events = events_,
@@ -59,7 +59,29 @@ GatewayRun::GatewayRun(SiteWorld& site, const SimulatedClock& clock,
                                         .version = "simulated",
                                         .started_at = now,
                                         .refusal = &refusal_},
-                2);
+                PageReaders::count_max);
+  readers_.emplace(*page_);
+}
+
+void GatewayRun::open_alarms(const port::WallClock& wall_clock, Instant now) {
+  alarms_.emplace(firmware::AlarmSources{.gateway = *gateway_,
+                                         .masters = counters_,
+                                         .readers = nullptr,
+                                         .refusal = refusal_,
+                                         .started_at = now});
+  if (company_.broker != nullptr) {
+    teller_.emplace(alarms_->book(), *gateway_, wall_clock);
+    announcer_.emplace(*settings_, "simulated", gateway_->nodes(), gateway_->readings(),
+                       *company_.broker);
+  }
+  if (company_.board != nullptr) {
+    board_.emplace(*company_.board,
+                   firmware::BoardLines{.alert = BoardWorld::alert,
+                                        .join_button = BoardWorld::button,
+                                        .status_led = BoardWorld::lamp,
+                                        .watchdog = BoardWorld::watchdog},
+                   *gateway_);
+  }
 }
 
 std::shared_ptr<const firmware::Settings> GatewayRun::read(const std::string& path) {
@@ -75,6 +97,7 @@ std::vector<firmware::PolledBus> GatewayRun::open_buses(std::size_t first) {
   std::vector<firmware::PolledBus> opened;
   for (std::size_t i = first; i < settings_->buses.size(); ++i) {
     const firmware::BusSettings& bus = settings_->buses[i];
+    BusClients* const clients = i < company_.clients.size() ? company_.clients[i] : nullptr;
     if (site_.buses[i].line) {
       port::RtuBusOptions options{.name = bus.name,
                                   .serial_line = {},
@@ -89,7 +112,7 @@ std::vector<firmware::PolledBus> GatewayRun::open_buses(std::size_t first) {
         options.address = to_string(std::get<port::Endpoint>(bus.link));
       }
       lines_.push_back(std::make_unique<port::RtuBus>(*site_.buses[i].line, events_, options));
-      opened.push_back({.bus = lines_.back().get(), .settings = &bus});
+      opened.push_back({.bus = lines_.back().get(), .settings = &bus, .clients = clients});
     } else {
       connections_.push_back(
           std::make_unique<port::TcpBus>(*site_.buses[i].converter, events_,
@@ -97,7 +120,7 @@ std::vector<firmware::PolledBus> GatewayRun::open_buses(std::size_t first) {
                                                              .end = {},
                                                              .outstanding_max = bus.outstanding_max,
                                                              .reconnect_interval = 1s}));
-      opened.push_back({.bus = connections_.back().get(), .settings = &bus});
+      opened.push_back({.bus = connections_.back().get(), .settings = &bus, .clients = clients});
     }
   }
   return opened;
@@ -111,37 +134,32 @@ bool GatewayRun::reload(Instant now) {
   settings_ = std::move(next);
   const std::vector<firmware::PolledBus> added = open_buses(known);
   gateway_->update_settings(settings_, added, now);
+  if (announcer_) announcer_->update_settings(gateway_->settings());
   return true;
 }
 
+// In the order in which the program has them.
 void GatewayRun::step(Instant now) {
+  if (board_) board_->step(now);
+  if (company_.broker != nullptr) company_.broker->step(now);
   gateway_->step(now);
+  if (announcer_) announcer_->step(now);
   if (alarms_->next_deadline() <= now) alarms_->step(now);
+  if (teller_ && teller_->next_deadline() <= now) teller_->step(now);
   page_->advance(now);
 }
 
 Instant GatewayRun::next_deadline() const {
-  return std::min({gateway_->next_deadline(), alarms_->next_deadline(), page_->next_deadline()});
+  Instant next =
+      std::min({gateway_->next_deadline(), alarms_->next_deadline(), page_->next_deadline()});
+  if (board_) next = std::min(next, board_->next_deadline());
+  if (announcer_) next = std::min({next, announcer_->next_deadline(), teller_->next_deadline()});
+  return next;
 }
 
 void GatewayRun::finish(Instant now) {
   gateway_->finish(now);
   gateway_->finish_saving(now);
-}
-
-std::string GatewayRun::read_page(std::string_view path) {
-  const port::WebAnswer answer = page_->begin(0, path);
-  std::string text;
-  std::array<char, 4096> piece;
-  while (const std::size_t size = page_->read(0, piece)) text.append(piece.data(), size);
-  page_->end(0);
-  if (answer.status != 200 && answer.status != 503) {
-    return std::string(path) + " answers " + std::to_string(answer.status);
-  }
-  if (path.find("json") != std::string_view::npos && !nlohmann::json::accept(text)) {
-    return std::string(path) + " is no JSON";
-  }
-  return {};
 }
 
 }  // namespace etcm::simulation

@@ -7,12 +7,20 @@
 #include <string>
 #include <vector>
 
+#include "board_world.h"
+#include "bus_clients.h"
+#include "firmware/alarms/alarm_teller.h"
 #include "firmware/alarms/alarm_watch.h"
+#include "firmware/gateway/board_io.h"
 #include "firmware/gateway/gateway.h"
+#include "firmware/home_assistant/announcer.h"
 #include "firmware/status/recent_events.h"
 #include "firmware/status/status_page.h"
+#include "fleet/broker_model.h"
+#include "masters_world.h"
 #include "modbus/rtu_bus.h"
 #include "modbus/tcp_bus.h"
+#include "page_readers.h"
 #include "site_world.h"
 
 namespace etcm::simulation {
@@ -37,21 +45,18 @@ class TellingLog final : public port::Log {
   const bool tells_;
 };
 
-class MastersWorld final : public port::MeshServer {
- public:
-  void publish(std::shared_ptr<const port::RegisterImage> image) override {
-    last = std::move(image);
-    ++count;
-  }
-  std::shared_ptr<const port::RegisterImage> last;
-  std::uint64_t count = 0;
+// What of a site is there for one run of its program, where there are others.
+struct GatewayCompany {
+  test::ModelClient* broker = nullptr;
+  BoardWorld* board = nullptr;
+  std::vector<BusClients*> clients{};  // by bus
 };
 
 class GatewayRun {
  public:
   // Throws std::runtime_error where it refuses its settings.
   GatewayRun(SiteWorld& site, const SimulatedClock& clock, const port::WallClock& wall_clock,
-             std::uint64_t number);
+             std::uint64_t number, GatewayCompany company);
   GatewayRun(const GatewayRun&) = delete;
   GatewayRun& operator=(const GatewayRun&) = delete;
 
@@ -62,19 +67,20 @@ class GatewayRun {
   // Why those that stand there were not; empty: they were.
   const std::string& refusal() const { return refusal_; }
   void finish(Instant now);
-  // A person or a program reads something of the page. What is wrong with it, or nothing.
-  std::string read_page(std::string_view path);
-
   firmware::Gateway& gateway() { return *gateway_; }
   const Mesh& mesh() const { return mesh_; }
-  const MastersWorld& masters() const { return masters_; }
+  MastersWorld& masters() { return masters_; }
+  PageReaders& readers() { return *readers_; }
   const firmware::AlarmWatch& alarms() const { return *alarms_; }
 
  private:
   static std::shared_ptr<const firmware::Settings> read(const std::string& path);
   std::vector<firmware::PolledBus> open_buses(std::size_t first);
 
+  void open_alarms(const port::WallClock& wall_clock, Instant now);
+
   SiteWorld& site_;
+  const GatewayCompany company_;
   std::shared_ptr<const firmware::Settings> settings_;
   TellingLog told_;
   firmware::RecentEvents events_;
@@ -87,7 +93,11 @@ class GatewayRun {
   std::string refusal_;
   std::unique_ptr<firmware::Gateway> gateway_;
   std::optional<firmware::AlarmWatch> alarms_;
+  std::optional<firmware::AlarmTeller> teller_;
+  std::optional<firmware::Announcer> announcer_;
+  std::optional<firmware::BoardIo> board_;
   std::optional<firmware::StatusPage> page_;
+  std::optional<PageReaders> readers_;
 };
 
 }  // namespace etcm::simulation

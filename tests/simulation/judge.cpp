@@ -58,8 +58,10 @@ std::string Judge::look(GatewayRun& run, Instant now) {
     published_at_ = now;
   }
   if (!is_to_look_at_) return {};
-  // A change may have come in the same step, and is in the next generation.
-  if (run.gateway().snapshot().mesh_hash != run.mesh().hash()) {
+  // A change may have come in the same step, and is in the next generation; of two nodes at one
+  // place the other one may be in the mesh by then, which stays as it is.
+  const bool has_news = run.gateway().is_late(now, -24h);
+  if (has_news || run.gateway().snapshot().mesh_hash != run.mesh().hash()) {
     return now - published_at_ > 10s ? "the snapshot is of another mesh for " +
                                            std::to_string(seconds_of(now - published_at_)) + " s"
                                      : std::string();
@@ -73,17 +75,24 @@ std::string Judge::look_at_nodes(GatewayRun& run, Instant now) {
   if (!unknown.empty()) return unknown;
   for (const firmware::NodeRecord& node : run.gateway().nodes().records()) {
     if (!node.is_known()) continue;
-    std::string wrong = look_at_node(node, run, now);
+    std::string wrong = node.is_foreign() ? look_at_foreign(node) : look_at_node(node, run, now);
     if (!wrong.empty()) return name_of(node) + ": " + wrong;
   }
   return {};
 }
 
+std::string Judge::look_at_foreign(const firmware::NodeRecord& node) const {
+  if (others_ != nullptr && others_->neighbour().has_told(node.serial.value, node.position)) {
+    return {};
+  }
+  return "another gateway has it at " + text_of(node.position) + ", which none has said";
+}
+
 std::string Judge::look_for_unknown(GatewayRun& run, Instant now) {
   const auto records = run.gateway().nodes().records();
-  const auto known =
-      std::count_if(records.begin(), records.end(),
-                    [](const firmware::NodeRecord& node) { return node.is_known(); });
+  const auto known = std::count_if(
+      records.begin(), records.end(),
+      [](const firmware::NodeRecord& node) { return node.is_known() && !node.is_foreign(); });
   // There is room for so many that have gone from their units, and no more.
   if (static_cast<std::size_t>(known) > run.gateway().poller().unit_count()) return {};
   for (const auto& device : site_.devices) {
@@ -145,6 +154,8 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
   const auto [missing, is_news] = node.is_missing
                                       ? missing_.try_emplace(node.serial.value, device->answers)
                                       : std::pair(missing_.end(), false);
+  // Those answers count that come once it is alone, however seldom it answers.
+  if (node.is_missing && !is_judged) missing->second = device->answers;
   const bool has_answered = is_news ? now - device->answered_at + 100ms < poll.leave_after
                                     : is_judged && device->answers > missing->second + sightings;
   if (is_judged && device->answers > sightings && has_answered) {
@@ -242,7 +253,8 @@ std::string Judge::look_at_rest(GatewayRun& run) {
     if (node->placed != device->place()) return name + " is placed elsewhere";
   }
   for (const firmware::NodeRecord& node : gateway.nodes().records()) {
-    if (node.is_known() && --known + 1 == 0) return "at rest, " + name_of(node) + " is still known";
+    if (node.is_known() && !node.is_foreign() && --known + 1 == 0)
+      return "at rest, " + name_of(node) + " is still known";
   }
   // All have moved since.
   if (site_.disk.is_behind() || site_.disk.saved_at() <= site_.faults_ended_at) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "gateway_run.h"
+#include "others.h"
 #include "site_world.h"
 
 namespace etcm::simulation {
@@ -12,6 +13,7 @@ namespace etcm::simulation {
 class Judge {
  public:
   explicit Judge(const SiteWorld& site) : site_(site) {}
+  void set_others(const Others* others) { others_ = others; }
 
   // A run has begun: what it restores was judged before.
   void begin(GatewayRun& run, Instant now);
@@ -35,14 +37,17 @@ class Judge {
   std::string look_for_unknown(GatewayRun& run, Instant now);
   // From when on the gateway knows that it alone is there.
   Instant settled_at(const Device& device, GatewayRun& run) const;
+  std::string look_at_foreign(const firmware::NodeRecord& node) const;
   std::string look_at_node(const firmware::NodeRecord& node, GatewayRun& run, Instant now);
   std::string look_at_mesh(GatewayRun& run);
   std::string compare_with_build(GatewayRun& run);
 
   const SiteWorld& site_;
+  const Others* others_ = nullptr;
   std::map<std::uint32_t, Instant> positioned_at_;  // by serial
   std::map<std::uint32_t, Instant> accepted_at_;    // a position, as the judge saw it; in any run
-  std::map<std::uint32_t, std::uint32_t> missing_;  // its answers, when it was declared so
+  // Its answers, when it was declared so, or was alone at its unit.
+  std::map<std::uint32_t, std::uint32_t> missing_;
   std::uint32_t generation_ = 0;
   bool is_to_look_at_ = false;  // the mesh of that generation
   Instant published_at_{};

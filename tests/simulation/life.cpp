@@ -5,11 +5,11 @@
 #include <cstdlib>
 #include <exception>
 #include <optional>
-#include <string_view>
 #include <utility>
 
 #include "gateway_run.h"
 #include "judge.h"
+#include "others.h"
 #include "site_world.h"
 
 namespace etcm::simulation {
@@ -18,13 +18,9 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr std::array<std::string_view, 8> pages{"/healthz",    "/status.json", "/mesh.geojson",
-                                                "/units.json", "/alarms.json", "/metrics",
-                                                "/mesh.json",  "/nodes.csv"};
-
 class Life {
  public:
-  explicit Life(std::uint64_t seed)
+  Life(std::uint64_t seed, Company company)
       : random_(seed), clock_(), wall_clock_(clock_), site_(random_, clock_.now()), judge_(site_) {
     for (std::uint32_t& weight : weights_) weight = static_cast<std::uint32_t>(random_.below(4));
     // What mends is never rarer than what breaks.
@@ -32,6 +28,10 @@ class Life {
       weights_[static_cast<std::size_t>(event)] += 3;
     }
     pause_ = std::array{3s, 20s, 120s, 600s}[random_.index(4)];
+    if (company == Company::others) {
+      others_ = std::make_unique<Others>(site_, seed, clock_.now());
+      judge_.set_others(others_.get());
+    }
     start();
   }
 
@@ -49,12 +49,13 @@ class Life {
     if (outcome_.wrong.empty()) run_until(clock_.now() + rest, false);
     if (outcome_.wrong.empty()) run_->gateway().dismiss_all(clock_.now());
     if (outcome_.wrong.empty()) run_until(clock_.now() + 1min, false);
-    if (outcome_.wrong.empty()) note(judge_.look_at_rest(*run_));
+    look_at_rest();
     if (outcome_.wrong.empty()) ebb();
     outcome_.lived = clock_.now() - begin;
     outcome_.positions = judge_.positions;
     outcome_.generations = judge_.generations;
     outcome_.rebuilt = judge_.rebuilt;
+    if (others_) outcome_.requests = others_->requests();
     return outcome_;
   }
 
@@ -68,20 +69,34 @@ class Life {
         if (!device->is_replaced) device->is_leaving = there++ >= staying;
       }
       run_until(clock_.now() + 1min, false);
-      const std::size_t shown = run_->gateway().snapshot().node_count;
-      if (outcome_.wrong.empty() && staying < there && shown != staying) {
-        note(std::to_string(shown) + " nodes are in the mesh after all but " +
-             std::to_string(staying) + " have left");
+      std::string shown;
+      std::size_t count = 0;
+      for (const firmware::SnapshotVertex& vertex : run_->gateway().snapshot().vertices) {
+        const bool is_own = vertex.kind == VertexKind::node && vertex.owner.is_none();
+        if (!is_own || vertex.is_anchor) continue;
+        shown += " " + std::to_string(vertex.serial.value);
+        ++count;
+      }
+      if (outcome_.wrong.empty() && staying < there && count != staying) {
+        note("all but " + std::to_string(staying) +
+             " have left, and these are in the mesh:" + shown);
       }
     }
+    look_at_rest();
+  }
+
+  void look_at_rest() {
     if (outcome_.wrong.empty()) note(judge_.look_at_rest(*run_));
+    if (outcome_.wrong.empty() && others_) note(others_->look_at_rest(*run_));
   }
 
   void start() {
     for (const auto& device : site_.devices) device->answers = 0;
     site_.write_file();
     site_.running = site_.file;
-    run_ = std::make_unique<GatewayRun>(site_, clock_, wall_clock_, ++runs_);
+    run_ =
+        std::make_unique<GatewayRun>(site_, clock_, wall_clock_, ++runs_,
+                                     others_ ? others_->company(clock_.now()) : GatewayCompany{});
     judge_.begin(*run_, clock_.now());
   }
 
@@ -103,11 +118,13 @@ class Life {
       }
       const Instant now = clock_.now();
       run_->step(now);
+      if (others_) note(others_->step(*run_, now));
       ++outcome_.steps;
       look_for_spinning(now);
       note(judge_.look(*run_, now));
       Instant next = std::min({run_->next_deadline(), site_.next(), end});
       if (is_eventful) next = std::min(next, happens_at_);
+      if (others_) next = std::min(next, others_->next());
       pass_to(std::max(next, now + 1us));
     }
   }
@@ -126,6 +143,7 @@ class Life {
   void pass_to(Instant now) {
     clock_.pass_to(now);
     site_.pass_to(now);
+    if (others_) others_->pass_to(now);
   }
 
   Device* any_device() {
@@ -278,6 +296,7 @@ class Life {
         // Bytes come meanwhile, and nobody reads them.
         pass_to(now + random_.below(120'000) * 1ms);
         judge_.begin(*run_, clock_.now());
+        if (others_) others_->look_anew(clock_.now());
         for (const auto& each : site_.devices) each->disturb(clock_.now());
         for (BusWorld& each : site_.buses) {
           disturb(each);
@@ -289,7 +308,7 @@ class Life {
             static_cast<std::int64_t>(random_.below(200'000'000)) - 100'000'000;
         break;
       case Event::read_page:
-        note(run_->read_page(pages[random_.index(pages.size())]));
+        note(run_->readers().read_whole(random_));
         break;
       case Event::change_settings:
         change_settings();
@@ -365,6 +384,8 @@ class Life {
         settings.poll.leave_after != site_.running.leave_after) {
       note("the times are not those of the file");
     }
+    // A gateway without any has those that the fleet has kept, also from it.
+    if (site_.running.is_site_shared && site_.running.features.empty()) return;
     if (settings.features.size() != site_.running.features.size() ||
         run_->gateway().features().size() != site_.running.features.size()) {
       note("the features are not those of the file");
@@ -398,6 +419,7 @@ class Life {
   void restart(bool is_orderly) {
     if (is_orderly) run_->finish(clock_.now());
     run_.reset();
+    if (others_) others_->leave();
     site_.disk.lose_power();
     for (BusWorld& bus : site_.buses) {
       if (bus.converter) bus.converter->close();
@@ -413,6 +435,7 @@ class Life {
     mend_disk();
     site_.file.buses = site_.whole.buses;
     reload();
+    if (others_) others_->end_faults(now);
     for (BusWorld& bus : site_.buses) {
       mend(bus);
       disturb(bus);
@@ -430,6 +453,7 @@ class Life {
   WallClockWorld wall_clock_;
   SiteWorld site_;
   Judge judge_;
+  std::unique_ptr<Others> others_;
   std::unique_ptr<GatewayRun> run_;
   std::array<std::uint32_t, event_count> weights_{};
   Duration pause_{};
@@ -442,9 +466,9 @@ class Life {
 
 }  // namespace
 
-Outcome live(std::uint64_t seed, Duration faults) {
+Outcome live(std::uint64_t seed, Duration faults, Company company) {
   try {
-    return Life(seed).run(faults);
+    return Life(seed, company).run(faults);
   } catch (const std::exception& error) {
     return {.wrong = error.what()};
   }

@@ -111,6 +111,32 @@ MUTANTS = {
         "firmware/persist/state_transfer.cpp",
         "record->positioned_at = saved_at - std::chrono::milliseconds(node.age_ms);\n  record->stale = true;",
         "record->positioned_at = now;"),
+    # Others who have to do with it.
+    "others_may_hold_a_bus": (
+        "firmware/polling/bus_schedule.cpp",
+        "return is_idle ? port::Instant{} : client_share_.free_at();", "return {};"),
+    "what_is_owed_to_others_is_asked_again": (
+        "firmware/polling/client_requests.cpp", "if (bus.request_free_at(request, now) > now) {", "if (false) {"),
+    "others_are_not_told_of_a_lost_link": (
+        "firmware/polling/client_requests.cpp",
+        "case port::BusResult::link_lost:\n      return clients_->refuse(port::ClientRefusal::no_path);",
+        "case port::BusResult::link_lost:\n      return;"),
+    "older_words_of_another_gateway_count": (
+        "firmware/fleet/fleet_record.cpp", "record.incarnation, record.sequence, ", "record.incarnation, "),
+    "nodes_of_other_gateways_stay": (
+        "firmware/gateway/fleet_link.cpp",
+        "if (node == nullptr || !node->is_foreign() || !is_shared_) return;", "return;"),
+    "a_new_broker_is_told_of_no_entities": (
+        "firmware/home_assistant/announcer.cpp", "session_ == broker_.counters().connections && ", ""),
+    "registers_change_while_they_are_read": (
+        "firmware/publish/image_pool.cpp", "image.use_count() == 1", "image.use_count() <= 2"),
+    "a_document_changes_while_it_is_read": (
+        "firmware/status/status_page.cpp", "    if (kept.readers > 0) continue;\n", ""),
+    "the_watchdog_starves": (
+        "firmware/gateway/board_io.cpp", "watchdog_due_ = now + watchdog_interval;",
+        "watchdog_due_ = now + 2 * watchdog_interval;"),
+    "the_lamp_hides_that_there_is_no_node": (
+        "firmware/gateway/board_io.cpp", "  if (node_count == 0) return 5;\n", "  static_cast<void>(node_count);\n"),
 }
 
 

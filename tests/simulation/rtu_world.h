@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "bus_clients.h"
 #include "device.h"
 #include "etcm/port/serial_line.h"
 #include "modbus/rtu_line.h"
@@ -30,9 +31,10 @@ class RtuWorld final : public port::RtuLine {
   void pass_to(Instant now);
   Instant next() const;
 
+  BusClients* clients = nullptr;  // who share the line
   bool is_cut = false;
   bool has_noise = false;
-  // When a position was asked for last, by unit.
+  // When the gateway asked for a position last, by unit.
   std::vector<Instant> asked_at;
   std::vector<Instant> asked_before;  // the time before that
 
@@ -50,8 +52,9 @@ class RtuWorld final : public port::RtuLine {
   };
 
   bool write(std::span<const std::uint8_t> frame, std::string& why) override;
-  void answer(Device& device, std::span<const std::uint8_t> frame, Instant asked);
+  void answer(Device& device, std::span<const std::uint8_t> frame, bool is_clients, Instant asked);
   void spoil(Sending& sending);
+  void show_harm(Sending& sending, std::span<std::uint8_t> piece);
   Duration on_the_network();
   Duration time_of(std::size_t bytes) const {
     return static_cast<std::int64_t>(bytes) * character_;
@@ -66,6 +69,7 @@ class RtuWorld final : public port::RtuLine {
   bool is_open_ = false;
   Instant now_{};
   std::vector<Sending> sendings_;
+  std::vector<std::uint8_t> heard_;  // since the last question
 };
 
 }  // namespace etcm::simulation

@@ -33,7 +33,7 @@ TEST(Simulation, AGatewayLivesThroughWhatItFailedAtBefore) {
       26112600500693,  // the second of two at one address talked over another unit each time
   };
   for (const std::uint64_t seed : seeds) {
-    const Outcome life = live(seed, 6h);
+    const Outcome life = live(seed, 6h, Company::nobody);
     EXPECT_EQ(life.wrong, "") << "seed " << seed;
   }
 }
@@ -48,7 +48,9 @@ TEST(Simulation, AGatewayLivesThroughAllOfIt) {
   Outcome all;
   std::uint64_t wrong = 0;
   for (std::uint64_t seed = first; seed < first + count; ++seed) {
-    const Outcome life = live(seed, hours_each * 1h);
+    // Of three one with nobody else.
+    const Company company = seed % 3 == 0 ? Company::nobody : Company::others;
+    const Outcome life = live(seed, hours_each * 1h, company);
     if (!life.wrong.empty()) {
       ADD_FAILURE() << "seed " << seed << ", " << life.wrong
                     << "\nagain: ETCM_SIMULATION_LIVES=1 ETCM_SIMULATION_FIRST=" << seed
@@ -61,17 +63,20 @@ TEST(Simulation, AGatewayLivesThroughAllOfIt) {
     all.positions += life.positions;
     all.generations += life.generations;
     all.rebuilt += life.rebuilt;
+    all.requests += life.requests;
     for (std::size_t i = 0; i < event_count; ++i) all.events[i] += life.events[i];
   }
   std::printf(
-      "%.1f days, %llu steps, %llu positions, %llu generations, %llu compared with build()\n",
+      "%.1f days, %llu steps, %llu positions, %llu generations, %llu compared with build(), "
+      "%llu answers to others\n",
       std::chrono::duration<double>(all.lived).count() / 86400,
       static_cast<unsigned long long>(all.steps), static_cast<unsigned long long>(all.positions),
       static_cast<unsigned long long>(all.generations),
-      static_cast<unsigned long long>(all.rebuilt));
+      static_cast<unsigned long long>(all.rebuilt), static_cast<unsigned long long>(all.requests));
   // Else it would have shown nothing.
   EXPECT_GT(all.positions, 0u);
   EXPECT_GT(all.rebuilt, 0u);
+  EXPECT_GT(all.requests, 0u);
 }
 
 }  // namespace

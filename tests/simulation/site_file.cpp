@@ -21,6 +21,7 @@ void write_bus(std::ostream& out, std::size_t number, const BusText& bus) {
     out << "tcp = \"192.0.2." << number + 1 << ":502\"\noutstanding = " << bus.outstanding << "\n";
   }
   out << "units = \"1-" << int{bus.units} << "\"\n";
+  if (bus.is_shared) out << "share = \"127.0.0.1:" << 1510 + number << "\"\n";
 }
 
 }  // namespace
@@ -35,6 +36,11 @@ std::string SiteFile::text() const {
          "[files]\nfolder = \"/files\"\nname = \"mesh\"\ninterval = \"5s\"\n"
          "[http]\nlisten = \"127.0.0.1:8080\"\n"
          "[analysis]\nradio_range = 1500\nsensing_range = 900\n";
+  if (has_broker) {
+    out << "[mqtt]\nbroker = \"192.0.2.200\"\nsite = \"yard\"\nname = \"west\"\n"
+        << "home_assistant = \"homeassistant\"\nshare = \"" << (is_site_shared ? "site" : "publish")
+        << "\"\n";
+  }
   for (std::size_t i = 0; i < buses.size(); ++i) write_bus(out, i, buses[i]);
   for (const auto& [from, to] : features) {
     out << "[[feature]]\nfrom = " << from << "\nto = " << to << "\n";

@@ -19,6 +19,7 @@ struct BusText {
   std::uint32_t baud = 19200;
   std::uint32_t outstanding = 1;
   std::uint8_t units = 0;  // from 1 to this one
+  bool is_shared = false;  // with other programs
 };
 
 struct SiteFile {
@@ -28,6 +29,8 @@ struct SiteFile {
   Duration leave_after{};
   std::uint32_t vertices_max = 0;
   std::uint32_t work_max = 0;
+  bool has_broker = false;      // and there another gateway
+  bool is_site_shared = false;  // with that one
   std::vector<BusText> buses;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> features;  // serials
 

@@ -82,7 +82,9 @@ void SiteWorld::draw_features(SiteFile& of) {
 Duration SiteWorld::found_again_within(std::size_t bus) const {
   const std::int64_t units{whole.buses[bus].units};
   const Duration forgotten_within = buses[bus].line ? Duration{} : Duration(10min);
-  return running.stale_after + running.absent_interval + 15s + units * 130s + forgotten_within;
+  const Duration within =
+      running.stale_after + running.absent_interval + 15s + units * 130s + forgotten_within;
+  return whole.buses[bus].is_shared ? within + within / 2 : within;
 }
 
 Position SiteWorld::free_place() {

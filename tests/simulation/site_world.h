@@ -58,8 +58,16 @@ class SiteWorld {
   // answer; and each other one may hold the line once. Behind a converter one that had to wait too
   // long for a dead one counts as failing itself, and is found again as such are.
   Duration age_max(std::size_t bus) const {
-    return buses[bus].line ? 2 * running.interval + whole.buses[bus].units * held_on_a_line_max
-                           : found_again_within(bus);
+    if (!buses[bus].line) return found_again_within(bus);
+    return 2 * running.interval + whole.buses[bus].units * held_on_a_line_max + others_cost(bus);
+  }
+
+  // What other programs that share the bus may cost a unit: once their share of the time, and what
+  // they had not used before; and where they have asked in vain what would be asked of it, nobody
+  // asks it the same for so long.
+  Duration others_cost(std::size_t bus) const {
+    return whole.buses[bus].is_shared ? std::chrono::seconds(15) + running.interval / 2
+                                      : Duration{};
   }
 
   Position free_place();
