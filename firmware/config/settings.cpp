@@ -395,8 +395,10 @@ void read_node(TomlTable& toml_table, Settings& settings) {
   if (toml_table.find("bus") != nullptr && toml_table.find("unit") == nullptr) {
     return require(toml_table, key_table("node"), "unit");
   }
-  if (in_plane && in_degrees) {
-    toml_table.mistake(*toml_table.find("longitude"),
+  // Half a place is a mistake already.
+  const toml::node* const longitude = toml_table.find("longitude");
+  if (in_plane && longitude != nullptr && toml_table.find("latitude") != nullptr) {
+    toml_table.mistake(*longitude,
                        "a place both in the plane and in degrees; take one of the two out");
   }
   const bool has_place = in_plane || in_degrees;

@@ -464,6 +464,9 @@ INSTANTIATE_TEST_SUITE_P(
                 "add it to the units"},
         Mistake{"node_with_half_a_place", meter("") + "[[node]]\nunit = 1\nx = 5\n", 17,
                 "'x' and 'y' go together", "add 'y'"},
+        Mistake{"node_in_the_plane_and_half_in_degrees",
+                meter("") + "[[node]]\nunit = 1\nx = 5\ny = 6\nlatitude = \"63.4\"\n", 19,
+                "'longitude' and 'latitude' go together", "or take the other out"},
         Mistake{"profile_of_nodes",
                 "[[profile]]\nname = \"etcm\"\nx = { register = 0 }\ny = { register = 1 }\n" +
                     serial(""),
