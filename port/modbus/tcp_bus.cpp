@@ -83,7 +83,11 @@ void TcpBus::start_request(const UnitRequest& request, Instant now) {
 void TcpBus::send(TcpRequest request, std::span<std::uint8_t> frame, std::size_t pdu_bytes,
                   Instant now) {
   if (queue_.is_empty()) connection_.discard();
-  request.transaction = ++last_transaction_;
+  // Numbers come again after 65536 requests; some that nobody answered are remembered for longer.
+  do {
+    ++last_transaction_;
+  } while (queue_.is_owed(last_transaction_));
+  request.transaction = last_transaction_;
   request.sent_at = now;
   if (!unheard_since_) unheard_since_ = now;
   // Units that nobody has ever heard say nothing about the connection, until all had their turn.

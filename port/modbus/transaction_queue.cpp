@@ -42,6 +42,12 @@ Instant TransactionQueue::deadline(const Entry& entry, bool is_silent) const {
   return entry.head_at == never ? never : entry.head_at + patience(entry.request);
 }
 
+bool TransactionQueue::is_owed(std::uint16_t transaction) const {
+  return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    return entry.request.transaction == transaction && entry.state < State::answered;
+  });
+}
+
 void TransactionQueue::add(const TcpRequest& request, Instant now) {
   forget_some();
   entries_.push_back({.request = request});

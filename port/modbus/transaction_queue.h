@@ -72,7 +72,10 @@ class TransactionQueue {
   // What a wait in vain may cost those behind it.
   Duration hold() const { return is_proven_ ? hold_ : Duration{}; }
 
-  // REQUIRES: has_room().
+  // An answer to this number would be one to a request that has none yet, however old that is.
+  bool is_owed(std::uint16_t transaction) const;
+
+  // REQUIRES: has_room(), and a number that is not owed.
   void add(const TcpRequest& request, Instant now);
 
   // An answer has come; its time counts with the next advance(). Returns the request where the

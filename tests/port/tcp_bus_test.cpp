@@ -522,5 +522,54 @@ TEST_F(Bus, ALateAnswerToAClientIsNobodys) {
   EXPECT_EQ(found.registers[0], 2);
 }
 
+// Answers at once, but to one unit never.
+class ReadyConnection final : public FrameConnection {
+ public:
+  static constexpr std::uint8_t dead = 9;
+  State state() const override { return state_; }
+  void connect(const Endpoint&, Instant, Duration) override {
+    state_ = State::up;
+    listener().on_connected();
+  }
+  void advance(Instant) override {}
+  Instant next_deadline() const override { return never; }
+  void send(std::span<std::uint8_t>, std::uint16_t transaction, std::uint8_t address,
+            std::size_t) override {
+    constexpr std::array<std::uint8_t, 6> two_registers{4, 4, 0, 1, 0, 2};
+    if (address == dead) return;
+    listener().on_frame({.transaction = transaction, .address = address, .pdu = two_registers});
+  }
+  void discard() override {}
+  void close() override { state_ = State::down; }
+  void abort() override { close(); }
+
+ private:
+  State state_ = State::down;
+};
+
+TEST(TcpBusNumbers, OfRequestsThatNobodyAnsweredAreNotUsedAgain) {
+  ReadyConnection connection;
+  KeptLog log;
+  TcpBus bus(connection, log,
+             {.name = "test", .end = {}, .outstanding_max = 1, .reconnect_interval = 1s});
+  Instant now{1h};
+  const auto ask = [&](std::uint8_t unit) {
+    bus.start_read({.address = unit, .first = 0, .count = 2, .timeout = 50ms}, now);
+    BusAnswer answer;
+    answer.result = BusResult::link_lost;
+    for (int turn = 0; turn < 100 && !bus.take_answer(answer); ++turn) bus.advance(now += 10ms);
+    do {
+      bus.advance(now += 10ms);
+    } while (!bus.ready());
+    return answer.result;
+  };
+  bus.advance(now);
+  ASSERT_EQ(ask(1), BusResult::ok);
+  ASSERT_EQ(ask(ReadyConnection::dead), BusResult::timeout);
+  for (int request = 0; request < 0x10000; ++request) {
+    ASSERT_EQ(ask(1), BusResult::ok) << request;
+  }
+}
+
 }  // namespace
 }  // namespace etcm::port

@@ -236,5 +236,15 @@ TEST_F(Transactions, ALostConnectionGivesBackThoseThatWereWaitedFor) {
   EXPECT_TRUE(queue_.is_empty());
 }
 
+TEST_F(Transactions, ANumberIsOwedUntilItsAnswerHasCome) {
+  const auto dead = send(1), living = send(2);
+  EXPECT_TRUE(answer(living));
+  EXPECT_FALSE(queue_.is_owed(living));
+  EXPECT_EQ(pass(1h), Units{1});
+  EXPECT_TRUE(queue_.is_owed(dead));
+  EXPECT_FALSE(answer(dead)) << "too late";
+  EXPECT_FALSE(queue_.is_owed(dead));
+}
+
 }  // namespace
 }  // namespace etcm::port

@@ -35,6 +35,8 @@ MUTANTS = {
         "port/modbus/transaction_queue.cpp",
         "return entry.request.transaction == transaction && entry.state < State::answered;",
         "return entry.state < State::answered;"),
+    "numbers_that_are_owed_are_used_again": (
+        "port/modbus/tcp_bus.cpp", "} while (queue_.is_owed(last_transaction_));", "} while (false);"),
     # What an answer is worth.
     "torn_registers_count": (
         "firmware/protocol/node_registers.cpp",
