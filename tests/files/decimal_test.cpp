@@ -51,6 +51,15 @@ TEST(Decimal, MultipliesExactly) {
   EXPECT_EQ(decimal("0") * decimal("-5"), Decimal{});
 }
 
+TEST(Decimal, ReadsBackWhateverItsExponentIs) {
+  for (const char* const text :
+       {"44e9613841964", "4400e9613841964", "0.0044e-9613841964", "4400e-9613841964", "0e99"}) {
+    const auto number = Decimal::parse(text);
+    ASSERT_TRUE(number) << text;
+    EXPECT_EQ(Decimal::parse(number->to_string()), number) << text;
+  }
+}
+
 TEST(Decimal, KnowsItsIntegers) {
   EXPECT_EQ(decimal("1e3").to_integer(), 1000);
   EXPECT_EQ(decimal("9223372036854775807").to_integer(), std::numeric_limits<std::int64_t>::max());

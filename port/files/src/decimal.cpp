@@ -53,6 +53,8 @@ std::optional<Decimal> Decimal::parse(std::string_view text) {
     value.exponent_ += negative ? -exponent : exponent;
   }
   value.normalize();
+  // Of digits with many zeros too, so that what is written reads back as the same.
+  value.exponent_ = std::clamp(value.exponent_, -exponent_max, exponent_max);
   return value;
 }
 
