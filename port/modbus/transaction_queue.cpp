@@ -43,9 +43,8 @@ Instant TransactionQueue::deadline(const Entry& entry, bool is_silent) const {
 }
 
 bool TransactionQueue::is_owed(std::uint16_t transaction) const {
-  return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
-    return entry.request.transaction == transaction && entry.state < State::answered;
-  });
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [&](const Entry& entry) { return entry.owes(transaction); });
 }
 
 void TransactionQueue::add(const TcpRequest& request, Instant now) {
@@ -55,9 +54,8 @@ void TransactionQueue::add(const TcpRequest& request, Instant now) {
 }
 
 std::optional<TcpRequest> TransactionQueue::answer(std::uint16_t transaction, bool is_of_unit) {
-  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
-    return entry.request.transaction == transaction && entry.state < State::answered;
-  });
+  const auto found = std::find_if(entries_.begin(), entries_.end(),
+                                  [&](const Entry& entry) { return entry.owes(transaction); });
   if (found == entries_.end()) return std::nullopt;
   const bool is_waited_for = found->state == State::waiting;
   is_heard_ = true;

@@ -115,6 +115,9 @@ class TransactionQueue {
     bool has_moved_up = false;  // one before it was answered since the last advance()
     Instant head_at = never;    // when all before it were done with
     Instant until{};
+    bool owes(std::uint16_t transaction) const {
+      return request.transaction == transaction && state < State::answered;
+    }
   };
   static constexpr std::size_t remembered_max = 64;
 

@@ -35,8 +35,10 @@ MUTANTS = {
     # Behind a converter.
     "answers_of_any_transaction": (
         "port/modbus/transaction_queue.cpp",
-        "return entry.request.transaction == transaction && entry.state < State::answered;",
-        "return entry.state < State::answered;"),
+        "const auto found = std::find_if(entries_.begin(), entries_.end(),\n"
+        "                                  [&](const Entry& entry) { return entry.owes(transaction); });",
+        "const auto found = std::find_if(entries_.begin(), entries_.end(),\n"
+        "                                  [&](const Entry& entry) { return entry.state < State::answered; });"),
     "numbers_that_are_owed_are_used_again": (
         "port/modbus/tcp_bus.cpp", "} while (queue_.is_owed(last_transaction_));", "} while (false);"),
     # What an answer is worth.
