@@ -96,6 +96,10 @@ bool FeaturesDocument::write_next(Cursor& cursor, port::Instant, TextWriter& pie
       return true;
     case all_features:
       if (cursor.item >= features.size()) {
+        // A reload may have taken out the one that has begun.
+        if (cursor.part == feature_reason) {
+          piece << R"(,"in_mesh":false,"refused":false,"why":"it was taken out","cure":""})";
+        }
         piece << "]}\n";
         cursor.next_section();
       } else if (cursor.part == feature_ends) {

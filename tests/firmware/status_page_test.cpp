@@ -163,6 +163,27 @@ TEST_F(StatusPageTest, WhoIsRefusedIsShownWithTheReason) {
   EXPECT_EQ(count(status, "\"why\":\"Another node stands exactly there"), 1u) << status;
 }
 
+TEST_F(StatusPageTest, FeaturesThatAReloadTakesOutWhileTheyAreReadAreSoundJson) {
+  const std::vector<FeatureSettings> features{feature(1001, 1003), feature(1001, 1707)};
+  rig_.settings.features = features;
+  open_page();
+  rig_.put_square();
+  run(1s);
+  const std::size_t whole = get("/features.json", 1).size();
+  for (std::size_t read = 0; read < whole; ++read) {
+    rig_.settings.features = features;
+    rig_.update_settings();
+    ASSERT_EQ(page_->begin(0, "/features.json").status, 200);
+    std::string text;
+    char byte = 0;
+    while (text.size() < read && page_->read(0, {&byte, 1}) == 1) text += byte;
+    rig_.settings.features.clear();
+    rig_.update_settings();
+    text += rest(0);
+    ASSERT_TRUE(is_sound_json(text)) << text;
+  }
+}
+
 // Diagonals of the square of which one is named and drawn in a site file, as a third one of which
 // an end is not there.
 TEST_F(StatusPageTest, AFeatureThatIsNotInTheMeshSaysWhyAndWhatToDo) {

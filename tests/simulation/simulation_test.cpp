@@ -38,6 +38,8 @@ TEST(Simulation, AGatewayLivesThroughWhatItFailedAtBefore) {
   }
   // A number of Modbus TCP came again, and what had it before was never answered.
   EXPECT_EQ(live(238, 6h, Company::others).wrong, "");
+  // A reload took features out that somebody was reading about.
+  EXPECT_EQ(live(26122700000378, 6h, Company::others).wrong, "");
 }
 
 TEST(Simulation, AGatewayLivesThroughAllOfIt) {
