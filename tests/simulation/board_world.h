@@ -1,7 +1,7 @@
 // The lines of a board: who presses its button, and what its lamp shows. Written from the guide.
 #pragma once
 
-#include <algorithm>
+#include <utility>
 
 #include "device.h"
 #include "etcm/port/digital_io.h"

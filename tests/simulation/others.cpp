@@ -136,7 +136,6 @@ void Others::happen(GatewayRun& run, Instant now) {
       break;
     case 4:
       run.readers().come(1 + random_.index(PageReaders::count_max), random_);
-      ++pages;
       break;
     case 5:
       if (!run.masters().begin_reading()) wrong_ = "registers that a master reads have changed";

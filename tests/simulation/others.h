@@ -41,7 +41,6 @@ class Others {
   const Neighbour& neighbour() const { return east_; }
 
   std::uint64_t requests() const;  // that units have answered to programs that share a bus
-  std::uint64_t pages = 0;
 
  private:
   void happen(GatewayRun& run, Instant now);
