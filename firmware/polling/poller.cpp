@@ -10,6 +10,9 @@ namespace etcm::firmware {
 namespace {
 
 constexpr std::uint8_t torn_repeats_max = 3;
+// Where the next block of a sweep has to wait for longer, the device may have moved since: the link
+// was lost, or an answer to the same question may still come.
+constexpr port::Duration sweep_pause_max = std::chrono::seconds(5);
 
 void note_heard(BusCounters& counters, const port::BusAnswer& answer, port::Instant now) {
   if (port::is_of_converter(answer.result, answer.exception)) {
@@ -135,6 +138,7 @@ bool Poller::ask_next(BusIndex number, port::Instant now) {
   if (bus.clients.start_at(bus.schedule, now) <= now && start_for_client(number, now)) return true;
   while (const std::optional<BusSchedule::Question> question = bus.schedule.next_question(now)) {
     const UnitIndex unit = bus.unit_at[question->address.value];
+    if (units_[unit.value].swept_at + sweep_pause_max < now) units_[unit.value].block = 0;
     const port::RegisterRead read = read_of(unit);
     const port::Instant free_at = bus.bus->read_free_at(read, now);
     if (free_at > now) {
@@ -261,9 +265,10 @@ void Poller::pause_after(const port::BusAnswer& answer, UnitIndex index, port::I
   bus.paused_until = std::max(bus.paused_until, now + unit.device->pause());
 }
 
-bool Poller::complete_sweep(const port::BusAnswer& answer, PolledUnit& unit) {
+bool Poller::complete_sweep(const port::BusAnswer& answer, PolledUnit& unit, port::Instant now) {
   if (unit.block == 0) unit.swept.clear();
   unit.swept.insert(unit.swept.end(), answer.registers.begin(), answer.registers.end());
+  unit.swept_at = now;
   unit.block = static_cast<std::uint8_t>(unit.block + 1);
   if (unit.block < unit.device->blocks().size()) return false;
   unit.block = 0;
@@ -278,7 +283,7 @@ void Poller::take_registers(const port::BusAnswer& answer, UnitIndex index, port
   measured_.clear();
   if (unit.device == nullptr) {
     fault = decode_node(answer.registers, bus(unit.bus).word_order, reading, answer.left_out);
-  } else if (complete_sweep(answer, unit)) {
+  } else if (complete_sweep(answer, unit, now)) {
     fault = unit.device->decode(unit.swept, reading, unit.counters.told);
     if (fault == ReadingFault::none) unit.device->measure(unit.swept, measured_);
   } else {

@@ -134,6 +134,7 @@ class Poller {
     const Device* device = nullptr;      // null: a node
     std::uint8_t block = 0;              // of its sweep, that is asked next
     std::vector<std::uint16_t> swept{};  // registers of the blocks before it
+    port::Instant swept_at{};            // when the last of them came
     JumpCheck jumps{};
     UnitCounters counters{};
   };
@@ -168,7 +169,7 @@ class Poller {
 
   void take(const port::BusAnswer& answer, UnitIndex unit, port::Instant now);
   // False: the sweep of the device has more blocks.
-  bool complete_sweep(const port::BusAnswer& answer, PolledUnit& unit);
+  bool complete_sweep(const port::BusAnswer& answer, PolledUnit& unit, port::Instant now);
   void take_registers(const port::BusAnswer& answer, UnitIndex unit, port::Instant now);
   // Whether the position of a device counts; else it is asked again, or the question has failed.
   bool can_follow(UnitIndex unit, const NodeReading& reading, port::Instant now);

@@ -25,7 +25,7 @@ class DeviceBus final : public port::NodeBus {
     friend bool operator==(const Asked&, const Asked&) = default;
   };
 
-  bool ready() const override { return !request_; }
+  bool ready() const override { return !request_ && !is_closed; }
   bool is_one_line() const override { return true; }
   void start_read(const port::RegisterRead& read, port::Instant now) override {
     asked.push_back({read.address, read.kind, read.first, read.count, now});
@@ -73,6 +73,7 @@ class DeviceBus final : public port::NodeBus {
   bool is_silent(std::uint8_t unit) const { return !devices.contains(unit); }
 
   port::Duration latency = std::chrono::milliseconds(5);
+  bool is_closed = false;  // it takes no request
   std::map<std::uint8_t, std::map<std::uint16_t, std::uint16_t>> devices;
   std::vector<Asked> asked;
   std::function<void(const Asked&)> on_answer;

@@ -163,6 +163,26 @@ TEST_F(Devices, APlaceComesFromOneCompleteSweep) {
   EXPECT_EQ(nodes().at(1002), (std::pair<std::int64_t, std::int64_t>{900, 900}));
 }
 
+TEST_F(Devices, ASweepWhoseNextBlockHasToWaitBeginsAnew) {
+  put_rover(2, 100'000, 100'000);
+  start();
+  rig_.run(500ms);
+  bus_.on_answer = [&](const DeviceBus::Asked& asked) {
+    bus_.is_closed = bus_.is_closed || (asked.address == 2 && asked.first == 10);
+  };
+  rig_.run(30s);
+  ASSERT_TRUE(bus_.is_closed);
+  put_rover(2, 900'000, 900'000);
+  bus_.on_answer = nullptr;
+  bus_.is_closed = false;
+  const Places before{{1002, {100, 100}}}, after{{1002, {900, 900}}};
+  for (int i = 0; i < 100; ++i) {
+    rig_.run(10ms);
+    EXPECT_TRUE(nodes() == before || nodes() == after || nodes().empty());
+  }
+  EXPECT_EQ(nodes(), after);
+}
+
 TEST_F(Devices, AnInvalidPlaceIsNone) {
   put_rover(2, 100'000, 100'000, false);
   start();
