@@ -16,6 +16,12 @@ constexpr std::uint8_t write_one = 6, write_many = 16;
 constexpr std::uint8_t illegal_function = 1, illegal_address = 2, device_busy = 6;
 constexpr std::uint16_t configuration_first = 200, configuration_end = 443;
 constexpr std::uint16_t fix_valid = 1, leaving = 1 << 5;
+// Where the first block begins, how many registers each has, so that the answers look alike, and a
+// good fix.
+constexpr std::uint16_t first_block = 1, block_count = 5, fix_in_the_plane = 2;
+
+std::uint16_t high(std::uint32_t value) { return static_cast<std::uint16_t>(value >> 16); }
+std::uint16_t low(std::uint32_t value) { return static_cast<std::uint16_t>(value); }
 
 std::uint16_t word(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint16_t>(bytes[at] << 8 | bytes[at + 1]);
@@ -27,13 +33,33 @@ std::vector<std::uint8_t> exception(std::uint8_t function, std::uint8_t code) {
 
 }  // namespace
 
-Device::Device(std::uint32_t number, std::uint8_t at_unit, Position place, Instant now)
-    : serial(number), unit(at_unit), undisturbed_since(now) {
+const char* profile_name(Make make) { return make == Make::checked ? "checked" : "in-blocks"; }
+
+std::string profile_of(Make make) {
+  std::string text = std::string("[[profile]]\nname = \"") + profile_name(make) +
+                     "\"\nfunction = 4\n"
+                     "serial = { register = 2, type = \"u32\" }\n"
+                     "valid = { register = 1, mask = 3, equals = [2, 3] }\n"
+                     "x = { register = 4, type = \"i32\", order = \"CDAB\" }\n"
+                     "y = { register = 20, type = \"i32\", order = \"CDAB\" }\n";
+  // Slower than any step it makes: each place that counts was told twice.
+  if (make == Make::checked) text += "speed_max = \"0.001\"\n";
+  return text +
+         "[[profile.reading]]\nname = \"level\"\nunit = \"m\"\n"
+         "value = { register = 22, type = \"i16\", scale = \"0.001\" }\n"
+         "[[profile.reading]]\nname = \"volume\"\n"
+         "value = { register = 23, type = \"u32\" }\n";
+}
+
+Device::Device(std::uint32_t number, std::uint8_t at_unit, Make what, Position place, Instant now)
+    : serial(number), unit(at_unit), make(what), undisturbed_since(now) {
   places_.push_back({now, place});
 }
 
 void Device::move(Position place, Instant now) {
   places_.push_back({now, place});
+  // Nothing counts that it says once.
+  if (make == Make::checked) answers = 0;
   sequence_ = static_cast<std::uint16_t>(sequence_ + 1);
   while (places_.size() > 2 && places_[1].since + remembered < now) places_.pop_front();
 }
@@ -44,25 +70,49 @@ void Device::fall_ill(Ailment what, Instant now, inputs::Random& random) {
   lateness_ = 250ms + random.below(4500) * 1ms;
 }
 
-bool Device::held(Position place, Instant from) const {
+template <class Test>
+bool Device::has_stayed(Instant from, Test test) const {
   for (std::size_t i = places_.size(); i-- > 0;) {
-    if (places_[i].position == place) return true;
+    if (test(places_[i].position)) return true;
     if (places_[i].since <= from) return false;
   }
   return false;
 }
 
-std::vector<std::uint8_t> Device::registers(std::uint16_t first, std::uint16_t count, Instant now,
-                                            inputs::Random& random) const {
+bool Device::held(Position place, Instant from) const {
+  return has_stayed(from, [&](Position stay) { return stay == place; });
+}
+
+bool Device::held_apart(Position place, Instant from) const {
+  return has_stayed(from, [&](Position stay) { return stay.x == place.x; }) &&
+         has_stayed(from, [&](Position stay) { return stay.y == place.y; });
+}
+
+bool Device::has_registers(std::uint8_t function, std::uint16_t first, std::uint16_t count) const {
+  if (make == Make::ours) return first + count <= position_registers;
+  if (function != read_input) return false;
+  return (first >= first_block && first + count <= first_block + block_count) ||
+         (first >= second_block && first + count <= second_block + block_count);
+}
+
+std::vector<std::uint16_t> Device::blocks() const {
+  const auto x = static_cast<std::uint32_t>(place().x), y = static_cast<std::uint32_t>(place().y);
+  std::vector<std::uint16_t> all(second_block + block_count);
+  const std::uint16_t fix = ailment == Ailment::lost ? std::uint16_t{0} : fix_in_the_plane;
+  std::ranges::copy(std::array{fix, high(serial), low(serial), low(x), high(x)},
+                    all.begin() + first_block);
+  std::ranges::copy(std::array{low(y), high(y), low(x + y), high(serial), sequence_},
+                    all.begin() + second_block);
+  return all;
+}
+
+std::vector<std::uint16_t> Device::our_registers(Instant now, inputs::Random& random) const {
   const auto x = static_cast<std::uint32_t>(place().x), y = static_cast<std::uint32_t>(place().y);
   std::uint16_t status = 0;
   if (ailment != Ailment::lost) status |= fix_valid;
   if (is_leaving) status |= leaving;
-  const auto high = [](std::uint32_t value) { return static_cast<std::uint16_t>(value >> 16); };
-  const auto low = [](std::uint32_t value) { return static_cast<std::uint16_t>(value); };
-  std::array<std::uint16_t, position_registers> all{0x4554,    0x010c,  high(serial), low(serial),
-                                                    sequence_, high(x), low(x),       high(y),
-                                                    low(y),    status,  boots_,       sequence_};
+  std::vector<std::uint16_t> all{0x4554, 0x010c,  high(serial), low(serial), sequence_, high(x),
+                                 low(x), high(y), low(y),       status,      boots_,    sequence_};
   if (ailment == Ailment::torn && random.below(2) == 0) {
     // The new sequence stands there already, the rest is old or new.
     all[4] = static_cast<std::uint16_t>(sequence_ + 1);
@@ -73,12 +123,7 @@ std::vector<std::uint8_t> Device::registers(std::uint16_t first, std::uint16_t c
   if (ailment == Ailment::forgetful) {
     all[10] = static_cast<std::uint16_t>(now.time_since_epoch() / 7s);
   }
-  std::vector<std::uint8_t> bytes;
-  for (std::uint16_t i = first; i < first + count; ++i) {
-    bytes.push_back(static_cast<std::uint8_t>(all[i] >> 8));
-    bytes.push_back(static_cast<std::uint8_t>(all[i]));
-  }
-  return bytes;
+  return all;
 }
 
 std::optional<Device::Answer> Device::hear(std::span<const std::uint8_t> pdu, Instant now,
@@ -106,20 +151,25 @@ std::optional<Device::Answer> Device::hear(std::span<const std::uint8_t> pdu, In
   }
   if ((pdu[0] == read_input || pdu[0] == read_holding) && pdu.size() == 5) {
     const std::uint16_t first = word(pdu, 1), count = word(pdu, 3);
-    if (count == 0 || first + count > position_registers) {
+    if (count == 0 || !has_registers(pdu[0], first, count)) {
       answer.pdu = exception(pdu[0], illegal_address);
       return answer;
     }
-    const std::vector<std::uint8_t> values = registers(first, count, now, random);
-    answer.pdu = {pdu[0], static_cast<std::uint8_t>(values.size())};
-    answer.pdu.insert(answer.pdu.end(), values.begin(), values.end());
-    answer.is_sound = answer.after <= timeout && ailment != Ailment::torn && first <= 4;
-  } else if (pdu[0] == write_many && pdu.size() >= 6 && pdu.size() == 6u + pdu[5]) {
+    const auto all = make == Make::ours ? our_registers(now, random) : blocks();
+    answer.pdu = {pdu[0], static_cast<std::uint8_t>(2 * count)};
+    for (std::uint16_t i = first; i < first + count; ++i) {
+      answer.pdu.push_back(static_cast<std::uint8_t>(all[i] >> 8));
+      answer.pdu.push_back(static_cast<std::uint8_t>(all[i]));
+    }
+    const bool is_last = make == Make::ours ? first <= 4 : first >= second_block;
+    answer.is_sound = answer.after <= timeout && ailment != Ailment::torn && is_last;
+  } else if (make == Make::ours && pdu[0] == write_many && pdu.size() >= 6 &&
+             pdu.size() == 6u + pdu[5]) {
     const std::uint16_t first = word(pdu, 1), count = word(pdu, 3);
     const bool is_there = first >= configuration_first && first + count <= configuration_end;
     answer.pdu = is_there ? std::vector<std::uint8_t>(pdu.begin(), pdu.begin() + 5)
                           : exception(pdu[0], illegal_address);
-  } else if (pdu[0] == write_one && pdu.size() == 5) {
+  } else if (make == Make::ours && pdu[0] == write_one && pdu.size() == 5) {
     answer.pdu = exception(pdu[0], illegal_address);
   }
   return answer;

@@ -8,6 +8,7 @@
 #include <deque>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "etcm/port/clock.h"
@@ -39,9 +40,22 @@ inline constexpr std::uint8_t read_holding = 3, read_input = 4;
 // That it has, from the first.
 inline constexpr std::uint16_t position_registers = 12;
 
+// What its registers are.
+enum class Make : std::uint8_t {
+  ours,
+  // Two blocks of input registers, which the gateway knows by a profile.
+  in_blocks,
+  checked  // so too, and its profile tells how fast it moves at the most
+};
+// Where the second block begins; whoever reads there has read the first one.
+inline constexpr std::uint16_t second_block = 20;
+// The profile of a make other than ours, for a site that counts in units of the mesh, and its name.
+std::string profile_of(Make make);
+const char* profile_name(Make make);
+
 class Device {
  public:
-  Device(std::uint32_t serial, std::uint8_t unit, Position place, Instant now);
+  Device(std::uint32_t serial, std::uint8_t unit, Make make, Position place, Instant now);
 
   void move(Position place, Instant now);
   void fall_ill(Ailment ailment, Instant now, inputs::Random& random);
@@ -57,6 +71,8 @@ class Device {
 
   // Whether it stood there at any moment from `from` on.
   bool held(Position place, Instant from) const;
+  // The same of each coordinate for itself.
+  bool held_apart(Position place, Instant from) const;
   Position place() const { return places_.back().position; }
 
   // What it says to a whole request without its frame, and when it begins to; nothing where it
@@ -71,6 +87,7 @@ class Device {
 
   std::uint32_t serial;
   std::uint8_t unit;
+  Make make;
   Ailment ailment = Ailment::none;
   Instant undisturbed_since;
   Instant answered_at{};      // soundly and in time
@@ -86,8 +103,11 @@ class Device {
     Position position;
   };
 
-  std::vector<std::uint8_t> registers(std::uint16_t first, std::uint16_t count, Instant now,
-                                      inputs::Random& random) const;
+  bool has_registers(std::uint8_t function, std::uint16_t first, std::uint16_t count) const;
+  std::vector<std::uint16_t> our_registers(Instant now, inputs::Random& random) const;
+  std::vector<std::uint16_t> blocks() const;
+  template <class Test>
+  bool has_stayed(Instant from, Test test) const;
 
   std::deque<Stay> places_;
   Duration lateness_{};

@@ -16,6 +16,8 @@ namespace {
 
 // So often a unit answers that had another serial before it is believed.
 constexpr std::uint32_t sightings = 3;
+// The blocks of one sweep follow each other.
+constexpr Duration sweep_max = 15s;
 // Where some of its answers are spoilt in between.
 constexpr std::uint32_t sightings_max = 12;
 
@@ -125,6 +127,7 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
     positioned_at = node.positioned_at;
     if (!node.has_position()) return {};
     ++positions;
+    positions_of_others += device->make != Make::ours;
     accepted_at_[node.serial.value] = now;
     const Instant asked = bus.asked_at(device->unit, now);
     // On a line without numbers an answer counts in its time alone; behind a converter the gateway
@@ -134,7 +137,17 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
     if (is_clear && device->answered_at <= looked_at_) {
       return "a position is accepted, and no answer to the last question came in its time";
     }
-    if (!device->held(node.position, asked)) {
+    const bool is_in_blocks = device->make != Make::ours;
+    if (is_in_blocks && asked >= began_ && now - asked > sweep_max) {
+      return "a position is accepted, and its first block was asked for " +
+             std::to_string(seconds_of(now - asked)) + " s ago";
+    }
+    // Of who moves between two blocks, and has not said how fast, each coordinate counts for
+    // itself; of two at one address either may say one block.
+    const bool was_there = device->make == Make::in_blocks
+                               ? device->held_apart(node.position, asked)
+                               : device->held(node.position, asked);
+    if (!was_there && !(is_in_blocks && site_.is_doubled(*device))) {
       return "position " + text_of(node.position) + " is accepted, and it was at " +
              text_of(device->place()) + " when it was asked " +
              std::to_string(seconds_of(now - asked)) + " s ago";

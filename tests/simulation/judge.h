@@ -29,6 +29,7 @@ class Judge {
   std::string look_at_rest(GatewayRun& run);
 
   std::uint64_t positions = 0;
+  std::uint64_t positions_of_others = 0;  // of another make
   std::uint64_t generations = 0;
   std::uint64_t rebuilt = 0;
 

@@ -21,14 +21,18 @@ namespace {
 class Life {
  public:
   Life(std::uint64_t seed, Company company)
-      : random_(seed), clock_(), wall_clock_(clock_), site_(random_, clock_.now()), judge_(site_) {
+      : random_(seed),
+        clock_(),
+        wall_clock_(clock_),
+        site_(random_, company == Company::others_and_makes, clock_.now()),
+        judge_(site_) {
     for (std::uint32_t& weight : weights_) weight = static_cast<std::uint32_t>(random_.below(4));
     // What mends is never rarer than what breaks.
     for (const Event event : {Event::get_well, Event::plug_in, Event::mend_bus, Event::mend_disk}) {
       weights_[static_cast<std::size_t>(event)] += 3;
     }
     pause_ = std::array{3s, 20s, 120s, 600s}[random_.index(4)];
-    if (company == Company::others) {
+    if (company != Company::nobody) {
       others_ = std::make_unique<Others>(site_, seed, clock_.now());
       judge_.set_others(others_.get());
     }
@@ -53,6 +57,7 @@ class Life {
     if (outcome_.wrong.empty()) ebb();
     outcome_.lived = clock_.now() - begin;
     outcome_.positions = judge_.positions;
+    outcome_.positions_of_others = judge_.positions_of_others;
     outcome_.generations = judge_.generations;
     outcome_.rebuilt = judge_.rebuilt;
     if (others_) outcome_.requests = others_->requests();
@@ -60,13 +65,18 @@ class Life {
   }
 
  private:
-  // All leave, one comes back, then all.
+  // All leave that say so, one comes back, then all.
   void ebb() {
     std::size_t there = site_.devices.size();
+    const auto silent = static_cast<std::size_t>(
+        std::ranges::count_if(site_.devices, [](const std::unique_ptr<Device>& device) {
+          return device->make != Make::ours && !device->is_replaced;
+        }));
     for (const std::size_t staying : {std::size_t{0}, std::size_t{1}, there}) {
       there = 0;
       for (const auto& device : site_.devices) {
-        if (!device->is_replaced) device->is_leaving = there++ >= staying;
+        if (device->is_replaced || device->make != Make::ours) continue;
+        device->is_leaving = there++ >= staying;
       }
       run_until(clock_.now() + 1min, false);
       std::string shown;
@@ -77,7 +87,7 @@ class Life {
         shown += " " + std::to_string(vertex.serial.value);
         ++count;
       }
-      if (outcome_.wrong.empty() && staying < there && count != staying) {
+      if (outcome_.wrong.empty() && staying < there && count != staying + silent) {
         note("all but " + std::to_string(staying) +
              " have left, and these are in the mesh:" + shown);
       }
@@ -229,6 +239,8 @@ class Life {
         }
         break;
       case Event::leave:
+        // The other make says nothing of it.
+        if (device.make != Make::ours) break;
         device.is_leaving = !device.is_leaving;
         device.disturb(now);
         break;

@@ -44,15 +44,17 @@ struct Outcome {
   std::string wrong;  // and when; empty: nothing is
   port::Duration lived{};
   std::uint64_t steps = 0;
-  std::uint64_t positions = 0;  // that were accepted
+  std::uint64_t positions = 0;            // that were accepted
+  std::uint64_t positions_of_others = 0;  // of these, of another make
   std::uint64_t generations = 0;
   std::uint64_t rebuilt = 0;   // meshes that were compared with build()
   std::uint64_t requests = 0;  // of other programs, that units have answered
   std::array<std::uint64_t, event_count> events{};
 };
 
-// Who is there besides the site and its gateway: nobody, or all of Others.
-enum class Company : std::uint8_t { nobody, others };
+// Who is there besides the site and its gateway: nobody, or all of Others, also with devices of
+// other makes.
+enum class Company : std::uint8_t { nobody, others, others_and_makes };
 
 // Faults for so long, then rest and the last judgement.
 Outcome live(std::uint64_t seed, port::Duration faults, Company company);

@@ -17,7 +17,8 @@ from pathlib import Path
 
 DAYS = "60"
 # Those that want a rare meeting of faults begin at a life that has one.
-FIRST_OF = {"a_standstill_is_a_cost": "219", "numbers_that_are_owed_are_used_again": "238",
+FIRST_OF = {"a_position_that_jumps_counts": "89", "a_standstill_is_a_cost": "219",
+            "a_sweep_goes_on_after_any_time": "289", "numbers_that_are_owed_are_used_again": "238",
             "others_may_hold_a_bus": "28"}
 
 # Name: the file, a text that stands in it once, what stands there instead.
@@ -47,6 +48,12 @@ MUTANTS = {
     "another_node_at_a_unit_is_not_seen": (
         "firmware/nodes/admission.cpp", "if (conflict.sightings < sightings_wanted) return nullptr;",
         "return nullptr;"),
+    # Of a device that is read in blocks.
+    "a_sweep_goes_on_after_any_time": (
+        "firmware/polling/poller.cpp",
+        "if (units_[unit.value].swept_at + sweep_pause_max < now) units_[unit.value].block = 0;", ""),
+    "a_position_that_jumps_counts": (
+        "firmware/polling/jump_check.cpp", "if (jumps && !agrees) {", "if (jumps && !agrees && !last_) {"),
     # Whether a position is in time, and how old it may be.
     "a_late_answer_becomes_a_position": (
         "port/modbus/rtu_bus.cpp", "  unit.owed.add(request_.question, sent_at_, until);\n", ""),

@@ -16,8 +16,9 @@ constexpr std::uint64_t of_their_own = 0x9e3779b97f4a7c15;
 constexpr Duration fed_within = 600ms;
 // A code that has begun, and the next one to its end.
 constexpr Duration shown_within = 6s;
-// A unit is waited for its time, and once more where its answer may still be under way.
-constexpr Duration request_max = 15s;
+// A unit is waited for its time, and once more where its answer may still be under way; behind a
+// converter whose queue is full of requests that were given up, for each of these a second more.
+constexpr Duration request_max = 15s + 16s;
 
 }  // namespace
 

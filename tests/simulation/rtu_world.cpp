@@ -56,7 +56,9 @@ bool RtuWorld::write(std::span<const std::uint8_t> frame, std::string& why) {
   const Instant asked = now_ + on_the_network() + time_of(frame.size());
   const bool is_clients =
       clients != nullptr && clients->is_sending(frame[0], frame.subspan(1, frame.size() - 3));
-  if (!is_clients && frame.size() == 8 && (frame[1] == 3 || frame[1] == 4)) {
+  const bool begins = frame.size() == 8 && (frame[1] == read_holding || frame[1] == read_input) &&
+                      (frame[2] << 8 | frame[3]) < second_block;
+  if (!is_clients && begins) {
     asked_before[frame[0]] = std::exchange(asked_at[frame[0]], now_);
   }
   // Two who talk at once spoil each other's bytes.

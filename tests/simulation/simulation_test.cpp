@@ -53,7 +53,9 @@ TEST(Simulation, AGatewayLivesThroughAllOfIt) {
   std::uint64_t wrong = 0;
   for (std::uint64_t seed = first; seed < first + count; ++seed) {
     // Of three one with nobody else.
-    const Company company = seed % 3 == 0 ? Company::nobody : Company::others;
+    const Company company = seed % 3 == 0   ? Company::nobody
+                            : seed % 4 == 1 ? Company::others_and_makes
+                                            : Company::others;
     const Outcome life = live(seed, hours_each * 1h, company);
     if (!life.wrong.empty()) {
       ADD_FAILURE() << "seed " << seed << ", " << life.wrong
@@ -65,16 +67,19 @@ TEST(Simulation, AGatewayLivesThroughAllOfIt) {
     all.lived += life.lived;
     all.steps += life.steps;
     all.positions += life.positions;
+    all.positions_of_others += life.positions_of_others;
     all.generations += life.generations;
     all.rebuilt += life.rebuilt;
     all.requests += life.requests;
     for (std::size_t i = 0; i < event_count; ++i) all.events[i] += life.events[i];
   }
   std::printf(
-      "%.1f days, %llu steps, %llu positions, %llu generations, %llu compared with build(), "
+      "%.1f days, %llu steps, %llu positions, %llu of others, %llu generations, "
+      "%llu compared with build(), "
       "%llu answers to others\n",
       std::chrono::duration<double>(all.lived).count() / 86400,
       static_cast<unsigned long long>(all.steps), static_cast<unsigned long long>(all.positions),
+      static_cast<unsigned long long>(all.positions_of_others),
       static_cast<unsigned long long>(all.generations),
       static_cast<unsigned long long>(all.rebuilt), static_cast<unsigned long long>(all.requests));
   // Else it would have shown nothing.
@@ -83,6 +88,7 @@ TEST(Simulation, AGatewayLivesThroughAllOfIt) {
   // One life that is lived again may have no others.
   if (count > 1) {
     EXPECT_GT(all.requests, 0u);
+    EXPECT_GT(all.positions_of_others, 0u);
   }
 }
 

@@ -1,5 +1,6 @@
 #include "site_file.h"
 
+#include <algorithm>
 #include <sstream>
 
 namespace etcm::simulation {
@@ -22,6 +23,9 @@ void write_bus(std::ostream& out, std::size_t number, const BusText& bus) {
   }
   out << "units = \"1-" << int{bus.units} << "\"\n";
   if (bus.is_shared) out << "share = \"127.0.0.1:" << 1510 + number << "\"\n";
+  if (bus.first_make != Make::ours) {
+    out << "[[bus.device]]\nunits = \"1\"\nprofile = \"" << profile_name(bus.first_make) << "\"\n";
+  }
 }
 
 }  // namespace
@@ -42,6 +46,10 @@ std::string SiteFile::text() const {
         << "\"\n";
   }
   for (std::size_t i = 0; i < buses.size(); ++i) write_bus(out, i, buses[i]);
+  for (const Make make : {Make::in_blocks, Make::checked}) {
+    if (std::ranges::find(buses, make, &BusText::first_make) != buses.end())
+      out << profile_of(make);
+  }
   for (const auto& [from, to] : features) {
     out << "[[feature]]\nfrom = " << from << "\nto = " << to << "\n";
   }

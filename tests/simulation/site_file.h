@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "device.h"
 #include "etcm/port/clock.h"
 
 namespace etcm::simulation {
@@ -18,8 +19,9 @@ struct BusText {
   LinkKind kind = LinkKind::serial;
   std::uint32_t baud = 19200;
   std::uint32_t outstanding = 1;
-  std::uint8_t units = 0;  // from 1 to this one
-  bool is_shared = false;  // with other programs
+  std::uint8_t units = 0;        // from 1 to this one
+  bool is_shared = false;        // with other programs
+  Make first_make = Make::ours;  // of its first unit
 };
 
 struct SiteFile {

@@ -13,7 +13,8 @@ constexpr std::int32_t side = 3000;
 
 }  // namespace
 
-SiteWorld::SiteWorld(inputs::Random& chance, Instant now) : random(chance), disk(chance) {
+SiteWorld::SiteWorld(inputs::Random& chance, bool has_other_makes, Instant now)
+    : random(chance), disk(chance) {
   const std::size_t bus_count = 1 + random.index(3);
   std::uint32_t unit_count = 0;
   buses.resize(bus_count);
@@ -21,7 +22,8 @@ SiteWorld::SiteWorld(inputs::Random& chance, Instant now) : random(chance), disk
     const auto nodes = static_cast<std::uint8_t>(2 + random.below(6));
     // One that is expected and never was.
     const auto units = static_cast<std::uint8_t>(nodes + random.below(2));
-    open_bus(number, units);
+    const Make make = number % 2 == 0 ? Make::in_blocks : Make::checked;
+    open_bus(number, units, has_other_makes ? make : Make::ours);
     for (std::uint8_t unit = 1; unit <= nodes; ++unit) add(number, unit, now);
     unit_count += units;
   }
@@ -31,10 +33,11 @@ SiteWorld::SiteWorld(inputs::Random& chance, Instant now) : random(chance), disk
   draw_times(whole);
   draw_features(whole);
   file = whole;
+  pass_to(now);
 }
 
-void SiteWorld::open_bus(std::size_t number, std::uint8_t units) {
-  BusText text{.units = units};
+void SiteWorld::open_bus(std::size_t number, std::uint8_t units, Make first_make) {
+  BusText text{.units = units, .first_make = first_make};
   // Drawn aside, so that lives are what they were before there were such lines.
   inputs::Random aside = random;
   text.kind = random.below(3) != 0 ? LinkKind::serial : LinkKind::converter;
@@ -98,7 +101,8 @@ Position SiteWorld::free_place() {
 }
 
 Device& SiteWorld::add(std::size_t bus, std::uint8_t unit, Instant now) {
-  devices.push_back(std::make_unique<Device>(next_serial_++, unit, free_place(), now));
+  const Make make = unit == 1 ? whole.buses[bus].first_make : Make::ours;
+  devices.push_back(std::make_unique<Device>(next_serial_++, unit, make, free_place(), now));
   buses[bus].devices.push_back(devices.back().get());
   return *devices.back();
 }

@@ -43,7 +43,7 @@ inline constexpr Duration standstill_cost_max = std::chrono::seconds(1600);
 
 class SiteWorld {
  public:
-  SiteWorld(inputs::Random& random, Instant now);
+  SiteWorld(inputs::Random& random, bool has_other_makes, Instant now);
 
   void pass_to(Instant now);
   Instant next() const;
@@ -108,7 +108,7 @@ class SiteWorld {
   std::vector<Device*> twins;
 
  private:
-  void open_bus(std::size_t number, std::uint8_t units);
+  void open_bus(std::size_t number, std::uint8_t units, Make first_make);
 
   test::ScratchFolder folder_of_file_;
   std::uint32_t next_serial_ = 1001;
