@@ -12,7 +12,7 @@ inline constexpr int thinning_if_slow = 10;
 inline constexpr bool is_emulated = true;
 #else
 #ifdef __SANITIZE_ADDRESS__
-inline constexpr int thinning_if_slow = 6;
+inline constexpr int thinning_if_slow = 3;
 #else
 inline constexpr int thinning_if_slow = 1;
 #endif
