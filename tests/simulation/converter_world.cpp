@@ -40,9 +40,7 @@ void ConverterWorld::send(std::span<std::uint8_t> frame, std::uint16_t transacti
                           std::uint8_t address, std::size_t pdu_bytes) {
   const auto pdu = frame.subspan(port::mbap_header_bytes, pdu_bytes);
   const bool is_clients = clients != nullptr && clients->is_sending(address, pdu);
-  const bool begins =
-      (pdu[0] == read_holding || pdu[0] == read_input) && (pdu[1] << 8 | pdu[2]) < second_block;
-  if (!is_clients && begins) {
+  if (!is_clients && begins_a_sweep(pdu)) {
     asked_before[address] = std::exchange(asked_at[address], now_);
   }
   if (hangs || queue_.size() >= habits_.queue_max) return;

@@ -33,6 +33,11 @@ std::vector<std::uint8_t> exception(std::uint8_t function, std::uint8_t code) {
 
 }  // namespace
 
+bool begins_a_sweep(std::span<const std::uint8_t> pdu) {
+  return pdu.size() == 5 && (pdu[0] == read_holding || pdu[0] == read_input) &&
+         word(pdu, 1) < second_block;
+}
+
 const char* profile_name(Make make) { return make == Make::checked ? "checked" : "in-blocks"; }
 
 std::string profile_of(Make make) {

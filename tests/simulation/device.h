@@ -49,6 +49,8 @@ enum class Make : std::uint8_t {
 };
 // Where the second block begins; whoever reads there has read the first one.
 inline constexpr std::uint16_t second_block = 20;
+// Whether this request, without its frame, reads what a gateway asks for first.
+bool begins_a_sweep(std::span<const std::uint8_t> pdu);
 // The profile of a make other than ours, for a site that counts in units of the mesh, and its name.
 std::string profile_of(Make make);
 const char* profile_name(Make make);

@@ -56,9 +56,7 @@ bool RtuWorld::write(std::span<const std::uint8_t> frame, std::string& why) {
   const Instant asked = now_ + on_the_network() + time_of(frame.size());
   const bool is_clients =
       clients != nullptr && clients->is_sending(frame[0], frame.subspan(1, frame.size() - 3));
-  const bool begins = frame.size() == 8 && (frame[1] == read_holding || frame[1] == read_input) &&
-                      (frame[2] << 8 | frame[3]) < second_block;
-  if (!is_clients && begins) {
+  if (!is_clients && begins_a_sweep(frame.subspan(1, frame.size() - 3))) {
     asked_before[frame[0]] = std::exchange(asked_at[frame[0]], now_);
   }
   // Two who talk at once spoil each other's bytes.
