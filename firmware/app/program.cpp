@@ -68,8 +68,9 @@ Program::Program(std::string config, std::shared_ptr<const Settings> settings,
   open_disks();
   make_gateway(buses);
   integrations_.emplace(*settings_, ETCM_VERSION, *gateway_, broker_, wall_clock_);
-  server_report_.step();
   open_desk();
+  // Whoever reads that the mesh is served may give commands from then on.
+  server_report_.step();
   watch_.emplace(manager_, *gateway_,
                  WatchedServers{.masters = server_.counters(), .readers = readers_}, refusal_,
                  log_);
@@ -98,8 +99,8 @@ void Program::open_desk() {
                               .disk_of_alarms = desk_->disk_of_alarms(),
                               .resident_bytes = port::resident_bytes,
                               .heap_bytes = port::heap_bytes};
-  if (settings_->http) web_.emplace(*settings_->http, sources, readers_, loop_, log_);
   desk_->open(*settings_, *gateway_, sources, loop_);
+  if (settings_->http) web_.emplace(*settings_->http, sources, readers_, loop_, log_);
 }
 
 void Program::open_mesh() {

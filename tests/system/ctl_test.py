@@ -201,6 +201,9 @@ class OnTheMachine(GatewayCase):
         (self.folder / "other.toml").write_text(other)
         second = self.start("second", [PROGRAMS / "etcm-gateway", "--config", "other.toml"])
         second.wait_for_line(r"takes no commands: cannot listen at \S+ \(Address already in use\)")
+        # Commands first: who reads that the mesh is served may give them.
+        second.wait_for_line(r"serves the mesh")
+        self.assertRegex(second.log(), r"(?s)takes no commands.*serves the mesh")
         second.stop()
         self.assertEqual(self.tell("list"), "nothing is wrong\n")
 
