@@ -10,6 +10,10 @@ namespace {
 
 // A node may be busy for a moment with its change of unit.
 constexpr std::uint8_t verifications_max = 3;
+// Of several at the default unit one was heard, and the next one's answer falls into what is asked
+// then; by the next time it has ended.
+constexpr std::uint8_t looks_max = 3;
+constexpr port::Duration look_pause = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -65,6 +69,8 @@ UnitIndex AddressAssigner::done(BusIndex bus, const port::BusAnswer& answer, por
       // Whatever answers there, it is not free.
       if (port::is_absence(answer)) {
         job.step = Step::write;
+      } else if (answer.result == port::BusResult::bad_answer && ++job.tries < looks_max) {
+        job.due = now + look_pause;
       } else {
         choose(bus, false, now);
       }
@@ -75,7 +81,7 @@ UnitIndex AddressAssigner::done(BusIndex bus, const port::BusAnswer& answer, por
       } else {
         // It may have changed before it could answer.
         job.step = Step::verify;
-        job.verified = 0;
+        job.tries = 0;
       }
       break;
     case Step::verify: {
@@ -94,7 +100,7 @@ UnitIndex AddressAssigner::done(BusIndex bus, const port::BusAnswer& answer, por
         end(job, now);
         return unit;
       }
-      if (++job.verified == verifications_max) give_up(job, "it does not answer there", now);
+      if (++job.tries == verifications_max) give_up(job, "it does not answer there", now);
       break;
     }
   }
@@ -123,6 +129,7 @@ void AddressAssigner::choose(BusIndex bus, bool is_first, port::Instant now) {
   std::tie(job.unit_used_at, job.unit_index) = best;
   if (!job.unit_index.is_none()) {
     job.step = Step::look;
+    job.tries = 0;
     job.due = now;
     return;
   }

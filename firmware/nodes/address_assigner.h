@@ -1,6 +1,7 @@
 // Gives nodes that answer at the default unit a unit of their own.
 //
-// First the new unit is asked; where it does not answer, the node is written its new
+// First the new unit is asked, more than once where the answer is spoilt: others who wait at the
+// default unit talk into it. Where it does not answer, the node is written its new
 // unit together with its serial, so that only the node with that serial takes it, however many wait
 // at the default unit; then it must answer at the new unit. One node of a bus at a time.
 //
@@ -51,7 +52,7 @@ class AddressAssigner {
     Serial serial;
     UnitIndex unit_index;          // the new one
     port::Instant unit_used_at{};  // as it was when the unit was chosen
-    std::uint8_t verified = 0;     // so often in vain
+    std::uint8_t tries = 0;        // of the step, in vain
     Serial last_serial;
     port::Instant retry_at{};  // with the same node as last time
     bool is_full = false;      // and said so

@@ -104,6 +104,29 @@ TEST_F(Joining, AUnitWhereSomebodyAnswersAfterAllIsNotGiven) {
 }
 
 // Its battery is changed while newcomers wait: they must not be where it comes back.
+// Of two at the default unit one is heard, and the other one's answer falls into what is asked
+// next.
+TEST_F(Joining, AUnitIsAskedOnceMoreWhereAnotherHasTalkedIntoTheAnswer) {
+  bus().assign = {{.first = 10, .last = 10}};
+  rig_.bus.set_result(10, port::BusResult::bad_answer);
+  put(247, 77);
+  rig_.run(800ms);
+  EXPECT_TRUE(rig_.bus.written.empty());
+  rig_.bus.silence(10);
+  rig_.run(2s);
+  EXPECT_EQ(rig_.log.count("node 77 has unit 10 of yard now"), 1u) << logged();
+  EXPECT_EQ(rig_.log.count("no unit is free"), 0u) << logged();
+}
+
+// Two who have one unit are never understood either.
+TEST_F(Joining, AUnitWhoseAnswersAreAlwaysSpoiltIsNotGiven) {
+  bus().assign = {{.first = 10, .last = 11}};
+  rig_.bus.set_result(10, port::BusResult::bad_answer);
+  put(247, 77);
+  rig_.run(10s);
+  EXPECT_EQ(rig_.log.count("node 77 has unit 11 of yard now"), 1u) << logged();
+}
+
 TEST_F(Joining, AUnitWhoseNodeIsAwayIsGivenLast) {
   bus().units = {{.first = 1, .last = 1}};
   bus().assign = {{.first = 10, .last = 13}};
