@@ -103,8 +103,12 @@ void BrokerModel::deliver(Session& session, const ModelMessage& message, bool is
   std::deque<Session::Incoming>& queue = session.incoming[message.topic];
   Instant at = later(now);
   if (!queue.empty()) at = std::max(at, queue.back().at);
-  if (!habits_.reorders) at = session.last_incoming = std::max(at, session.last_incoming);
-  queue.push_back({.message = message, .was_retained = is_retained, .at = at, .number = 0});
+  if (!habits_.reorders || message.is_in_order) {
+    at = session.last_incoming = std::max(at, session.last_incoming);
+  }
+  const std::uint64_t number = message.is_in_order ? ++session.last_number : 0;
+  queue.push_back({.message = message, .was_retained = is_retained, .at = at, .number = number});
+  if (message.is_in_order) return;
   std::deque<ModelMessage>& history = session.history[message.topic];
   history.push_back(message);
   if (history.size() > history_max) history.pop_front();
@@ -166,11 +170,13 @@ void BrokerModel::set_bridge(bool is_up, Instant now) {
   }
 }
 
-std::shared_ptr<Session> BrokerModel::connect(std::size_t side,
+std::shared_ptr<Session> BrokerModel::connect(std::size_t side, const std::string& name,
                                               const std::vector<std::string>& filters,
                                               const ModelMessage& will, Instant now) {
+  if (!name.empty()) take_over(name, now);
   const auto session = std::make_shared<Session>();
   session->side = side;
+  session->name = name;
   session->filters = filters;
   session->will = will;
   sessions_.push_back(session);
@@ -183,6 +189,17 @@ std::shared_ptr<Session> BrokerModel::connect(std::size_t side,
     }
   }
   return session;
+}
+
+// Of what the earlier one of this name has sent, nothing is taken any more.
+void BrokerModel::take_over(const std::string& name, Instant now) {
+  for (const auto& session : sessions_) {
+    if (session->name == name) session->sent.clear();
+  }
+  for (Due& due : wills_) {
+    if (due.name == name) due.at = now;
+  }
+  step(now);
 }
 
 void BrokerModel::send(Session& session, ModelMessage message, std::uint32_t token, Instant now) {
@@ -203,7 +220,8 @@ void BrokerModel::end(Session& session, bool is_noticed_at_once, Instant now) {
                    : now + port::Duration(static_cast<std::int64_t>(random_.below(most + 1)));
   if (!session.sent.empty()) at = std::max(at, session.sent.back().at);
   if (!session.will.topic.empty()) {
-    wills_.push_back({.at = at, .side = session.side, .message = session.will});
+    wills_.push_back(
+        {.at = at, .side = session.side, .message = session.will, .name = session.name});
   }
 }
 
@@ -214,7 +232,8 @@ void ModelClient::close(bool is_noticed_at_once, Instant now) {
 void ModelClient::set_last_will(const port::BrokerMessage& message) {
   will_ = {.topic = std::string(message.topic),
            .payload = std::string(message.payload),
-           .is_retained = message.retained};
+           .is_retained = message.retained,
+           .is_in_order = !name_.empty()};
 }
 
 void ModelClient::subscribe(std::span<const std::string> filters) {
@@ -230,14 +249,15 @@ bool ModelClient::publish(const port::BrokerMessage& message, std::uint32_t toke
   broker_.send(*session_,
                {.topic = std::string(message.topic),
                 .payload = std::string(message.payload),
-                .is_retained = message.retained},
+                .is_retained = message.retained,
+                .is_in_order = !name_.empty() && message.at_most_once},
                token, now_);
   return true;
 }
 
 void ModelClient::connect_if_due(Instant now) {
   if (is_connected() || !has_network_ || now < retry_at_) return;
-  session_ = broker_.connect(side_, filters_, will_, now);
+  session_ = broker_.connect(side_, name_, filters_, will_, now);
   is_told_ = true;
   ++counters_.connections;
   listener_->on_connected(clock_.at(now));
@@ -249,12 +269,15 @@ void ModelClient::take_incoming(Instant now) {
     std::vector<std::deque<Session::Incoming>*> ready;
     std::erase_if(session_->incoming, [](const auto& entry) { return entry.second.empty(); });
     for (auto& [topic, queue] : session_->incoming) {
-      if (queue.front().at <= now) ready.push_back(&queue);
+      const Session::Incoming& first = queue.front();
+      const bool has_turn = first.number == 0 || first.number == session_->heard_number + 1;
+      if (first.at <= now && has_turn) ready.push_back(&queue);
     }
     if (ready.empty()) return;
     for (std::deque<Session::Incoming>* const queue : ready) {
       const Session::Incoming next = std::move(queue->front());
       queue->pop_front();
+      if (next.number != 0) session_->heard_number = next.number;
       listener_->on_message({.topic = next.message.topic,
                              .payload = next.message.payload,
                              .retained = next.was_retained},

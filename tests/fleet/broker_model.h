@@ -7,7 +7,9 @@
 //   after what has come since.
 // - A subscription brings what is retained, in any order; an empty payload takes it away.
 // - A connection that ends without a farewell has its will published: at once, or when the broker
-//   has noticed. A session ends with its connection.
+//   has noticed, or when one of the same name connects. A session ends with its connection.
+// - What a connection with a name sends at most once (QoS 0) comes in the order in which it was
+//   sent, and never again: brokers do so, and Sparkplug counts on it.
 // - A broker that starts again has no connections and no wills, and of what was retained what it
 //   had written to its disk: all, some, none, or an older state.
 // Two brokers may be joined by a bridge, which hands on what each takes; when it comes back, each
@@ -36,6 +38,7 @@ struct ModelMessage {
   std::string topic;
   std::string payload;
   bool is_retained = false;
+  bool is_in_order = false;
 };
 
 enum class Memory : std::uint8_t { all, some, none, older };
@@ -73,7 +76,8 @@ class BrokerModel {
 
   // --- for ModelClient
   struct Session;
-  std::shared_ptr<Session> connect(std::size_t side, const std::vector<std::string>& filters,
+  std::shared_ptr<Session> connect(std::size_t side, const std::string& name,
+                                   const std::vector<std::string>& filters,
                                    const ModelMessage& will, Instant now);
   void send(Session& session, ModelMessage message, std::uint32_t token, Instant now);
   void end(Session& session, bool is_noticed_at_once, Instant now);
@@ -83,11 +87,13 @@ class BrokerModel {
     Instant at;
     std::size_t side;
     ModelMessage message;
+    std::string name{};  // of the connection whose will it is
   };
   Instant later(Instant now) {
     const auto most = static_cast<std::uint64_t>(habits_.delay_max.count());
     return now + port::Duration(static_cast<std::int64_t>(random_.below(most + 1)));
   }
+  void take_over(const std::string& name, Instant now);
   void take(std::size_t side, const ModelMessage& message, bool is_from_bridge, Instant now);
   void deliver(Session& session, const ModelMessage& message, bool is_retained, Instant now);
 
@@ -111,9 +117,10 @@ struct BrokerModel::Session {
     ModelMessage message;
     bool was_retained;
     Instant at;
-    std::uint64_t number;
+    std::uint64_t number;  // of those that come in order, from 1; 0: it is none
   };
   std::size_t side = 0;
+  std::string name;
   std::vector<std::string> filters;
   ModelMessage will;
   bool is_open = true;
@@ -123,14 +130,17 @@ struct BrokerModel::Session {
   std::map<std::string, std::deque<ModelMessage>> history;
   Instant last_sent{};
   Instant last_incoming{};
+  std::uint64_t last_number = 0;   // of those that come in order
+  std::uint64_t heard_number = 0;  // of the last that was heard
 };
 
 // One connection that is brought back for ever. Its time is that of the broker; its listener hears
-// the times of the clock.
+// the times of the clock. Without a name it has another one each time.
 class ModelClient final : public port::MessageBroker {
  public:
-  ModelClient(BrokerModel& broker, Random& random, std::size_t side, const MemberClock& clock)
-      : broker_(broker), random_(random), side_(side), clock_(clock) {}
+  ModelClient(BrokerModel& broker, Random& random, std::size_t side, const MemberClock& clock,
+              std::string name = {})
+      : broker_(broker), random_(random), side_(side), clock_(clock), name_(std::move(name)) {}
   ~ModelClient() { close(false, Instant{}); }
   ModelClient(const ModelClient&) = delete;
   ModelClient& operator=(const ModelClient&) = delete;
@@ -162,6 +172,7 @@ class ModelClient final : public port::MessageBroker {
   Random& random_;
   std::size_t side_;
   const MemberClock& clock_;
+  const std::string name_;
   port::BrokerListener* listener_ = nullptr;
   port::BrokerCounters counters_;
   ModelMessage will_;

@@ -151,6 +151,17 @@ TEST_F(RtuOverTcp, AConnectionThatIsClosedIsMadeAgain) {
   EXPECT_EQ(wait_for_result(), BusResult::ok);
 }
 
+TEST_F(RtuOverTcp, AConnectionThatIsBeingMadeIsGivenUpByClosing) {
+  line_.emplace(loop_, endpoint_of(address_));
+  std::string why;
+  ASSERT_TRUE(line_->open(now_, why));
+  ASSERT_NE(line_->next_deadline(), never);
+  line_->close();
+  EXPECT_EQ(line_->next_deadline(), never);
+  for (int turns = 0; turns < 3; ++turns) loop_.wait(1ms);
+  EXPECT_FALSE(line_->is_ready());
+}
+
 TEST_F(RtuOverTcp, AServerThatIsNotThereIsTriedAgainAndSaidOnce) {
   listener_.close();
   open();

@@ -14,6 +14,8 @@ constexpr Duration remembered = 10min;
 
 constexpr std::uint8_t write_one = 6, write_many = 16;
 constexpr std::uint8_t illegal_function = 1, illegal_address = 2, device_busy = 6;
+constexpr std::uint16_t assignment_first = 100, assignment_count = 4, assignment_commit = 0x4554;
+constexpr std::uint8_t device_failure = 4;
 constexpr std::uint16_t configuration_first = 200, configuration_end = 443;
 constexpr std::uint16_t fix_valid = 1, leaving = 1 << 5;
 // Where the first block begins, how many registers each has, so that the answers look alike, and a
@@ -131,9 +133,27 @@ std::vector<std::uint16_t> Device::our_registers(Instant now, inputs::Random& ra
   return all;
 }
 
+std::vector<std::uint8_t> Device::take(std::span<const std::uint8_t> pdu) {
+  const std::uint16_t first = word(pdu, 1), count = word(pdu, 3);
+  const std::vector<std::uint8_t> taken(pdu.begin(), pdu.begin() + 5);
+  if (first >= configuration_first && first + count <= configuration_end) return taken;
+  if (first != assignment_first || count != assignment_count || pdu[5] != 2 * assignment_count) {
+    return exception(pdu[0], illegal_address);
+  }
+  const std::uint16_t other = word(pdu, 6);
+  // It is for another one, or for nobody.
+  if (word(pdu, 8) != high(serial) || word(pdu, 10) != low(serial)) return {};
+  if (word(pdu, 12) != assignment_commit || other < 1 || other > newcomers_unit) return {};
+  if (keeps_unit) return exception(pdu[0], device_failure);
+  unit = static_cast<std::uint8_t>(other);
+  return taken;
+}
+
 std::optional<Device::Answer> Device::hear(std::span<const std::uint8_t> pdu, Instant now,
                                            Duration timeout, inputs::Random& random) {
-  if (!is_plugged_in || is_replaced || ailment == Ailment::dead || pdu.empty()) return std::nullopt;
+  if (!is_plugged_in || is_replaced || now < silent_until || ailment == Ailment::dead ||
+      pdu.empty())
+    return std::nullopt;
   if (ailment == Ailment::forgetful && (now.time_since_epoch() / 7s) % 2 == 0) return std::nullopt;
   Answer answer{.pdu = exception(pdu[0], illegal_function), .after = 5ms, .is_sound = false};
   switch (ailment) {
@@ -150,6 +170,8 @@ std::optional<Device::Answer> Device::hear(std::span<const std::uint8_t> pdu, In
     default:
       break;
   }
+  // So that of several each is heard now and then.
+  if (unit == newcomers_unit) answer.after += random.below(100) * 1ms;
   if (ailment == Ailment::busy) {
     answer.pdu = exception(pdu[0], device_busy);
     return answer;
@@ -170,10 +192,8 @@ std::optional<Device::Answer> Device::hear(std::span<const std::uint8_t> pdu, In
     answer.is_sound = answer.after <= timeout && ailment != Ailment::torn && is_last;
   } else if (make == Make::ours && pdu[0] == write_many && pdu.size() >= 6 &&
              pdu.size() == 6u + pdu[5]) {
-    const std::uint16_t first = word(pdu, 1), count = word(pdu, 3);
-    const bool is_there = first >= configuration_first && first + count <= configuration_end;
-    answer.pdu = is_there ? std::vector<std::uint8_t>(pdu.begin(), pdu.begin() + 5)
-                          : exception(pdu[0], illegal_address);
+    answer.pdu = take(pdu);
+    if (answer.pdu.empty()) return std::nullopt;
   } else if (make == Make::ours && pdu[0] == write_one && pdu.size() == 5) {
     answer.pdu = exception(pdu[0], illegal_address);
   }

@@ -40,6 +40,9 @@ inline constexpr std::uint8_t read_holding = 3, read_input = 4;
 // That it has, from the first.
 inline constexpr std::uint16_t position_registers = 12;
 
+// Where a node answers that has no unit of its own.
+inline constexpr std::uint8_t newcomers_unit = 247;
+
 // What its registers are.
 enum class Make : std::uint8_t {
   ours,
@@ -92,12 +95,14 @@ class Device {
   Make make;
   Ailment ailment = Ailment::none;
   Instant undisturbed_since;
+  Instant silent_until{};     // nobody has plugged it in before
   Instant answered_at{};      // soundly and in time
   std::uint32_t answers = 0;  // such, since it was disturbed
   bool is_plugged_in = true;
   bool is_replaced = false;  // for good
   bool is_leaving = false;
-  bool had_twin = false;  // another one answered at its unit
+  bool had_twin = false;    // another one answered at its unit
+  bool keeps_unit = false;  // and takes no other one
 
  private:
   struct Stay {
@@ -105,6 +110,8 @@ class Device {
     Position position;
   };
 
+  // To a write of several registers; empty: nothing.
+  std::vector<std::uint8_t> take(std::span<const std::uint8_t> pdu);
   bool has_registers(std::uint8_t function, std::uint16_t first, std::uint16_t count) const;
   std::vector<std::uint16_t> our_registers(Instant now, inputs::Random& random) const;
   std::vector<std::uint16_t> blocks() const;

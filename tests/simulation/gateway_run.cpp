@@ -48,6 +48,7 @@ GatewayRun::GatewayRun(SiteWorld& site, const SimulatedClock& clock,
                                                                         .version = "simulated"});
   const Instant now = clock.now();
   gateway_->restore(now);
+  if (company_.sparkplug != nullptr) open_sparkplug(wall_clock);
   open_alarms(wall_clock, now);
   counters_.is_listening = true;
   page_.emplace(firmware::StatusSources{.gateway = *gateway_,
@@ -61,6 +62,16 @@ GatewayRun::GatewayRun(SiteWorld& site, const SimulatedClock& clock,
                                         .refusal = &refusal_},
                 PageReaders::count_max);
   readers_.emplace(*page_);
+}
+
+void GatewayRun::open_sparkplug(const port::WallClock& wall_clock) {
+  edge_node_.emplace(firmware::sparkplug::EdgeNodeNames{.group = settings_->mqtt->sparkplug,
+                                                        .edge_node = settings_->mqtt->name},
+                     *settings_, settings_->mqtt->period_min,
+                     firmware::sparkplug::Sources{.nodes = gateway_->nodes(),
+                                                  .mesh = gateway_->snapshot(),
+                                                  .readings = gateway_->readings()},
+                     *company_.sparkplug, wall_clock);
 }
 
 void GatewayRun::open_alarms(const port::WallClock& wall_clock, Instant now) {
@@ -134,6 +145,7 @@ bool GatewayRun::reload(Instant now) {
   settings_ = std::move(next);
   const std::vector<firmware::PolledBus> added = open_buses(known);
   gateway_->update_settings(settings_, added, now);
+  if (edge_node_) edge_node_->update_settings(gateway_->settings());
   if (announcer_) announcer_->update_settings(gateway_->settings());
   return true;
 }
@@ -142,7 +154,9 @@ bool GatewayRun::reload(Instant now) {
 void GatewayRun::step(Instant now) {
   if (board_) board_->step(now);
   if (company_.broker != nullptr) company_.broker->step(now);
+  if (company_.sparkplug != nullptr) company_.sparkplug->step(now);
   gateway_->step(now);
+  if (edge_node_) edge_node_->step(now);
   if (announcer_) announcer_->step(now);
   if (alarms_->next_deadline() <= now) alarms_->step(now);
   if (teller_ && teller_->next_deadline() <= now) teller_->step(now);
@@ -153,6 +167,7 @@ Instant GatewayRun::next_deadline() const {
   Instant next =
       std::min({gateway_->next_deadline(), alarms_->next_deadline(), page_->next_deadline()});
   if (board_) next = std::min(next, board_->next_deadline());
+  if (edge_node_) next = std::min(next, edge_node_->next_deadline());
   if (announcer_) next = std::min({next, announcer_->next_deadline(), teller_->next_deadline()});
   return next;
 }

@@ -14,6 +14,7 @@
 #include "firmware/gateway/board_io.h"
 #include "firmware/gateway/gateway.h"
 #include "firmware/home_assistant/announcer.h"
+#include "firmware/sparkplug/edge_node.h"
 #include "firmware/status/recent_events.h"
 #include "firmware/status/status_page.h"
 #include "fleet/broker_model.h"
@@ -48,6 +49,7 @@ class TellingLog final : public port::Log {
 // What of a site is there for one run of its program, where there are others.
 struct GatewayCompany {
   test::ModelClient* broker = nullptr;
+  test::ModelClient* sparkplug = nullptr;  // has a broker then
   BoardWorld* board = nullptr;
   std::vector<BusClients*> clients{};  // by bus
 };
@@ -77,6 +79,7 @@ class GatewayRun {
   static std::shared_ptr<const firmware::Settings> read(const std::string& path);
   std::vector<firmware::PolledBus> open_buses(std::size_t first);
 
+  void open_sparkplug(const port::WallClock& wall_clock);
   void open_alarms(const port::WallClock& wall_clock, Instant now);
 
   SiteWorld& site_;
@@ -95,6 +98,7 @@ class GatewayRun {
   std::optional<firmware::AlarmWatch> alarms_;
   std::optional<firmware::AlarmTeller> teller_;
   std::optional<firmware::Announcer> announcer_;
+  std::optional<firmware::sparkplug::EdgeNode> edge_node_;
   std::optional<firmware::BoardIo> board_;
   std::optional<firmware::StatusPage> page_;
   std::optional<PageReaders> readers_;

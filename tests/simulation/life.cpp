@@ -9,6 +9,7 @@
 
 #include "gateway_run.h"
 #include "judge.h"
+#include "newcomers.h"
 #include "others.h"
 #include "site_world.h"
 
@@ -32,8 +33,10 @@ class Life {
       weights_[static_cast<std::size_t>(event)] += 3;
     }
     pause_ = std::array{3s, 20s, 120s, 600s}[random_.index(4)];
+    const bool has_newcomers = company == Company::others_and_newcomers;
+    if (has_newcomers) newcomers_ = std::make_unique<Newcomers>(site_, seed, clock_.now());
     if (company != Company::nobody) {
-      others_ = std::make_unique<Others>(site_, seed, clock_.now());
+      others_ = std::make_unique<Others>(site_, seed, has_newcomers, clock_.now());
       judge_.set_others(others_.get());
     }
     start();
@@ -55,11 +58,14 @@ class Life {
     if (outcome_.wrong.empty()) run_until(clock_.now() + 1min, false);
     look_at_rest();
     if (outcome_.wrong.empty()) ebb();
+    tell_devices();
     outcome_.lived = clock_.now() - begin;
     outcome_.positions = judge_.positions;
     outcome_.positions_of_others = judge_.positions_of_others;
     outcome_.generations = judge_.generations;
     outcome_.rebuilt = judge_.rebuilt;
+    if (newcomers_) outcome_.given = newcomers_->given();
+    if (others_) outcome_.births = others_->births();
     if (others_) outcome_.requests = others_->requests();
     return outcome_;
   }
@@ -95,8 +101,20 @@ class Life {
     look_at_rest();
   }
 
+  void tell_devices() const {
+    if (outcome_.wrong.empty() || std::getenv("ETCM_SIMULATION_VERBOSE") == nullptr) return;
+    for (const auto& device : site_.devices) {
+      if (device->is_replaced) continue;
+      std::printf("node %u at unit %u of bus %zu, ailment %d%s%s%s\n", device->serial, device->unit,
+                  site_.bus_of(*device), static_cast<int>(device->ailment),
+                  device->is_plugged_in ? "" : ", unplugged", device->is_leaving ? ", leaving" : "",
+                  site_.is_doubled(*device) ? ", not alone there" : "");
+    }
+  }
+
   void look_at_rest() {
     if (outcome_.wrong.empty()) note(judge_.look_at_rest(*run_));
+    if (outcome_.wrong.empty() && newcomers_) note(newcomers_->look_at_rest());
     if (outcome_.wrong.empty() && others_) note(others_->look_at_rest(*run_));
   }
 
@@ -128,6 +146,7 @@ class Life {
       }
       const Instant now = clock_.now();
       run_->step(now);
+      if (newcomers_) newcomers_->step(now);
       if (others_) note(others_->step(*run_, now));
       ++outcome_.steps;
       look_for_spinning(now);
@@ -135,6 +154,7 @@ class Life {
       Instant next = std::min({run_->next_deadline(), site_.next(), end});
       if (is_eventful) next = std::min(next, happens_at_);
       if (others_) next = std::min(next, others_->next());
+      if (newcomers_) next = std::min(next, newcomers_->next());
       pass_to(std::max(next, now + 1us));
     }
   }
@@ -387,7 +407,7 @@ class Life {
   void look_at_settings() {
     const firmware::Settings& settings = run_->gateway().settings();
     std::uint32_t units = 0;
-    for (const BusText& bus : site_.running.buses) units += bus.units;
+    for (const BusText& bus : site_.running.buses) units += bus.unit_count();
     if (run_->gateway().poller().unit_count() != units) {
       note(std::to_string(run_->gateway().poller().unit_count()) + " units are asked, not " +
            std::to_string(units));
@@ -458,6 +478,7 @@ class Life {
       device->fall_ill(Ailment::none, now, random_);
       if (!device->is_replaced) device->move(site_.free_place(), now);
     }
+    if (newcomers_) newcomers_->end_faults(now);
   }
 
   inputs::Random random_;
@@ -465,6 +486,7 @@ class Life {
   WallClockWorld wall_clock_;
   SiteWorld site_;
   Judge judge_;
+  std::unique_ptr<Newcomers> newcomers_;
   std::unique_ptr<Others> others_;
   std::unique_ptr<GatewayRun> run_;
   std::array<std::uint32_t, event_count> weights_{};

@@ -48,13 +48,15 @@ struct Outcome {
   std::uint64_t positions_of_others = 0;  // of these, of another make
   std::uint64_t generations = 0;
   std::uint64_t rebuilt = 0;   // meshes that were compared with build()
+  std::uint64_t given = 0;     // units, to nodes that had none
+  std::uint64_t births = 0;    // for Sparkplug
   std::uint64_t requests = 0;  // of other programs, that units have answered
   std::array<std::uint64_t, event_count> events{};
 };
 
 // Who is there besides the site and its gateway: nobody, or all of Others, also with devices of
-// other makes.
-enum class Company : std::uint8_t { nobody, others, others_and_makes };
+// other makes, or with nodes that have no unit yet and a host of Sparkplug.
+enum class Company : std::uint8_t { nobody, others, others_and_makes, others_and_newcomers };
 
 // Faults for so long, then rest and the last judgement.
 Outcome live(std::uint64_t seed, port::Duration faults, Company company);

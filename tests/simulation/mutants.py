@@ -19,7 +19,8 @@ DAYS = "60"
 # Those that want a rare meeting of faults begin at a life that has one.
 FIRST_OF = {"a_position_that_jumps_counts": "89", "a_standstill_is_a_cost": "219",
             "a_sweep_goes_on_after_any_time": "289", "numbers_that_are_owed_are_used_again": "238",
-            "others_may_hold_a_bus": "28"}
+            "others_may_hold_a_bus": "28", "units_are_given_where_somebody_answers": "91",
+            "what_found_no_room_counts_as_told": "179"}
 
 # Name: the file, a text that stands in it once, what stands there instead.
 MUTANTS = {
@@ -48,6 +49,15 @@ MUTANTS = {
     "another_node_at_a_unit_is_not_seen": (
         "firmware/nodes/admission.cpp", "if (conflict.sightings < sightings_wanted) return nullptr;",
         "return nullptr;"),
+    # Nodes that have no unit yet.
+    "units_are_given_where_somebody_answers": (
+        "firmware/nodes/address_assigner.cpp", "if (port::is_absence(answer)) {\n        job.step",
+        "if (true) {\n        job.step"),
+    "newcomers_who_talk_at_once_get_no_unit": (
+        "firmware/nodes/address_assigner.cpp", "++job.tries < looks_max", "false"),
+    "one_who_will_not_take_a_unit_is_never_asked_again": (
+        "firmware/nodes/address_assigner.cpp", "if (job.last_serial == serial && now < job.retry_at) return;",
+        "if (job.last_serial == serial) return;"),
     # Of a device that is read in blocks.
     "a_sweep_goes_on_after_any_time": (
         "firmware/polling/poller.cpp",
@@ -138,6 +148,17 @@ MUTANTS = {
         "if (node == nullptr || !node->is_foreign() || !is_shared_) return;", "return;"),
     "a_new_broker_is_told_of_no_entities": (
         "firmware/home_assistant/announcer.cpp", "session_ == broker_.counters().connections && ", ""),
+    "a_new_host_is_not_born_for": (
+        "firmware/sparkplug/edge_node.cpp",
+        "  wants_births_ = true;\n  if (!is_birth_) is_under_way_ = false;", ""),
+    "births_go_on_counting": (
+        "firmware/sparkplug/edge_node.cpp", "    sequence_ = 0;\n", ""),
+    "the_dead_are_not_told": (
+        "firmware/sparkplug/edge_node.cpp", "(!is_there || node.serial != device.serial)",
+        "(node.is_known() && node.serial != device.serial)"),
+    "what_found_no_room_counts_as_told": (
+        "firmware/sparkplug/edge_node.cpp", "  if (!add_changes(metrics, told)) return Outcome::nothing;\n",
+        "  if (!add_changes(metrics, told)) return Outcome::nothing;\n  keep_told(metrics, told);\n"),
     "registers_change_while_they_are_read": (
         "firmware/publish/image_pool.cpp", "image.use_count() == 1", "image.use_count() <= 2"),
     "the_watchdog_starves": (

@@ -22,7 +22,7 @@ constexpr Duration request_max = 15s + 16s;
 
 }  // namespace
 
-Others::Others(SiteWorld& site, std::uint64_t seed, Instant now)
+Others::Others(SiteWorld& site, std::uint64_t seed, bool has_sparkplug, Instant now)
     : site_(site),
       random_(seed ^ of_their_own),
       broker_(random_, {}),
@@ -45,6 +45,10 @@ Others::Others(SiteWorld& site, std::uint64_t seed, Instant now)
     if (bus.converter) bus.converter->clients = clients_[i].get();
   }
   if (random_.below(6) == 0) board_ = std::make_unique<BoardWorld>();
+  if (has_sparkplug) {
+    site.whole.has_sparkplug = true;
+    host_ = std::make_unique<SparkplugHost>(broker_, random_, clock_);
+  }
   site.file = site.whole;
 }
 
@@ -52,13 +56,20 @@ GatewayCompany Others::company(Instant now) {
   look_anew(now);
   link_ = std::make_unique<test::ModelClient>(broker_, random_, std::size_t{0}, clock_);
   link_->set_network(has_network_);
-  GatewayCompany company{.broker = link_.get(), .board = board_.get()};
+  if (host_) {
+    sparkplug_link_ = std::make_unique<test::ModelClient>(broker_, random_, std::size_t{0}, clock_,
+                                                          "yard:west:sparkplug");
+    sparkplug_link_->set_network(has_network_);
+  }
+  GatewayCompany company{
+      .broker = link_.get(), .sparkplug = sparkplug_link_.get(), .board = board_.get()};
   for (const auto& client : clients_) company.clients.push_back(client.get());
   return company;
 }
 
 void Others::leave() {
   link_.reset();
+  sparkplug_link_.reset();
   for (const auto& client : clients_) {
     if (client) client->forget_all();
   }
@@ -67,11 +78,13 @@ void Others::leave() {
 void Others::look_anew(Instant now) {
   looked_at_ = lamp_since_ = now;
   if (board_) board_->fed_at = now;
+  if (host_) host_->look_anew();
 }
 
 void Others::pass_to(Instant now) {
   broker_.step(now);
   east_.step(now);
+  if (host_) host_->step(now);
   for (const auto& client : clients_) {
     if (client) client->pass_to(now);
   }
@@ -79,7 +92,8 @@ void Others::pass_to(Instant now) {
 
 Instant Others::next() const {
   const Instant next =
-      std::min({broker_.next(), east_.next(), link_->next_deadline(), broker_forgets_at_});
+      std::min({broker_.next(), east_.next(), link_->next_deadline(), broker_forgets_at_,
+                host_ ? std::min(host_->next(), sparkplug_link_->next_deadline()) : port::never});
   return is_at_rest_ ? next : std::min(next, happens_at_);
 }
 
@@ -102,6 +116,7 @@ std::string Others::step(GatewayRun& run, Instant now) {
     }
   }
   if (wrong.empty() && board_) wrong = look_at_board(run, now);
+  if (wrong.empty() && host_) wrong = host_->look(run, sparkplug_link_->is_connected(), now);
   return wrong;
 }
 
@@ -179,19 +194,38 @@ void Others::happen_at_broker(std::uint64_t what, Instant now) {
       broker_.inject(0, rubbish(), now);
       break;
     case 15:
-      has_network_ = !has_network_;
-      link_->set_network(has_network_);
+      set_network(!has_network_);
       break;
     case 16:
       east_.set_network(random_.below(2) == 0);
+      if (host_) happen_at_host();
       break;
     default:
       // What was cut is mended sooner or later.
-      has_network_ = true;
-      link_->set_network(true);
+      set_network(true);
       east_.set_network(true);
+      if (host_) host_->set_network(true);
       east_.start(now);
   }
+}
+
+void Others::happen_at_host() {
+  switch (random_.below(3)) {
+    case 0:
+      host_->set_network(false);
+      break;
+    case 1:
+      host_->ask_for_births();
+      break;
+    default:
+      host_->talk_rubbish(random_);
+  }
+}
+
+void Others::set_network(bool is_up) {
+  has_network_ = is_up;
+  link_->set_network(is_up);
+  if (sparkplug_link_) sparkplug_link_->set_network(is_up);
 }
 
 // What no gateway says. Nothing of it may be believed, so none is a message with another number.
@@ -215,11 +249,11 @@ test::ModelMessage Others::rubbish() {
 
 void Others::end_faults(Instant now) {
   is_at_rest_ = true;
-  has_network_ = true;
   // The last that happens, when all has been told: it has lost all.
   if (random_.below(2) == 0) broker_forgets_at_ = now + 2min;
-  link_->set_network(true);
+  set_network(true);
   east_.set_network(true);
+  if (host_) host_->set_network(true);
   east_.start(now);
   if (board_) board_->is_alerted = board_->is_pressed = false;
   for (const auto& client : clients_) {
@@ -228,6 +262,10 @@ void Others::end_faults(Instant now) {
 }
 
 std::string Others::look_at_rest(GatewayRun& run) const {
+  if (host_) {
+    const std::string wrong = host_->look_at_rest(site_, run);
+    if (!wrong.empty()) return wrong;
+  }
   // A table that is full says so, and does not tell of all.
   if (site_.is_small) return {};
   std::size_t own = 0;

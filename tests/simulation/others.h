@@ -13,13 +13,14 @@
 #include "gateway_run.h"
 #include "neighbour.h"
 #include "site_world.h"
+#include "sparkplug_host.h"
 
 namespace etcm::simulation {
 
 class Others {
  public:
   // Enters into the settings of the site what is needed for them.
-  Others(SiteWorld& site, std::uint64_t seed, Instant now);
+  Others(SiteWorld& site, std::uint64_t seed, bool has_sparkplug, Instant now);
 
   // A run of the gateway begins.
   GatewayCompany company(Instant now);
@@ -40,10 +41,13 @@ class Others {
   std::string look_at_rest(GatewayRun& run) const;
   const Neighbour& neighbour() const { return east_; }
 
+  std::uint64_t births() const { return host_ ? host_->births() : 0; }  // for Sparkplug
   std::uint64_t requests() const;  // that units have answered to programs that share a bus
 
  private:
   void happen(GatewayRun& run, Instant now);
+  void happen_at_host();
+  void set_network(bool is_up);
   void happen_at_broker(std::uint64_t what, Instant now);
   test::ModelMessage rubbish();
   std::string look_at_board(GatewayRun& run, Instant now);
@@ -55,7 +59,9 @@ class Others {
   Neighbour east_;
   std::vector<std::unique_ptr<BusClients>> clients_;  // by bus; null: it is not shared
   std::unique_ptr<BoardWorld> board_;
-  std::unique_ptr<test::ModelClient> link_;  // of the gateway that runs
+  std::unique_ptr<SparkplugHost> host_;
+  std::unique_ptr<test::ModelClient> link_;            // of the gateway that runs
+  std::unique_ptr<test::ModelClient> sparkplug_link_;  // so too
   bool has_network_ = true;
   bool is_at_rest_ = false;
   Duration pause_{};

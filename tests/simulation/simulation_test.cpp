@@ -55,6 +55,7 @@ TEST(Simulation, AGatewayLivesThroughAllOfIt) {
     // Of three one with nobody else.
     const Company company = seed % 3 == 0   ? Company::nobody
                             : seed % 4 == 1 ? Company::others_and_makes
+                            : seed % 4 == 3 ? Company::others_and_newcomers
                                             : Company::others;
     const Outcome life = live(seed, hours_each * 1h, company);
     if (!life.wrong.empty()) {
@@ -70,18 +71,21 @@ TEST(Simulation, AGatewayLivesThroughAllOfIt) {
     all.positions_of_others += life.positions_of_others;
     all.generations += life.generations;
     all.rebuilt += life.rebuilt;
+    all.given += life.given;
+    all.births += life.births;
     all.requests += life.requests;
     for (std::size_t i = 0; i < event_count; ++i) all.events[i] += life.events[i];
   }
   std::printf(
       "%.1f days, %llu steps, %llu positions, %llu of others, %llu generations, "
       "%llu compared with build(), "
-      "%llu answers to others\n",
+      "%llu units given, %llu births, %llu answers to others\n",
       std::chrono::duration<double>(all.lived).count() / 86400,
       static_cast<unsigned long long>(all.steps), static_cast<unsigned long long>(all.positions),
       static_cast<unsigned long long>(all.positions_of_others),
       static_cast<unsigned long long>(all.generations),
-      static_cast<unsigned long long>(all.rebuilt), static_cast<unsigned long long>(all.requests));
+      static_cast<unsigned long long>(all.rebuilt), static_cast<unsigned long long>(all.given),
+      static_cast<unsigned long long>(all.births), static_cast<unsigned long long>(all.requests));
   // Else it would have shown nothing.
   EXPECT_GT(all.positions, 0u);
   EXPECT_GT(all.rebuilt, 0u);
@@ -89,6 +93,8 @@ TEST(Simulation, AGatewayLivesThroughAllOfIt) {
   if (count > 1) {
     EXPECT_GT(all.requests, 0u);
     EXPECT_GT(all.positions_of_others, 0u);
+    EXPECT_GT(all.given, 0u);
+    EXPECT_GT(all.births, 0u);
   }
 }
 

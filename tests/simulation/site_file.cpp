@@ -22,6 +22,10 @@ void write_bus(std::ostream& out, std::size_t number, const BusText& bus) {
     out << "tcp = \"192.0.2." << number + 1 << ":502\"\noutstanding = " << bus.outstanding << "\n";
   }
   out << "units = \"1-" << int{bus.units} << "\"\n";
+  if (bus.assigned > 0) {
+    out << "assign = \"" << int{first_assigned} << "-" << first_assigned + bus.assigned - 1
+        << "\"\n";
+  }
   if (bus.is_shared) out << "share = \"127.0.0.1:" << 1510 + number << "\"\n";
   if (bus.first_make != Make::ours) {
     out << "[[bus.device]]\nunits = \"1\"\nprofile = \"" << profile_name(bus.first_make) << "\"\n";
@@ -29,6 +33,13 @@ void write_bus(std::ostream& out, std::size_t number, const BusText& bus) {
 }
 
 }  // namespace
+
+bool SiteFile::asks(std::size_t bus, std::uint8_t unit) const {
+  if (unit <= units(bus)) return true;
+  const std::uint8_t assigned = bus < buses.size() ? buses[bus].assigned : std::uint8_t{0};
+  return assigned > 0 &&
+         (unit == newcomers_unit || (unit >= first_assigned && unit < first_assigned + assigned));
+}
 
 std::string SiteFile::text() const {
   std::ostringstream out;
@@ -44,6 +55,7 @@ std::string SiteFile::text() const {
     out << "[mqtt]\nbroker = \"192.0.2.200\"\nsite = \"yard\"\nname = \"west\"\n"
         << "home_assistant = \"homeassistant\"\nshare = \"" << (is_site_shared ? "site" : "publish")
         << "\"\n";
+    if (has_sparkplug) out << "sparkplug = \"" << sparkplug_group << "\"\n";
   }
   for (std::size_t i = 0; i < buses.size(); ++i) write_bus(out, i, buses[i]);
   for (const Make make : {Make::in_blocks, Make::checked}) {

@@ -13,6 +13,9 @@ namespace etcm::simulation {
 
 using port::Duration;
 
+// The first unit that nodes without one may be given.
+inline constexpr std::uint8_t first_assigned = 101;
+
 enum class LinkKind : std::uint8_t { serial, serial_over_tcp, converter };
 
 struct BusText {
@@ -20,8 +23,12 @@ struct BusText {
   std::uint32_t baud = 19200;
   std::uint32_t outstanding = 1;
   std::uint8_t units = 0;        // from 1 to this one
+  std::uint8_t assigned = 0;     // so many behind first_assigned are given to nodes without one
   bool is_shared = false;        // with other programs
   Make first_make = Make::ours;  // of its first unit
+
+  // All that it asks.
+  std::uint32_t unit_count() const { return units + (assigned > 0 ? assigned + 1u : 0u); }
 };
 
 struct SiteFile {
@@ -33,6 +40,7 @@ struct SiteFile {
   std::uint32_t work_max = 0;
   bool has_broker = false;      // and there another gateway
   bool is_site_shared = false;  // with that one
+  bool has_sparkplug = false;   // and there a host
   std::vector<BusText> buses;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> features;  // serials
 
@@ -40,9 +48,10 @@ struct SiteFile {
   std::uint8_t units(std::size_t bus) const {
     return bus < buses.size() ? buses[bus].units : std::uint8_t{0};
   }
-  bool asks(std::size_t bus, std::uint8_t unit) const { return unit <= units(bus); }
+  bool asks(std::size_t bus, std::uint8_t unit) const;
 };
 
+inline constexpr const char* sparkplug_group = "plant";
 // For an answer, on every bus.
 inline constexpr Duration unit_timeout = std::chrono::milliseconds(200);
 

@@ -10,6 +10,7 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr std::int32_t side = 3000;
+constexpr Duration replaced_within = 10s;
 
 }  // namespace
 
@@ -61,7 +62,7 @@ void SiteWorld::open_bus(std::size_t number, std::uint8_t units, Make first_make
 
 void SiteWorld::draw_times(SiteFile& of) {
   std::int64_t unit_count = 0;
-  for (const BusText& bus : whole.buses) unit_count += bus.units;
+  for (const BusText& bus : whole.buses) unit_count += bus.unit_count();
   of.interval = 2s + random.below(18) * 1s;
   const Duration round = 3 * of.interval + unit_count * 2s + 20s;
   of.absent_interval = 30s;
@@ -83,7 +84,7 @@ void SiteWorld::draw_features(SiteFile& of) {
 }
 
 Duration SiteWorld::found_again_within(std::size_t bus) const {
-  const std::int64_t units{whole.buses[bus].units};
+  const std::int64_t units{whole.buses[bus].unit_count()};
   const Duration forgotten_within = buses[bus].line ? Duration{} : Duration(10min);
   const Duration within =
       running.stale_after + running.absent_interval + 15s + units * 130s + forgotten_within;
@@ -117,8 +118,13 @@ std::size_t SiteWorld::bus_of(const Device& device) const {
 
 Device& SiteWorld::replace(Device& device, Instant now) {
   device.is_replaced = true;
-  const std::size_t bus = bus_of(device);
-  return add(bus, device.unit, now);
+  Device& other = add(bus_of(device), device.unit, now);
+  // No hands are so fast that one tells the first block and the other the second.
+  if (other.make != Make::ours) {
+    other.silent_until = now + replaced_within;
+    other.disturb(other.silent_until);
+  }
+  return other;
 }
 
 Device& SiteWorld::add_twin(Device& device, Instant now) {
@@ -128,9 +134,10 @@ Device& SiteWorld::add_twin(Device& device, Instant now) {
 }
 
 bool SiteWorld::is_doubled(const Device& device) const {
-  return std::any_of(twins.begin(), twins.end(), [&](const Device* twin) {
-    return twin->unit == device.unit && bus_of(*twin) == bus_of(device);
-  });
+  const std::vector<Device*>& there = buses[bus_of(device)].devices;
+  return std::ranges::count_if(there, [&](const Device* other) {
+           return !other->is_replaced && other->unit == device.unit;
+         }) > 1;
 }
 
 void SiteWorld::remove_twins(Instant now) {

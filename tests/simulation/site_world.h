@@ -59,7 +59,8 @@ class SiteWorld {
   // long for a dead one counts as failing itself, and is found again as such are.
   Duration age_max(std::size_t bus) const {
     if (!buses[bus].line) return found_again_within(bus);
-    return 2 * running.interval + whole.buses[bus].units * held_on_a_line_max + others_cost(bus);
+    return 2 * running.interval + whole.buses[bus].unit_count() * held_on_a_line_max +
+           others_cost(bus);
   }
 
   // What other programs that share the bus may cost a unit: once their share of the time, and what
