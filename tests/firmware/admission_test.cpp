@@ -34,9 +34,10 @@ class NodesBySerial : public testing::Test {
     EXPECT_EQ(rig_.log.count("node 7 is there now, node 9 is not"), 1u) << logged();
   }
   // Until unit 1 has answered so often.
-  void run_reads(std::uint32_t count) {
+  void run_reads(std::uint32_t count) { run_reads_of(1, count); }
+  void run_reads_of(std::uint8_t unit, std::uint32_t count) {
     rig_.run(10ms);
-    for (const std::uint32_t before = rig_.bus.reads[1]; rig_.bus.reads[1] - before < count;)
+    for (const std::uint32_t before = rig_.bus.reads[unit]; rig_.bus.reads[unit] - before < count;)
       rig_.run(10ms);
   }
   std::string logged() const { return testing::PrintToString(rig_.log.lines); }
@@ -115,6 +116,33 @@ TEST_F(NodesBySerial, NorIsOneThatAnswersTwiceInARow) {
   put(1, 9, {50, 0});
   run_reads(3);
   EXPECT_EQ(rig_.log.count("node 9 is there now, node 7 is not"), 1u) << logged();
+}
+
+TEST_F(NodesBySerial, NorIsTheLastOfThreeThatAnswerOnceEach) {
+  seat_seven();
+  for (const std::uint32_t serial : {9u, 10u, 11u}) {
+    put(1, serial, {50, 0});
+    run_reads(1);
+  }
+  put(1, 7, {0, 0});
+  run_reads(1);
+  EXPECT_EQ(rig_.log.count("is there now"), 0u) << logged();
+  EXPECT_EQ(rig_.mesh.node_count(), 1u);
+}
+
+TEST_F(NodesBySerial, WhoWasHeardElsewhereOnceMayGoThereLater) {
+  seat_seven();
+  put(2, 8, {100, 0});
+  rig_.run(500ms);
+  put(2, 7, {0, 0});
+  run_reads_of(2, 1);
+  put(2, 8, {100, 0});
+  rig_.run(5s);
+  rig_.bus.silence(1);
+  put(2, 7, {0, 0});
+  rig_.run(5s);
+  EXPECT_EQ(rig_.log.count("two nodes"), 0u) << logged();
+  EXPECT_EQ(rig_.log.count("node 7 went from unit 1 of yard to unit 2 of yard"), 1u) << logged();
 }
 
 TEST_F(NodesBySerial, TwoNodesWithOneSerialAreAnAlarmNotAFlipFlop) {

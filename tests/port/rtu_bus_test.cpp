@@ -993,6 +993,7 @@ class SharedSerialBus : public SerialBus {
     BusAnswer found;
     if (!bus().take_answer(found)) return {};
     result_ = found.result;
+    exception_ = found.exception;
     EXPECT_EQ(found.ticket, 5u);
     return {found.pdu.begin(), found.pdu.end()};
   }
@@ -1016,7 +1017,9 @@ TEST_F(SharedSerialBus, HasItsAnswerAsTheUnitGaveIt) {
     ask(7, pdu);
     say(rtu_of(7, answered));
     EXPECT_EQ(answer(), answered);
-    EXPECT_EQ(result_, (answered[0] & 0x80) != 0 ? BusResult::exception : BusResult::ok);
+    const bool is_exception = (answered[0] & 0x80) != 0;
+    EXPECT_EQ(result_, is_exception ? BusResult::exception : BusResult::ok);
+    EXPECT_EQ(exception_, is_exception ? answered[1] : 0);
   }
 }
 

@@ -151,6 +151,18 @@ TEST_F(RtuOverTcp, AConnectionThatIsClosedIsMadeAgain) {
   EXPECT_EQ(wait_for_result(), BusResult::ok);
 }
 
+TEST_F(RtuOverTcp, AConnectionThatTakesTooLongIsGivenUp) {
+  open();
+  bus_->advance(now_);
+  ASSERT_NE(bus_->next_deadline(), never);
+  // Nobody has looked meanwhile whether it was made.
+  now_ = bus_->next_deadline();
+  bus_->advance(now_);
+  now_ = bus_->next_deadline();
+  bus_->advance(now_);
+  EXPECT_EQ(count_of("trying again"), 1) << testing::PrintToString(log_.lines);
+}
+
 TEST_F(RtuOverTcp, AConnectionThatIsBeingMadeIsGivenUpByClosing) {
   line_.emplace(loop_, endpoint_of(address_));
   std::string why;

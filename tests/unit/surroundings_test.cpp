@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include "etcm/policy.h"
 #include "inputs/patterns.h"
@@ -73,20 +75,45 @@ Parameter looks_around(const SplitSite& site) noexcept {
   return split_default(site);
 }
 
+// Of all places that a policy is asked about.
+Tally tally_of(const Graph& graph) {
+  MeshConfig config = inputs::config_for(graph, 2000);
+  Tally tally;
+  config.policy = looks_around;
+  config.policy_context = &tally;
+  OwnedMesh mesh(config);
+  EXPECT_EQ(mesh->build(graph.nodes, graph.features), Status::ok);
+  return tally;
+}
+
 TEST(Surroundings, TellWhatAVertexWouldBreak) {
   for (const Graph& graph : {inputs::random_graph(250, inputs::FeatureLength::any, 3),
                              inputs::parallels(12, 6, 300, 30, 1)}) {
-    MeshConfig config = inputs::config_for(graph, 2000);
-    Tally tally;
-    config.policy = looks_around;
-    config.policy_context = &tally;
-    OwnedMesh mesh(config);
-    ASSERT_EQ(mesh->build(graph.nodes, graph.features), Status::ok);
+    const Tally tally = tally_of(graph);
     EXPECT_GT(tally.broken, 100u) << graph.name;
     EXPECT_EQ(tally.wrong, 0u) << "of " << tally.places;
     EXPECT_EQ(tally.too_many_watched, 0u) << "of " << tally.places;
     EXPECT_GT(tally.broken_at_least, tally.broken / 2) << "hardly any is watched";
   }
+}
+
+// A row of triangles across a ring that is nearly round: a place at its end is in the circle of
+// each, one behind the other.
+TEST(Surroundings, TellItAcrossAlmostAsManyTrianglesAsAreLookedAt) {
+  constexpr int count = 42;
+  constexpr double radius = 1'000'000, flatness = 0.995;
+  Graph graph{.name = "ring",
+              .nodes = {{-1'200'000, 0}, {1'200'000, 0}},
+              .features = {{VertexId{1}, VertexId{2}}}};
+  for (int i = 0; i < count; ++i) {
+    const double angle = (i + 0.5) * 2 * std::numbers::pi / count;
+    graph.nodes.push_back(
+        {static_cast<std::int32_t>(std::lround(radius * std::cos(angle))),
+         static_cast<std::int32_t>(std::lround(flatness * radius * std::sin(angle)))});
+  }
+  const Tally tally = tally_of(graph);
+  EXPECT_GT(tally.places, 0u);
+  EXPECT_EQ(tally.wrong, 0u) << "of " << tally.places;
 }
 
 }  // namespace

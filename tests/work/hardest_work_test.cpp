@@ -42,6 +42,9 @@ constexpr Mended all_mended[] = {
     {"join_on_a_feature_of_a_hub", "node 0 0, ring 26 0 0 1, line 0 1, node 1 0"},
     {"second_node", "node 0 0, node -1 0"},
     {"next_of_a_row", "row 5 0 0 10 0, node 50 0"},
+    {"feature_between_two_rows_goes",
+     "node 0 0, node 5734 0, row 37 77 -39 155 0, row 37 51 39 155 0, node 2867 9487, line 0 1, "
+     "unline 22"},
     {"feature_of_a_hub_goes",
      "node 0 0, ring 17 0 0 1, line 0 2, line 0 9, line 0 6, node 0 13, unline 0"},
     {"trial_beside_rows", "row 14 0 0 1 0, row 18 0 -1 5 0, line -1970415 0, optimise 1 0"},
