@@ -89,7 +89,7 @@ bool NeighbourDistributor::next(BusIndex bus, port::Instant now, BusRequest& req
     --job.unchecked;
     const NodeRecord& node = records[slot];
     if (!node.is_known() || node.unit_index.is_none() || poller_.bus_of(node.unit_index) != bus ||
-        !poller_.is_node(node.unit_index)) {
+        !poller_.is_node(node.unit_index) || shares_unit(node.unit_index)) {
       continue;
     }
     DeliveredConfig& told = delivered_[slot];
@@ -100,6 +100,12 @@ bool NeighbourDistributor::next(BusIndex bus, port::Instant now, BusRequest& req
     return true;
   }
   return false;
+}
+
+// Any number may wait there for a unit of their own, and each would take what is meant for one.
+bool NeighbourDistributor::shares_unit(UnitIndex unit) const {
+  return poller_.address_of(unit) == default_unit &&
+         !poller_.bus(poller_.bus_of(unit)).assign.empty();
 }
 
 // Whether the node is to be written now.

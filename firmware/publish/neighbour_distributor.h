@@ -2,7 +2,8 @@
 //
 // A node is written when its neighbours are others than those it last confirmed, or when it has
 // booted since; a new generation alone is no reason. It is tried three times, then again when there
-// is something else to tell. A node that knows no such registers is left alone until it boots.
+// is something else to tell. A node that knows no such registers is left alone until it boots, one
+// that waits for a unit of its own until it has that.
 #pragma once
 
 #include <array>
@@ -66,6 +67,7 @@ class NeighbourDistributor {
   };
   static constexpr std::uint32_t no_slot = 0xffffffff;
 
+  bool shares_unit(UnitIndex unit) const;
   bool needs_write(const NodeRecord& node, DeliveredConfig& told, Job& job, port::Instant now);
   bool is_same(const Job& job, BusIndex bus) const;
   void fill(Job& job, BusIndex bus, const DeliveredConfig& told) const;

@@ -127,6 +127,32 @@ TEST_F(WritingBack, NobodyIsWrittenWhereTheOperatorDidNotAskForIt) {
   EXPECT_TRUE(rig_.bus.writes.empty());
 }
 
+// Any number may wait there, and each would take it.
+TEST_F(WritingBack, OneThatWaitsForAUnitOfItsOwnIsToldWhenItHasThat) {
+  rig_.settings.buses[0].assign = {{.first = 10, .last = 10}};
+  rig_.bus.set(10,
+               {.serial = Serial{1010}, .position = {100, 0}, .status = node_status::fix_valid});
+  put(1, {0, 0});
+  put(247, {0, 100});
+  rig_.run(3s);
+  EXPECT_EQ(rig_.gateway->node_count(), 3u);
+  EXPECT_EQ(rig_.log.count("no unit is free for node 1247"), 1u) << logged();
+  EXPECT_EQ(told(1).neighbours, (Serials{1010, 1247}));
+  EXPECT_EQ(std::ranges::count(rig_.bus.written, 247, &ScriptedBus::Written::address), 0);
+  rig_.bus.silence(10);
+  rig_.run(30s);
+  EXPECT_EQ(rig_.log.count("node 1247 has unit 10 of yard now"), 1u) << logged();
+  EXPECT_EQ(told(10).neighbours, (Serials{1001})) << "who left is no neighbour";
+}
+
+TEST_F(WritingBack, OneAtThatUnitOfABusThatGivesNoneIsToldToo) {
+  rig_.settings.buses[0].units = {{.first = 1, .last = 1}, {.first = 247, .last = 247}};
+  put(1, {0, 0});
+  put(247, {0, 100});
+  rig_.run(1s);
+  EXPECT_EQ(told(247).neighbours, (Serials{1001}));
+}
+
 TEST_F(WritingBack, ANodeThatBootedIsToldAgain) {
   put(1, {0, 0});
   put(2, {100, 0});

@@ -133,10 +133,38 @@ std::vector<std::uint16_t> Device::our_registers(Instant now, inputs::Random& ra
   return all;
 }
 
+// The list is whole when its head is written.
+void Device::configure(std::span<const std::uint8_t> pdu) {
+  constexpr std::size_t head = 3;
+  const std::uint16_t first = word(pdu, 1), count = word(pdu, 3);
+  configuration_.resize(configuration_end - configuration_first);
+  for (std::size_t i = 0; i < count; ++i) {
+    configuration_[first - configuration_first + i] = word(pdu, 6 + 2 * i);
+  }
+  if (first != configuration_first || count < head) return;
+  told =
+      Told{.generation = std::uint32_t{configuration_[0]} << 16 | configuration_[1], .serials = {}};
+  for (std::size_t i = 0; i < configuration_[2]; ++i) {
+    const std::size_t at = head + 2 * i;
+    if (at + 1 >= configuration_.size()) break;
+    told->serials.insert(std::uint32_t{configuration_[at]} << 16 | configuration_[at + 1]);
+  }
+}
+
+void Device::boot(Instant now) {
+  ++boots_;
+  told.reset();
+  configuration_.clear();
+  disturb(now);
+}
+
 std::vector<std::uint8_t> Device::take(std::span<const std::uint8_t> pdu) {
   const std::uint16_t first = word(pdu, 1), count = word(pdu, 3);
   const std::vector<std::uint8_t> taken(pdu.begin(), pdu.begin() + 5);
-  if (first >= configuration_first && first + count <= configuration_end) return taken;
+  if (first >= configuration_first && first + count <= configuration_end && pdu[5] == 2 * count) {
+    configure(pdu);
+    return taken;
+  }
   if (first != assignment_first || count != assignment_count || pdu[5] != 2 * assignment_count) {
     return exception(pdu[0], illegal_address);
   }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -63,6 +64,8 @@ class Device {
   Device(std::uint32_t serial, std::uint8_t unit, Make make, Position place, Instant now);
 
   void move(Position place, Instant now);
+  // It forgets what it was told, and its counter says that it has booted.
+  void boot(Instant now);
   void fall_ill(Ailment ailment, Instant now, inputs::Random& random);
   // Anything that may keep it from being heard has ended, or begun.
   void disturb(Instant now) {
@@ -104,12 +107,21 @@ class Device {
   bool had_twin = false;    // another one answered at its unit
   bool keeps_unit = false;  // and takes no other one
 
+  // Its neighbours, as it was told them last; none: not since it booted.
+  struct Told {
+    std::uint32_t generation = 0;
+    std::set<std::uint32_t> serials;
+    bool is_news = true;
+  };
+  std::optional<Told> told;
+
  private:
   struct Stay {
     Instant since;
     Position position;
   };
 
+  void configure(std::span<const std::uint8_t> pdu);
   // To a write of several registers; empty: nothing.
   std::vector<std::uint8_t> take(std::span<const std::uint8_t> pdu);
   bool has_registers(std::uint8_t function, std::uint16_t first, std::uint16_t count) const;
@@ -122,6 +134,7 @@ class Device {
   Duration lateness_{};
   std::uint16_t sequence_ = 1;
   std::uint16_t boots_ = 1;
+  std::vector<std::uint16_t> configuration_;
 };
 
 }  // namespace etcm::simulation

@@ -12,6 +12,7 @@
 #include "newcomers.h"
 #include "others.h"
 #include "site_world.h"
+#include "told_neighbours.h"
 
 namespace etcm::simulation {
 
@@ -26,7 +27,8 @@ class Life {
         clock_(),
         wall_clock_(clock_),
         site_(random_, company == Company::others_and_makes, clock_.now()),
-        judge_(site_) {
+        judge_(site_),
+        told_(site_) {
     for (std::uint32_t& weight : weights_) weight = static_cast<std::uint32_t>(random_.below(4));
     // What mends is never rarer than what breaks.
     for (const Event event : {Event::get_well, Event::plug_in, Event::mend_bus, Event::mend_disk}) {
@@ -53,6 +55,7 @@ class Life {
       rest = std::max(rest, site_.found_again_within(bus) + std::max(pause, Duration{}));
     }
     rest += site_.running.leave_after + 1min;
+    if (newcomers_) rest += newcomers_->heard_within();
     if (outcome_.wrong.empty()) run_until(clock_.now() + rest, false);
     if (outcome_.wrong.empty()) run_->gateway().dismiss_all(clock_.now());
     if (outcome_.wrong.empty()) run_until(clock_.now() + 1min, false);
@@ -66,6 +69,7 @@ class Life {
     outcome_.rebuilt = judge_.rebuilt;
     if (newcomers_) outcome_.given = newcomers_->given();
     if (others_) outcome_.births = others_->births();
+    outcome_.lists = told_.lists();
     if (others_) outcome_.requests = others_->requests();
     return outcome_;
   }
@@ -115,6 +119,7 @@ class Life {
   void look_at_rest() {
     if (outcome_.wrong.empty()) note(judge_.look_at_rest(*run_));
     if (outcome_.wrong.empty() && newcomers_) note(newcomers_->look_at_rest());
+    if (outcome_.wrong.empty() && site_.whole.has_write_back) note(told_.look_at_rest(*run_));
     if (outcome_.wrong.empty() && others_) note(others_->look_at_rest(*run_));
   }
 
@@ -151,6 +156,7 @@ class Life {
       ++outcome_.steps;
       look_for_spinning(now);
       note(judge_.look(*run_, now));
+      if (site_.whole.has_write_back) note(told_.look(*run_, now));
       Instant next = std::min({run_->next_deadline(), site_.next(), end});
       if (is_eventful) next = std::min(next, happens_at_);
       if (others_) next = std::min(next, others_->next());
@@ -477,6 +483,8 @@ class Life {
       device->is_leaving = false;
       device->fall_ill(Ailment::none, now, random_);
       if (!device->is_replaced) device->move(site_.free_place(), now);
+      // It was told three times in vain, may be, and is told again then.
+      if (site_.whole.has_write_back) device->boot(now);
     }
     if (newcomers_) newcomers_->end_faults(now);
   }
@@ -486,6 +494,7 @@ class Life {
   WallClockWorld wall_clock_;
   SiteWorld site_;
   Judge judge_;
+  ToldNeighbours told_;
   std::unique_ptr<Newcomers> newcomers_;
   std::unique_ptr<Others> others_;
   std::unique_ptr<GatewayRun> run_;

@@ -50,6 +50,7 @@ struct Outcome {
   std::uint64_t rebuilt = 0;   // meshes that were compared with build()
   std::uint64_t given = 0;     // units, to nodes that had none
   std::uint64_t births = 0;    // for Sparkplug
+  std::uint64_t lists = 0;     // of neighbours, told to nodes
   std::uint64_t requests = 0;  // of other programs, that units have answered
   std::array<std::uint64_t, event_count> events{};
 };

@@ -18,9 +18,10 @@ from pathlib import Path
 DAYS = "60"
 # Those that want a rare meeting of faults begin at a life that has one.
 FIRST_OF = {"a_position_that_jumps_counts": "89", "a_standstill_is_a_cost": "219",
-            "a_sweep_goes_on_after_any_time": "289", "numbers_that_are_owed_are_used_again": "238",
-            "others_may_hold_a_bus": "28", "units_are_given_where_somebody_answers": "91",
-            "what_found_no_room_counts_as_told": "179"}
+            "a_sweep_goes_on_after_any_time": "289", "all_newcomers_take_what_is_meant_for_one": "491",
+            "numbers_that_are_owed_are_used_again": "238", "others_may_hold_a_bus": "28",
+            "units_are_given_where_somebody_answers": "91", "what_found_no_room_counts_as_told": "179",
+            "who_has_booted_is_not_told_again": "103"}
 
 # Name: the file, a text that stands in it once, what stands there instead.
 MUTANTS = {
@@ -148,6 +149,12 @@ MUTANTS = {
         "if (node == nullptr || !node->is_foreign() || !is_shared_) return;", "return;"),
     "a_new_broker_is_told_of_no_entities": (
         "firmware/home_assistant/announcer.cpp", "session_ == broker_.counters().connections && ", ""),
+    "all_newcomers_take_what_is_meant_for_one": (
+        "firmware/publish/neighbour_distributor.cpp", " || shares_unit(node.unit_index)", ""),
+    "who_has_booted_is_not_told_again": (
+        "firmware/publish/neighbour_distributor.cpp",
+        "if (told.serial != node.serial || told.boot_count != node.boot_count) {",
+        "if (told.serial != node.serial) {"),
     "a_new_host_is_not_born_for": (
         "firmware/sparkplug/edge_node.cpp",
         "  wants_births_ = true;\n  if (!is_birth_) is_under_way_ = false;", ""),

@@ -109,6 +109,16 @@ void Newcomers::end_faults(Instant now) {
   step(now);
 }
 
+// Behind a converter several at one unit are mostly nobody, and such are asked now and then.
+Duration Newcomers::heard_within() const {
+  Duration within{};
+  for (const Device* const device : all()) {
+    const bool is_waiting = device->unit == newcomers_unit;
+    if (is_waiting) within += site_.buses[site_.bus_of(*device)].line ? 5min : 40min;
+  }
+  return within;
+}
+
 std::string Newcomers::look_at_rest() const {
   for (std::size_t bus = 0; bus < site_.buses.size(); ++bus) {
     std::size_t waiting = 0;

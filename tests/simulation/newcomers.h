@@ -26,6 +26,8 @@ class Newcomers {
   // All for whom there is a unit must have it.
   std::string look_at_rest() const;
 
+  // So long it takes until all who wait have been heard one by one, beside what it takes anyway.
+  Duration heard_within() const;
   std::uint64_t given() const { return given_; }  // units, to nodes
 
  private:

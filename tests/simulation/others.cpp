@@ -47,6 +47,9 @@ Others::Others(SiteWorld& site, std::uint64_t seed, bool has_sparkplug, Instant 
   if (random_.below(6) == 0) board_ = std::make_unique<BoardWorld>();
   if (has_sparkplug) {
     site.whole.has_sparkplug = true;
+    site.whole.has_write_back = !site.whole.is_site_shared || random_.below(2) == 0;
+    // Nothing that comes from elsewhere is written to a device.
+    if (site.whole.has_write_back) site.whole.is_site_shared = false;
     host_ = std::make_unique<SparkplugHost>(broker_, random_, clock_);
   }
   site.file = site.whole;

@@ -73,19 +73,22 @@ TEST(Simulation, AGatewayLivesThroughAllOfIt) {
     all.rebuilt += life.rebuilt;
     all.given += life.given;
     all.births += life.births;
+    all.lists += life.lists;
     all.requests += life.requests;
     for (std::size_t i = 0; i < event_count; ++i) all.events[i] += life.events[i];
   }
   std::printf(
       "%.1f days, %llu steps, %llu positions, %llu of others, %llu generations, "
       "%llu compared with build(), "
-      "%llu units given, %llu births, %llu answers to others\n",
+      "%llu units given, %llu births, %llu lists of neighbours, "
+      "%llu answers to others\n",
       std::chrono::duration<double>(all.lived).count() / 86400,
       static_cast<unsigned long long>(all.steps), static_cast<unsigned long long>(all.positions),
       static_cast<unsigned long long>(all.positions_of_others),
       static_cast<unsigned long long>(all.generations),
       static_cast<unsigned long long>(all.rebuilt), static_cast<unsigned long long>(all.given),
-      static_cast<unsigned long long>(all.births), static_cast<unsigned long long>(all.requests));
+      static_cast<unsigned long long>(all.births), static_cast<unsigned long long>(all.lists),
+      static_cast<unsigned long long>(all.requests));
   // Else it would have shown nothing.
   EXPECT_GT(all.positions, 0u);
   EXPECT_GT(all.rebuilt, 0u);
@@ -95,6 +98,7 @@ TEST(Simulation, AGatewayLivesThroughAllOfIt) {
     EXPECT_GT(all.positions_of_others, 0u);
     EXPECT_GT(all.given, 0u);
     EXPECT_GT(all.births, 0u);
+    EXPECT_GT(all.lists, 0u);
   }
 }
 

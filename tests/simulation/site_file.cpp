@@ -57,6 +57,7 @@ std::string SiteFile::text() const {
         << "\"\n";
     if (has_sparkplug) out << "sparkplug = \"" << sparkplug_group << "\"\n";
   }
+  if (has_write_back) out << "[write_back]\nenabled = true\n";
   for (std::size_t i = 0; i < buses.size(); ++i) write_bus(out, i, buses[i]);
   for (const Make make : {Make::in_blocks, Make::checked}) {
     if (std::ranges::find(buses, make, &BusText::first_make) != buses.end())

@@ -41,6 +41,7 @@ struct SiteFile {
   bool has_broker = false;      // and there another gateway
   bool is_site_shared = false;  // with that one
   bool has_sparkplug = false;   // and there a host
+  bool has_write_back = false;  // of its neighbours, to each node
   std::vector<BusText> buses;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> features;  // serials
 
