@@ -131,9 +131,11 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
     accepted_at_[node.serial.value] = now;
     const Instant asked = bus.asked_at(device->unit, now);
     // On a line without numbers an answer counts in its time alone; behind a converter the gateway
-    // learns to wait for longer, and knows to which question it belongs.
-    const bool is_clear = bus.line && !bus.line->has_noise && bus.undisturbed_since + 1s < now &&
-                          device->ailment != Ailment::torn && !site_.is_doubled(*device);
+    // learns to wait for longer, and knows to which question it belongs. Where another one answered
+    // at the same unit, what came late of this one may have been taken for the next answer.
+    const bool is_clear = bus.line && device->undisturbed_since <= now && !bus.line->has_noise &&
+                          bus.undisturbed_since + 1s < now && device->ailment != Ailment::torn &&
+                          !site_.is_doubled(*device);
     if (is_clear && device->answered_at <= looked_at_) {
       return "a position is accepted, and no answer to the last question came in its time";
     }
