@@ -33,6 +33,10 @@ void Newcomers::step(Instant now) {
     happen(now);
     happens_at_ = now + 1s + random_.below(2 * static_cast<std::uint64_t>(pause_ / 1s)) * 1s;
   }
+  if (parted_at_ <= now) {
+    part();
+    parted_at_ = port::never;
+  }
   for (std::size_t i = units_.size(); i < site_.devices.size(); ++i) {
     units_.push_back(site_.devices[i]->unit);
   }
@@ -102,11 +106,16 @@ void Newcomers::disturb(std::size_t bus, std::uint8_t unit, Instant now) {
 
 void Newcomers::end_faults(Instant now) {
   is_at_rest_ = true;
+  parted_at_ = now + 1min;
+  for (Device* const device : all()) device->keeps_unit = false;
+  part();
+  step(now);
+}
+
+void Newcomers::part() {
   for (Device* const device : all()) {
-    device->keeps_unit = false;
     if (site_.is_doubled(*device)) device->unit = newcomers_unit;
   }
-  step(now);
 }
 
 // Behind a converter several at one unit are mostly nobody, and such are asked now and then.

@@ -18,10 +18,11 @@ class Newcomers {
 
   // Does what is due by now, and sees who has another unit than before.
   void step(Instant now);
-  Instant next() const { return is_at_rest_ ? port::never : happens_at_; }
+  Instant next() const { return is_at_rest_ ? parted_at_ : happens_at_; }
 
-  // All take what they are given from now on. Of two at one unit one is set back by hand: from afar
-  // nobody can part them.
+  // All take what they are given from now on. Of two at one unit one is set back by hand, for from
+  // afar nobody can part them; also a minute later, where a unit was given whose node was silent
+  // just then.
   void end_faults(Instant now);
   // All for whom there is a unit must have it.
   std::string look_at_rest() const;
@@ -32,6 +33,7 @@ class Newcomers {
 
  private:
   void happen(Instant now);
+  void part();
   void come(std::size_t bus, Instant now);
   // Those that have none, or were given one.
   std::vector<Device*> all() const;
@@ -45,6 +47,7 @@ class Newcomers {
   Duration pause_{};
   Instant happens_at_{};
   bool is_at_rest_ = false;
+  Instant parted_at_ = port::never;
   std::uint64_t given_ = 0;
 };
 
