@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <vector>
 
 #include "etcm/split_site.h"
 #include "inputs/random.h"
@@ -25,6 +26,45 @@ TEST(Canonical, IsWhatBuildMakesAfterAnyChange) {
     compared += life.compared();
   }
   EXPECT_GT(compared, is_emulated ? 100u : 1000u);
+}
+
+// Where many features meet, not each that begins or ends there is looked at for one that comes or
+// goes, but those that its far end has an influence on.
+TEST(Canonical, IsWhatBuildMakesWhereFeaturesComeAndGoAtANodeOfMany) {
+  constexpr std::int32_t side = 1000;
+  // The first two show what it would be to look at none of them, or at half.
+  std::vector<std::uint64_t> seeds{106, 835};
+  for (std::uint64_t seed = 1; seed <= (is_emulated ? 4u : 40u); ++seed) seeds.push_back(seed);
+  for (const std::uint64_t seed : seeds) {
+    inputs::Random random(seed);
+    const std::size_t spokes = 10 + seed % 20, others = seed % 37;
+    // The one that all end at, or that all begin at.
+    const std::int32_t x = seed % 2 == 0 ? -side : 2 * side;
+    Graph graph{"hub", {{x, side / 2}}, {}};
+    while (graph.nodes.size() < 1 + spokes + others) {
+      graph.nodes.push_back({random.between(0, side), random.between(0, side)});
+    }
+    const auto mesh = grown({graph.name, graph.nodes, {}});
+    std::vector<FeatureId> features;
+    for (std::size_t i = 1; i <= spokes; ++i) {
+      FeatureId feature;
+      const Status status = (*mesh)->add_feature({vertex_of(0), vertex_of(i)}, feature);
+      if (status == Status::ok) features.push_back(feature);
+    }
+    ASSERT_FALSE(features.empty());
+    ASSERT_EQ((*mesh)->canonicalize(), Status::ok);
+    ASSERT_EQ((*mesh)->hash(), hash_of_build(**mesh)) << "seed " << seed;
+    for (const FeatureId feature : features) {
+      const FeatureEnds ends = (*mesh)->ends(feature);
+      ASSERT_EQ((*mesh)->remove_feature(feature), Status::ok);
+      ASSERT_EQ((*mesh)->canonicalize(), Status::ok);
+      ASSERT_EQ((*mesh)->hash(), hash_of_build(**mesh)) << "seed " << seed << ", removed";
+      FeatureId again;
+      ASSERT_EQ((*mesh)->add_feature(ends, again), Status::ok);
+      ASSERT_EQ((*mesh)->canonicalize(), Status::ok);
+      ASSERT_EQ((*mesh)->hash(), hash_of_build(**mesh)) << "seed " << seed << ", added";
+    }
+  }
 }
 
 TEST(Canonical, ForgetsAThousandMovesOfOneNode) {

@@ -120,7 +120,7 @@ void Newcomers::part() {
 
 // Behind a converter several at one unit are mostly nobody, and such are asked now and then.
 Duration Newcomers::heard_within() const {
-  Duration within{};
+  Duration within = 40min;  // who is parted from another later
   for (const Device* const device : all()) {
     const bool is_waiting = device->unit == newcomers_unit;
     if (is_waiting) within += site_.buses[site_.bus_of(*device)].line ? 5min : 40min;
