@@ -151,7 +151,7 @@ class Life {
       }
       const Instant now = clock_.now();
       run_->step(now);
-      if (newcomers_) newcomers_->step(now);
+      if (newcomers_) note(newcomers_->step(now));
       if (others_) note(others_->step(*run_, now));
       ++outcome_.steps;
       look_for_spinning(now);

@@ -1,6 +1,7 @@
 #include "newcomers.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace etcm::simulation {
@@ -11,6 +12,7 @@ namespace {
 
 constexpr std::uint64_t of_their_own = 0xd1b54a32d192ed03;
 constexpr std::size_t devices_max = 60;
+constexpr Duration heard_for = 15s;
 
 }  // namespace
 
@@ -28,7 +30,8 @@ Newcomers::Newcomers(SiteWorld& site, std::uint64_t seed, Instant now)
   site.file = site.whole;
 }
 
-void Newcomers::step(Instant now) {
+std::string Newcomers::step(Instant now) {
+  std::string wrong;
   while (!is_at_rest_ && happens_at_ <= now) {
     happen(now);
     happens_at_ = now + 1s + random_.below(2 * static_cast<std::uint64_t>(pause_ / 1s)) * 1s;
@@ -44,10 +47,30 @@ void Newcomers::step(Instant now) {
     const Device& device = *site_.devices[i];
     const std::uint8_t before = std::exchange(units_[i], device.unit);
     if (before == device.unit) continue;
+    const Device* const other =
+        device.unit == newcomers_unit ? nullptr : answers_beside(device, now);
+    if (other != nullptr) {
+      wrong = "node " + std::to_string(device.serial) + " is given unit " +
+              std::to_string(device.unit) + ", where node " + std::to_string(other->serial) +
+              " answers";
+    }
     given_ += before == newcomers_unit;
     disturb(site_.bus_of(device), before, now);
     disturb(site_.bus_of(device), device.unit, now);
   }
+  return wrong;
+}
+
+const Device* Newcomers::answers_beside(const Device& device, Instant now) const {
+  const BusWorld& bus = site_.buses[site_.bus_of(device)];
+  if (bus.is_out_of_order() || bus.undisturbed_since + heard_for > now) return nullptr;
+  for (const Device* const other : bus.devices) {
+    const bool is_there = other != &device && other->unit == device.unit && !other->is_replaced &&
+                          other->is_plugged_in && other->ailment == Ailment::none &&
+                          other->undisturbed_since + heard_for <= now;
+    if (is_there) return other;
+  }
+  return nullptr;
 }
 
 void Newcomers::happen(Instant now) {
@@ -109,7 +132,8 @@ void Newcomers::end_faults(Instant now) {
   parted_at_ = now + 1min;
   for (Device* const device : all()) device->keeps_unit = false;
   part();
-  step(now);
+  // Only hands have put anybody anywhere since the last step.
+  static_cast<void>(step(now));
 }
 
 void Newcomers::part() {

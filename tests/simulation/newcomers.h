@@ -16,8 +16,9 @@ class Newcomers {
   // chance of their own.
   Newcomers(SiteWorld& site, std::uint64_t seed, Instant now);
 
-  // Does what is due by now, and sees who has another unit than before.
-  void step(Instant now);
+  // Does what is due by now, and sees who has another unit than before. What is wrong with that, or
+  // nothing: where somebody answers, nobody else may be put.
+  std::string step(Instant now);
   Instant next() const { return is_at_rest_ ? parted_at_ : happens_at_; }
 
   // All take what they are given from now on. Of two at one unit one is set back by hand, for from
@@ -34,6 +35,8 @@ class Newcomers {
  private:
   void happen(Instant now);
   void part();
+  // Who answers at the unit of this one, and has for a while.
+  const Device* answers_beside(const Device& device, Instant now) const;
   void come(std::size_t bus, Instant now);
   // Those that have none, or were given one.
   std::vector<Device*> all() const;
