@@ -37,7 +37,8 @@ TEST(Canonical, IsWhatBuildMakesWhereFeaturesComeAndGoAtANodeOfMany) {
   for (std::uint64_t seed = 1; seed <= (is_emulated ? 4u : 40u); ++seed) seeds.push_back(seed);
   for (const std::uint64_t seed : seeds) {
     inputs::Random random(seed);
-    const std::size_t spokes = 10 + seed % 20, others = seed % 37;
+    const auto spokes = static_cast<std::size_t>(10 + seed % 20);
+    const auto others = static_cast<std::size_t>(seed % 37);
     // The one that all end at, or that all begin at.
     const std::int32_t x = seed % 2 == 0 ? -side : 2 * side;
     Graph graph{"hub", {{x, side / 2}}, {}};

@@ -78,7 +78,7 @@ void Newcomers::happen(Instant now) {
   const std::vector<Device*> there = all();
   if (there.empty() || what < 4) {
     const std::size_t bus = random_.index(site_.buses.size());
-    const std::size_t count = 1 + random_.below(2);
+    const std::size_t count = 1 + random_.index(2);
     for (std::size_t i = 0; i < count; ++i) come(bus, now);
     return;
   }
