@@ -135,7 +135,7 @@ TEST_F(NodesBySerial, WhoWasHeardElsewhereOnceMayGoThereLater) {
   put(2, 8, {100, 0});
   rig_.run(500ms);
   put(2, 7, {0, 0});
-  run_reads_of(2, 1);
+  run_reads_of(2, 2);
   put(2, 8, {100, 0});
   rig_.run(5s);
   rig_.bus.silence(1);
