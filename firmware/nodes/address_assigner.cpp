@@ -13,6 +13,7 @@ constexpr std::uint8_t verifications_max = 3;
 // Of several at the default unit one was heard, and the next one's answer falls into what is asked
 // then; by the next time it has ended.
 constexpr std::uint8_t looks_max = 3;
+constexpr std::uint8_t silences_wanted = 2;
 constexpr port::Duration look_pause = std::chrono::seconds(1);
 
 }  // namespace
@@ -66,7 +67,11 @@ UnitIndex AddressAssigner::done(BusIndex bus, const port::BusAnswer& answer, por
     case Step::none:
       break;
     case Step::look:
-      // Whatever answers there, it is not free.
+      // Whatever answers there, it is not free. Silence may have been a converter's that was busy:
+      // by the second look its unit has the patience that the first one's late answer taught.
+      if (answer.result == port::BusResult::timeout && ++job.silences < silences_wanted) {
+        break;
+      }
       if (port::is_absence(answer)) {
         job.step = Step::write;
       } else if (answer.result == port::BusResult::bad_answer && ++job.tries < looks_max) {
@@ -129,7 +134,7 @@ void AddressAssigner::choose(BusIndex bus, bool is_first, port::Instant now) {
   std::tie(job.unit_used_at, job.unit_index) = best;
   if (!job.unit_index.is_none()) {
     job.step = Step::look;
-    job.tries = 0;
+    job.tries = job.silences = 0;
     job.due = now;
     return;
   }

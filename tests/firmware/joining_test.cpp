@@ -118,6 +118,15 @@ TEST_F(Joining, AUnitIsAskedOnceMoreWhereAnotherHasTalkedIntoTheAnswer) {
   EXPECT_EQ(rig_.log.count("no unit is free"), 0u) << logged();
 }
 
+// A converter that was busy with others says nothing in time, though somebody is there.
+TEST_F(Joining, AUnitIsFreeWhereNobodyAnswersTwice) {
+  bus().assign = {{.first = 10, .last = 10}};
+  put(247, 77);
+  for (int turn = 0; turn < 2000 && rig_.bus.written.empty(); ++turn) rig_.run(1ms);
+  ASSERT_EQ(rig_.bus.written.size(), 1u) << logged();
+  EXPECT_GT(rig_.bus.reads[10], 2u) << "once as one of its units, and twice whether it is free";
+}
+
 // Two who have one unit are never understood either.
 TEST_F(Joining, AUnitWhoseAnswersAreAlwaysSpoiltIsNotGiven) {
   bus().assign = {{.first = 10, .last = 11}};
