@@ -103,7 +103,6 @@ TEST_F(Joining, AUnitWhereSomebodyAnswersAfterAllIsNotGiven) {
   EXPECT_EQ(rig_.mesh.node_count(), 2u);
 }
 
-// Its battery is changed while newcomers wait: they must not be where it comes back.
 // Of two at the default unit one is heard, and the other one's answer falls into what is asked
 // next.
 TEST_F(Joining, AUnitIsAskedOnceMoreWhereAnotherHasTalkedIntoTheAnswer) {
@@ -136,6 +135,7 @@ TEST_F(Joining, AUnitWhoseAnswersAreAlwaysSpoiltIsNotGiven) {
   EXPECT_EQ(rig_.log.count("node 77 has unit 11 of yard now"), 1u) << logged();
 }
 
+// Its battery is changed while newcomers wait: they must not be where it comes back.
 TEST_F(Joining, AUnitWhoseNodeIsAwayIsGivenLast) {
   bus().units = {{.first = 1, .last = 1}};
   bus().assign = {{.first = 10, .last = 13}};

@@ -128,36 +128,36 @@ void SparkplugHost::take(std::string_view type, const std::string& device,
   if (!why.empty()) wrong_ = name + ": " + why;
 }
 
+void SparkplugHost::note(Told& of, const std::string& name, const test::SparkplugMetric& metric) {
+  of.values[name] = metric.value;
+  const auto quality = metric.properties.find("Quality");
+  if (quality == metric.properties.end()) return;
+  if (quality->second == good) {
+    of.qualities.erase(name);
+  } else {
+    of.qualities[name] = quality->second;
+  }
+}
+
 std::string SparkplugHost::born(Told& of, const test::SparkplugPayload& told) {
   ++births_;
   for (const test::SparkplugMetric& metric : told.metrics) {
     if (metric.name.empty()) return "a metric without a name is born";
-    if (!of.values.emplace(metric.name, metric.value).second) return metric.name + " is born twice";
+    if (of.values.contains(metric.name)) return metric.name + " is born twice";
     if (metric.alias && !of.names.emplace(*metric.alias, metric.name).second) {
       return metric.name + " has the alias of another";
     }
-    const auto quality = metric.properties.find("Quality");
-    if (quality != metric.properties.end() && quality->second != good) {
-      of.qualities[metric.name] = quality->second;
-    }
+    note(of, metric.name, metric);
   }
   return {};
 }
 
 std::string SparkplugHost::changed(Told& of, const test::SparkplugPayload& told) {
-  ++changes_;
   if (told.metrics.empty()) return "nothing has changed";
   for (const test::SparkplugMetric& metric : told.metrics) {
     const auto name = metric.alias ? of.names.find(*metric.alias) : of.names.end();
     if (name == of.names.end()) return "a metric changes that was never born";
-    of.values[name->second] = metric.value;
-    const auto quality = metric.properties.find("Quality");
-    if (quality == metric.properties.end()) continue;
-    if (quality->second == good) {
-      of.qualities.erase(name->second);
-    } else {
-      of.qualities[name->second] = quality->second;
-    }
+    note(of, name->second, metric);
   }
   return {};
 }

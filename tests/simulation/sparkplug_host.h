@@ -32,7 +32,6 @@ class SparkplugHost final : public port::BrokerListener {
   std::string look(GatewayRun& run, bool is_gateway_connected, Instant now);
   std::string look_at_rest(const SiteWorld& site, GatewayRun& run) const;
   std::uint64_t births() const { return births_; }
-  std::uint64_t changes() const { return changes_; }
 
   void on_connected(Instant now) override;
   void on_disconnected(std::string_view reason, Instant now) override;
@@ -48,8 +47,9 @@ class SparkplugHost final : public port::BrokerListener {
   };
   void send(std::string_view payload);
   void take(std::string_view type, const std::string& device, const test::SparkplugPayload& told);
+  static void note(Told& of, const std::string& name, const test::SparkplugMetric& metric);
   std::string born(Told& of, const test::SparkplugPayload& told);
-  std::string changed(Told& of, const test::SparkplugPayload& told);
+  static std::string changed(Told& of, const test::SparkplugPayload& told);
   void forget();
 
   test::ModelClient client_;
@@ -62,7 +62,6 @@ class SparkplugHost final : public port::BrokerListener {
   Instant looked_at_{};
   std::string wrong_;
   std::uint64_t births_ = 0;
-  std::uint64_t changes_ = 0;
 };
 
 }  // namespace etcm::simulation
