@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint8_t verifications_max = 3;
 // Of several at the default unit one was heard, and the next one's answer falls into what is asked
 // then; by the next time it has ended.
-constexpr std::uint8_t looks_max = 3;
+constexpr std::uint8_t unit_looks_max = 3;
 constexpr std::uint8_t silences_wanted = 2;
 constexpr port::Duration look_pause = std::chrono::seconds(1);
 
@@ -74,7 +74,7 @@ UnitIndex AddressAssigner::done(BusIndex bus, const port::BusAnswer& answer, por
       }
       if (port::is_absence(answer)) {
         job.step = Step::write;
-      } else if (answer.result == port::BusResult::bad_answer && ++job.tries < looks_max) {
+      } else if (answer.result == port::BusResult::bad_answer && ++job.tries < unit_looks_max) {
         job.due = now + look_pause;
       } else {
         choose(bus, false, now);

@@ -56,7 +56,7 @@ MUTANTS = {
         "firmware/nodes/address_assigner.cpp", "if (port::is_absence(answer)) {\n        job.step",
         "if (true) {\n        job.step"),
     "newcomers_who_talk_at_once_get_no_unit": (
-        "firmware/nodes/address_assigner.cpp", "++job.tries < looks_max", "false"),
+        "firmware/nodes/address_assigner.cpp", "++job.tries < unit_looks_max", "false"),
     "one_who_will_not_take_a_unit_is_never_asked_again": (
         "firmware/nodes/address_assigner.cpp", "if (job.last_serial == serial && now < job.retry_at) return;",
         "if (job.last_serial == serial) return;"),
