@@ -390,16 +390,19 @@ bool Gateway::next_request(BusIndex bus, port::Instant now, BusRequest& request)
 
 void Gateway::on_request_done(BusIndex bus, const port::BusAnswer& answer, port::Instant now) {
   if (!is_assigning_[bus.value]) return distributor_.done(bus, answer, now);
-  const UnitIndex unit = assigner_.done(bus, answer, now);
-  if (unit.is_none()) return;
+  const AddressAssigner::Answerer answerer = assigner_.done(bus, answer, now);
+  if (answerer.unit.is_none()) return;
+  if (answerer.is_assigned) move_from_default_unit(bus, answerer.unit);
+  poller_.ask_unit_at_once(answerer.unit, now);
+}
+
+void Gateway::move_from_default_unit(BusIndex bus, UnitIndex unit) {
   const UnitIndex newcomers = poller_.unit_at(bus, default_unit);
   NodeRecord* const node = nodes_.find(assigner_.last_serial(bus));
-  if (node != nullptr && node->unit_index == newcomers) {
-    nodes_.assign_unit(*node, unit);
-    poller_.expect_silence(newcomers);
-    distributor_.invalidate();
-  }
-  poller_.ask_unit_at_once(unit, now);
+  if (node == nullptr || node->unit_index != newcomers) return;
+  nodes_.assign_unit(*node, unit);
+  poller_.expect_silence(newcomers);
+  distributor_.invalidate();
 }
 
 void Gateway::follow_position(NodeRecord& node) {

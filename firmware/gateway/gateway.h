@@ -163,6 +163,8 @@ class Gateway final : private ReadingListener, private RequestSource {
   port::Instant request_due(BusIndex bus) const override;
   bool next_request(BusIndex bus, port::Instant now, BusRequest& request) override;
   void on_request_done(BusIndex bus, const port::BusAnswer& answer, port::Instant now) override;
+  // The last node that the assigner gave a unit.
+  void move_from_default_unit(BusIndex bus, UnitIndex unit);
   // The node is another gateway's, and stays so.
   bool is_left_to_others(NodeRecord& node, const NodeReading& reading, port::Instant now);
   void follow_position(NodeRecord& node);

@@ -56,11 +56,12 @@ void AddressAssigner::next(BusIndex bus, BusRequest& request) {
              .values = {}};
 }
 
-UnitIndex AddressAssigner::done(BusIndex bus, const port::BusAnswer& answer, port::Instant now) {
+AddressAssigner::Answerer AddressAssigner::done(BusIndex bus, const port::BusAnswer& answer,
+                                                port::Instant now) {
   Job& job = jobs_[bus.value];
   if (answer.result == port::BusResult::link_lost) {
     end(job, now);
-    return UnitIndex::none();
+    return {};
   }
   job.due = now;
   switch (job.step) {
@@ -77,7 +78,9 @@ UnitIndex AddressAssigner::done(BusIndex bus, const port::BusAnswer& answer, por
       } else if (answer.result == port::BusResult::bad_answer && ++job.tries < unit_looks_max) {
         job.due = now + look_pause;
       } else {
+        const UnitIndex taken = job.unit_index;
         choose(bus, false, now);
+        if (answer.result == port::BusResult::ok) return {.unit = taken};
       }
       break;
     case Step::write:
@@ -103,13 +106,13 @@ UnitIndex AddressAssigner::done(BusIndex bus, const port::BusAnswer& answer, por
         job.unwilling = Serial::none();
         const UnitIndex unit = job.unit_index;
         end(job, now);
-        return unit;
+        return {.unit = unit, .is_assigned = true};
       }
       if (++job.tries == verifications_max) give_up(job, "it does not answer there", now);
       break;
     }
   }
-  return UnitIndex::none();
+  return {};
 }
 
 bool AddressAssigner::is_free(UnitIndex unit) const {

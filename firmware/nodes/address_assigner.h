@@ -23,6 +23,12 @@ namespace etcm::firmware {
 
 class AddressAssigner {
  public:
+  // Who has answered at a unit that nobody was known to be at; none: nobody.
+  struct Answerer {
+    UnitIndex unit;
+    bool is_assigned = false;  // the node that has been given it
+  };
+
   // All arguments but `settings` must outlive this.
   AddressAssigner(const PollSettings& settings, const Poller& poller, NodeTable& nodes,
                   port::Log& log);
@@ -39,8 +45,7 @@ class AddressAssigner {
   // As a RequestSource has them.
   port::Instant due(BusIndex bus) const;
   void next(BusIndex bus, BusRequest& request);
-  // Returns the unit where the node answers now, or none while there is no such.
-  UnitIndex done(BusIndex bus, const port::BusAnswer& answer, port::Instant now);
+  Answerer done(BusIndex bus, const port::BusAnswer& answer, port::Instant now);
   // The node of the last done().
   Serial last_serial(BusIndex bus) const { return jobs_[bus.value].last_serial; }
 

@@ -135,6 +135,24 @@ TEST_F(Joining, AUnitWhoseAnswersAreAlwaysSpoiltIsNotGiven) {
   EXPECT_EQ(rig_.log.count("node 77 has unit 11 of yard now"), 1u) << logged();
 }
 
+TEST_F(Joining, WhoAnswersWhereAUnitWasTakenForFreeIsHeardAtOnce) {
+  rig_.settings.poll.absent_interval = 600s;
+  bus().units = {{.first = 1, .last = 1}};
+  bus().assign = {{.first = 10, .last = 10}};
+  put(1, 3, {5, 9});  // the bus is never silent as a whole
+  put(10, 1, {0, 0});
+  rig_.run(1s);
+  rig_.bus.silence(10);
+  rig_.run(300s);
+  ASSERT_EQ(rig_.log.count("left (silent)"), 1u) << logged();
+  put(10, 1, {0, 0});
+  put(247, 77);
+  for (int turn = 0; turn < 1000 && rig_.log.count("node 77") == 0; ++turn) rig_.run(1s);
+  rig_.run(1s);
+  EXPECT_EQ(rig_.log.count("node 1 is back"), 1u) << logged();
+  EXPECT_EQ(rig_.log.count("node 77 has unit"), 0u) << logged();
+}
+
 // Its battery is changed while newcomers wait: they must not be where it comes back.
 TEST_F(Joining, AUnitWhoseNodeIsAwayIsGivenLast) {
   bus().units = {{.first = 1, .last = 1}};

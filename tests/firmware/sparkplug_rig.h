@@ -12,16 +12,12 @@
 #include "fakes.h"
 #include "firmware/sparkplug/edge_node.h"
 #include "protobuf_reader.h"
+#include "rebirth_command.h"
 #include "recording_broker.h"
 
 namespace etcm::firmware::sparkplug {
 
-inline std::string rebirth_command(bool value = true,
-                                   const std::string& name = "Node Control/Rebirth") {
-  const std::string metric = "\x0a" + std::string(1, static_cast<char>(name.size())) + name +
-                             "\x20\x0b\x70" + (value ? '\x01' : '\0');
-  return "\x08\x01\x12" + std::string(1, static_cast<char>(metric.size())) + metric;
-}
+using test::rebirth_command;
 
 // A rig with an edge node, which a broker is there for.
 struct Edge {

@@ -171,10 +171,8 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
                                       : std::pair(missing_.end(), false);
   // Those answers count that come once it is alone, however seldom it answers.
   if (node.is_missing && !is_judged) missing->second = device->answers;
-  // One that may be given is also asked by who looks for a free one, and tells that one alone.
-  const std::uint32_t enough = device->unit >= first_assigned ? sightings_max : sightings;
   const bool has_answered = is_news ? now - device->answered_at + 100ms < poll.leave_after
-                                    : is_judged && device->answers > missing->second + enough;
+                                    : is_judged && device->answers > missing->second + sightings;
   if (is_judged && device->answers > sightings && has_answered) {
     return "is missing, and answered " + std::to_string(seconds_of(now - device->answered_at)) +
            " s ago";

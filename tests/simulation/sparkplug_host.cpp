@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "firmware/rebirth_command.h"
+
 namespace etcm::simulation {
 
 namespace {
@@ -15,15 +17,6 @@ constexpr std::string_view edge_node = "/west";
 constexpr const char* good = "192";
 constexpr Duration look_pause = std::chrono::seconds(1);
 constexpr Duration told_within = std::chrono::seconds(20);
-
-// Field 2 of a payload is a metric; of that 1 is its name, 4 its datatype (11: a truth), 14 its
-// value.
-std::string rebirth() {
-  constexpr std::string_view name = "Node Control/Rebirth";
-  std::string metric = "\x0a" + std::string(1, static_cast<char>(name.size())) + std::string(name);
-  metric += "\x20\x0b\x70\x01";
-  return "\x08\x01\x12" + std::string(1, static_cast<char>(metric.size())) + metric;
-}
 
 std::string name_of(const std::string& device) {
   return device.empty() ? "the edge node" : "device " + device;
@@ -44,10 +37,10 @@ void SparkplugHost::send(std::string_view payload) {
       {.topic = std::string(root) + "NCMD" + std::string(edge_node), .payload = payload}, 0));
 }
 
-void SparkplugHost::ask_for_births() { send(rebirth()); }
+void SparkplugHost::ask_for_births() { send(test::rebirth_command()); }
 
 void SparkplugHost::talk_rubbish(inputs::Random& random) {
-  std::string bytes = rebirth();
+  std::string bytes = test::rebirth_command();
   bytes.resize(random.index(bytes.size()));
   for (std::uint64_t i = random.below(40); i > 0; --i) {
     bytes += static_cast<char>(random.next());
