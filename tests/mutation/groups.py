@@ -28,7 +28,7 @@ GROUPS = {
         ["dependence_test", "influence_test", "surroundings_test", "feasible_parameter_test", "dry_run_test",
          "keep_alive_test", "policy_test", "canonical_test", "hardest_work_test", "optimise_test", "capacity_test",
          "bound_test", "etcm-fuzz --canonical --first 484 --lives 10", "mesh_test", "order_test", "etcm-fuzz --lives 40",
-         "history_test", "work_test --gtest_filter=WorkOfARefused*"]),
+         "history_test", "core_program", "work_test --gtest_filter=WorkOfARefused*"]),
     "framing": Group(
         sources("port/modbus", "frame", "rtu_frame", "rtu_bus", "rtu_line", "rtu_serial_line", "rtu_tcp_line",
                 "owed_answers"),

@@ -161,7 +161,7 @@ TEST(Canonical, GoesOnWithMoreWorkWhereItHadTooLittle) {
 // Who has so much work at a time is to know when to stop.
 TEST(Canonical, NamesAGroupTwiceWhereItNeedsMoreWorkThanThereIs) {
   const auto mesh = grown(inputs::random_graph(200, inputs::FeatureLength::in_reach, 5));
-  std::uint64_t refused = 0;
+  std::uint64_t refused = 0, looks = 0;
   for (const std::uint64_t units : {100u, 1000u, 2000u, 4000u, 8000u, 16'000u}) {
     FeatureId last{};
     for (Status status = Status::work_limit; status != Status::ok;) {
@@ -170,6 +170,11 @@ TEST(Canonical, NamesAGroupTwiceWhereItNeedsMoreWorkThanThereIs) {
       if (status == Status::ok) continue;
       ASSERT_EQ(status, Status::work_limit);
       const FeatureId feature = (*mesh)->error_detail().feature;
+      // It has looked for the groups only: that takes a few calls.
+      if (feature.is_none()) {
+        ASSERT_LT(++looks, 100u);
+        continue;
+      }
       const bool is_again = feature == last;
       last = feature;
       if (!is_again) continue;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "etcm/audit.h"
 #include "etcm/split_site.h"
 #include "inputs/owned_mesh.h"
 #include "inputs/random_graph.h"
@@ -60,6 +61,20 @@ TEST(OwnPolicy, FindsInItsSiteWhatTheConfigurationGaveIt) {
     ASSERT_EQ(mesh->build(graph.nodes, graph.features), Status::ok);
     EXPECT_EQ(mesh->hash(), made(graph, rule).hash);
     EXPECT_GE(numbered.calls, mesh->steiner_count());
+  }
+}
+
+Parameter in_the_middle(const SplitSite& site) noexcept {
+  return site.head + (site.tail - site.head) / 2;
+}
+
+// That is often in neither feasible set.
+TEST(OwnPolicy, MayLeaveBothPartsOfASegmentToBeSplitAgain) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const inputs::Graph graph = inputs::random_graph(300, inputs::FeatureLength::any, seed);
+    inputs::OwnedMesh mesh(inputs::config_for(graph, 20'000, in_the_middle));
+    ASSERT_EQ(mesh->build(graph.nodes, graph.features), Status::ok) << seed;
+    EXPECT_TRUE(bool(audit(*mesh))) << seed;
   }
 }
 
