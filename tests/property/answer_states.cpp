@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <iterator>
 
-#include "etcm/split_site.h"
 #include "etcm/storage.h"
 #include "inputs/owned_mesh.h"
+#include "support/split_in_the_middle.h"
 
 namespace etcm::test {
 namespace {
@@ -228,10 +228,6 @@ const Graph& needle_eye() {
                             beside_the_line},
                            {between_nodes(0, 1)}};
   return graph;
-}
-
-Parameter split_in_the_middle(const SplitSite& site) noexcept {
-  return site.head + (site.tail - site.head) / 2;
 }
 
 std::vector<MeshSituation> mesh_situations() {

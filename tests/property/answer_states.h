@@ -30,7 +30,6 @@ const std::vector<Graph>& wrong_graphs();
 // is near enough: a policy which splits in the middle comes to the end of the grid.
 inline constexpr Position beside_the_line{-position_max + 1, 0};
 const Graph& needle_eye();
-Parameter split_in_the_middle(const SplitSite& site) noexcept;
 
 std::vector<MeshSituation> mesh_situations();
 

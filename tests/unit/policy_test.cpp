@@ -8,6 +8,7 @@
 #include "etcm/split_site.h"
 #include "inputs/owned_mesh.h"
 #include "inputs/random_graph.h"
+#include "support/split_in_the_middle.h"
 
 // The names under which CMakeLists.txt has the source compiled.
 namespace etcm {
@@ -64,15 +65,10 @@ TEST(OwnPolicy, FindsInItsSiteWhatTheConfigurationGaveIt) {
   }
 }
 
-Parameter in_the_middle(const SplitSite& site) noexcept {
-  return site.head + (site.tail - site.head) / 2;
-}
-
-// That is often in neither feasible set.
 TEST(OwnPolicy, MayLeaveBothPartsOfASegmentToBeSplitAgain) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const inputs::Graph graph = inputs::random_graph(300, inputs::FeatureLength::any, seed);
-    inputs::OwnedMesh mesh(inputs::config_for(graph, 20'000, in_the_middle));
+    inputs::OwnedMesh mesh(inputs::config_for(graph, 20'000, split_in_the_middle));
     ASSERT_EQ(mesh->build(graph.nodes, graph.features), Status::ok) << seed;
     EXPECT_TRUE(bool(audit(*mesh))) << seed;
   }
