@@ -195,6 +195,22 @@ TEST(DependenceOnWhoMeets, MakesStaleWhoEndsWhereAFeatureDoesThatLosesANode) {
   EXPECT_FALSE(is_stale(**mesh, 3));
 }
 
+TEST(DependenceOnWhoMeets, MakesStaleWhoEndsWhereAFeatureDoesThatGetsANode) {
+  Graph graph{"", {}, {}};
+  graph.nodes = {{0, 0}, {1000, 0}, {-500, 30}, {1500, 30}, {250, 600}, {250, -600}};
+  graph.nodes.insert(graph.nodes.end(), {{750, 600}, {750, -600}, {5000, 5000}, {5100, 5000}});
+  graph.features = {between_nodes(0, 1), between_nodes(2, 0), between_nodes(1, 3),
+                    between_nodes(8, 9)};
+  const auto mesh = built(graph);
+  ASSERT_EQ((*mesh)->steiner_count(), 0u);
+  VertexId v;
+  ASSERT_EQ((*mesh)->join({500, 0}, v), Status::ok);
+  EXPECT_TRUE(is_stale(**mesh, 0));
+  EXPECT_TRUE(is_stale(**mesh, 1)) << "where it begins";
+  EXPECT_TRUE(is_stale(**mesh, 2)) << "where it ends";
+  EXPECT_FALSE(is_stale(**mesh, 3));
+}
+
 // What stood there because of it is looked for around its place when the mesh is made canonical.
 TEST(DependenceOnPlaces, KeepsThoseOfSteinerVerticesThatAreNeedlessNow) {
   Graph graph{"", {{0, 0}, {1000, 0}, {500, 5}, {300, -400}}, {between_nodes(0, 1)}};

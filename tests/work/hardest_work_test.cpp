@@ -84,6 +84,8 @@ constexpr Mended all_mended[] = {
      "node 83 0, node 0 0, row 49 1 -1 0 2, line 0 1, row 22 0 -165 1 2, optimise 1 0"},
     {"move_touches_a_feature_far_apart",
      "node 0 0, node 471 0, row 91 4 -1 6 0, row 92 0 1 6 0, line 0 1, move -1 1 -1"},
+    {"marks_of_a_feature_through_a_ring_come_back",
+     "scatter 6 0 0 4 0, move 0 0 7, node 0 0, ring 36 0 34 1, move 9 0 0, line 93 0, unline 0"},
     {"vertex_of_a_trial_comes_back_far_from_the_one_before",
      "ring 14 0 0 -2565, line 5 -5565, line -63 43583, row 222 0 0 1 0, scatter 1 0 0 0 -3, "
      "optimise -68760 4247"},

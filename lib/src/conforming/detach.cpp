@@ -203,9 +203,9 @@ void unmark_segment(Change& change, SegmentId s) noexcept {
 
 namespace {
 
-// The next vertex of the segment on the way to one of its ends: that end, where what follows is not
-// laid.
-VertexId next_on(MeshState& m, SegmentId s, VertexId v, VertexId end) noexcept {
+// The next vertex of the segment: its end, where what follows is not laid.
+VertexId next_on(MeshState& m, SegmentId s, VertexId v) noexcept {
+  const VertexId end = m.segment(s).to;
   const Subsegment subsegment = march(m, v, end, m.work.whole_walk());
   m.work.add(subsegment.steps);
   return stands_on(m, subsegment.tail, s) ? subsegment.tail : end;
@@ -219,18 +219,15 @@ void link_fresh(MeshState& m, VertexId v, VertexId next) noexcept {
   m.owner(v) = Owner(Role::fresh, SegmentId{next.value});
 }
 
-// Lists those of a segment. From here on it is touched from vertex to vertex that stay.
-void list_fresh_of(Change& change, SegmentId s, VertexId& first, std::uint32_t& count) noexcept {
-  MeshState& m = change.mesh;
+// Lists those of a segment. They lie between the ends of what is touched, which stay.
+void list_fresh_of(MeshState& m, SegmentId s, VertexId& first, std::uint32_t& count) noexcept {
   const SegmentRecord& r = m.segment(s);
   const bool is_all = r.first.is_none();
-  VertexId v = is_all ? r.from : r.first;
-  while (m.owner(v).role() == Role::fresh) v = next_on(m, s, v, r.from);
-  const Point last = m.at(is_all ? r.to : r.last);
-  const VertexId begin = v;
-  // Past the last one where that is fresh.
-  while (v != r.to && (m.at(v) < last || m.owner(v).role() == Role::fresh)) {
-    const VertexId next = next_on(m, s, v, r.to);
+  const VertexId last = is_all ? r.to : r.last;
+  ETCM_VERIFY_THAT(is_all ||
+                   (m.owner(r.first).role() != Role::fresh && m.owner(last).role() != Role::fresh));
+  for (VertexId v = is_all ? r.from : r.first; v != last && v != r.to;) {
+    const VertexId next = next_on(m, s, v);
     if (m.owner(v).role() == Role::fresh) {
       link_fresh(m, v, first);
       first = v;
@@ -238,7 +235,6 @@ void list_fresh_of(Change& change, SegmentId s, VertexId& first, std::uint32_t& 
     }
     v = next;
   }
-  if (!is_all) touch(change, s, begin, v);
 }
 
 }  // namespace
@@ -253,7 +249,7 @@ void drop_fresh(Change& change) noexcept {
   for (SegmentId s = change.touched; !s.is_none() && count != change.fresh_count;
        s = m.segment(s).next_touched) {
     if (is_linked(m, s) && m.segment(s).first != infinite_vertex) {
-      list_fresh_of(change, s, fresh, count);
+      list_fresh_of(m, s, fresh, count);
     }
   }
   struct Links {

@@ -17,15 +17,12 @@
 
 namespace etcm::internal {
 
-// A batch does not keep the touched segments together, so it looks at all.
+// A batch does not keep the segments together that it has touched, so it looks at all vertices; and
+// no segment goes in it.
 void end_change(Change& change) noexcept {
   MeshState& m = change.mesh;
   ETCM_VERIFY_THAT(change.dirty.is_empty() && change.detached.is_none());
   if (change.extent == Change::Extent::whole) {
-    for (IdValue i = 0; i < m.segment_end; ++i) {
-      m.work.pass_entry(i);
-      if (m.segment(SegmentId{i}).from.is_none()) touch(change, SegmentId{i});
-    }
     for (IdValue i = 1; i < m.vertex_end; ++i) {
       m.work.pass_entry(i);
       Owner& owner = m.owners[i];
