@@ -1,5 +1,5 @@
-// Calls that came beyond their limit before they were mended, and those that a search found to come
-// nearest to it.
+// Calls that came beyond their limit before they were mended, or with a fault that was planted, and
+// those that a search found to come nearest to it.
 #include <gtest/gtest.h>
 
 #include <fstream>
