@@ -21,10 +21,9 @@ bool has_few_segments(const MeshState& m, VertexId node) noexcept {
 
 // Lists a segment as touched, though nothing of it is.
 void list(Change& change, SegmentId s) noexcept {
-  SegmentRecord& r = change.mesh.segment(s);
-  if (r.next_touched != not_listed) return;
+  if (change.mesh.segment(s).next_touched != not_listed) return;
   touch(change, s);
-  r.first = infinite_vertex;
+  leave_untouched(change.mesh, s);
 }
 
 // `about` is linked or about to be unlinked.

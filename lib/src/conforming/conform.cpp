@@ -175,10 +175,8 @@ SegmentId crossed_section(const MeshState& m, SegmentId s, const Subsegment& sub
 
 Status conform_segment(Change& change, SegmentId s) noexcept {
   MeshState& m = change.mesh;
-  SegmentRecord& r = m.segment(s);
-  const VertexId end = r.to;
-  VertexId v = r.first.is_none() ? r.from : r.first;
-  const VertexId last = r.first.is_none() ? r.to : r.last;
+  const VertexId end = m.segment(s).to;
+  auto [v, last] = touched_part(m, s);
   while (v != last) {
     Subsegment subsegment = march(m, v, end, m.work.walk());
     // On the way back it is looked for twice.

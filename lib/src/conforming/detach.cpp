@@ -221,12 +221,9 @@ void link_fresh(MeshState& m, VertexId v, VertexId next) noexcept {
 
 // Lists those of a segment. They lie between the ends of what is touched, which stay.
 void list_fresh_of(MeshState& m, SegmentId s, VertexId& first, std::uint32_t& count) noexcept {
-  const SegmentRecord& r = m.segment(s);
-  const bool is_all = r.first.is_none();
-  const VertexId last = is_all ? r.to : r.last;
-  ETCM_VERIFY_THAT(is_all ||
-                   (m.owner(r.first).role() != Role::fresh && m.owner(last).role() != Role::fresh));
-  for (VertexId v = is_all ? r.from : r.first; v != last && v != r.to;) {
+  auto [v, last] = touched_part(m, s);
+  ETCM_VERIFY_THAT(m.owner(v).role() != Role::fresh && m.owner(last).role() != Role::fresh);
+  while (v != last && v != m.segment(s).to) {
     const VertexId next = next_on(m, s, v);
     if (m.owner(v).role() == Role::fresh) {
       link_fresh(m, v, first);
@@ -248,9 +245,7 @@ void drop_fresh(Change& change) noexcept {
   std::uint32_t count = 0;
   for (SegmentId s = change.touched; !s.is_none() && count != change.fresh_count;
        s = m.segment(s).next_touched) {
-    if (is_linked(m, s) && m.segment(s).first != infinite_vertex) {
-      list_fresh_of(m, s, fresh, count);
-    }
+    if (is_linked(m, s)) list_fresh_of(m, s, fresh, count);
   }
   struct Links {
     MeshState& m;

@@ -120,12 +120,11 @@ bool keep_to_come_back(Change& change, VertexId v, VertexId before, Units degree
 bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
   MeshState& m = change.mesh;
   SegmentRecord& r = m.segment(s);
-  if (r.first == infinite_vertex) return true;
   const VertexId from = r.from, to = r.to;
-  const bool is_all = r.first.is_none();
+  auto [v, end] = touched_part(m, s);
+  if (v == infinite_vertex) return true;
   bool keeps_fresh = false;
-  VertexId v = is_all ? from : r.first;
-  Point last = m.at(is_all ? to : r.last);
+  Point last = m.at(end);
   if (v == from) {
     const Subsegment subsegment = march(m, v, to, m.work.walk());
     if (!m.work.spend(subsegment.steps)) return false;
@@ -152,8 +151,8 @@ bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
     queue_around(change, queue, v);
     if (m.work.is_over()) return false;
     take_out(change, v);
-    if (!is_all && r.first == v) r.first = before;
-    if (!is_all && r.last == v) r.last = after;
+    if (r.first == v) r.first = before;
+    if (r.last == v) r.last = after;
     const Subsegment subsegment = between(m, before, after, m.work.walk());
     if (!m.work.spend(subsegment.steps) || !constrain_subsegment(m, subsegment)) {
       touch(change, s, before, after);
@@ -165,7 +164,7 @@ bool prune_segment(Change& change, PruneQueue& queue, SegmentId s) noexcept {
   }
   // The next change of this segment, by a removal nearby, starts a range of its own; but while
   // there are fresh vertices, they must be found again.
-  if (!keeps_fresh || !is_taken_back_whole(change)) r.first = infinite_vertex;
+  if (!keeps_fresh || !is_taken_back_whole(change)) leave_untouched(m, s);
   return true;
 }
 

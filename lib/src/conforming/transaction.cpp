@@ -53,11 +53,9 @@ namespace {
 
 // Those that a segment has in the part that is touched.
 void restore_marks(MeshState& m, SegmentId s) noexcept {
-  const SegmentRecord& r = m.segment(s);
-  const bool is_all = r.first.is_none();
-  const VertexId last = is_all ? r.to : r.last;
-  for (VertexId v = is_all ? r.from : r.first; v != last;) {
-    const Subsegment subsegment = march(m, v, r.to, m.work.whole_walk());
+  const VertexId to = m.segment(s).to;
+  for (auto [v, last] = touched_part(m, s); v != last;) {
+    const Subsegment subsegment = march(m, v, to, m.work.whole_walk());
     m.work.add(subsegment.steps);
     ETCM_VERIFY_THAT(can_be_edge(m, subsegment));
     static_cast<void>(constrain_subsegment(m, subsegment));
@@ -65,25 +63,20 @@ void restore_marks(MeshState& m, SegmentId s) noexcept {
   }
 }
 
-// Once nothing can fail: what is fresh has come to stay. It is in the part of its segment that is
-// touched.
+// Once nothing can fail: what is fresh has come to stay. It is within the part of its segment that
+// is touched.
 // Not inline: most changes have none.
 [[gnu::noinline]] void settle_fresh(Change& change) noexcept {
   MeshState& m = change.mesh;
   for (SegmentId s = change.touched; !s.is_none() && change.fresh_count != 0;
        s = m.segment(s).next_touched) {
-    const SegmentRecord& r = m.segment(s);
-    if (!is_linked(m, s) || r.first == infinite_vertex) continue;
-    const bool is_all = r.first.is_none();
-    VertexId v = is_all ? r.from : r.first;
-    const VertexId last = is_all ? r.to : r.last;
-    for (;;) {
+    if (!is_linked(m, s)) continue;
+    for (auto [v, last] = touched_part(m, s); v != last;) {
       if (m.owner(v).role() == Role::fresh) {
         m.owner(v) = Owner(Role::steiner, s);
         --change.fresh_count;
       }
-      if (v == last || v == r.to) break;
-      const Subsegment subsegment = march(m, v, r.to, m.work.whole_walk());
+      const Subsegment subsegment = march(m, v, m.segment(s).to, m.work.whole_walk());
       m.work.add(subsegment.steps);
       v = subsegment.tail;
     }
@@ -114,7 +107,7 @@ void restore_detached(Change& change) noexcept {
   }
   change.dirty.clear(m);
   for (SegmentId s = change.touched; !s.is_none(); s = m.segment(s).next_touched) {
-    if (is_linked(m, s) && m.segment(s).first != infinite_vertex) restore_marks(m, s);
+    if (is_linked(m, s)) restore_marks(m, s);
   }
   end_change(change);
   forget_places(change);

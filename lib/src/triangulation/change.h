@@ -85,6 +85,21 @@ inline bool is_taken_back_whole(const Change& change) noexcept {
 // look at what lies between them and what it has touched before, it is over.
 void touch(Change& change, SegmentId s) noexcept;
 void touch(Change& change, SegmentId s, VertexId u, VertexId v) noexcept;
+// Nothing of the segment counts as touched any more, though it stays in the list.
+inline void leave_untouched(MeshState& m, SegmentId s) noexcept {
+  m.segment(s).first = infinite_vertex;
+}
+// The part of a segment in the list that is touched, in its direction, from a vertex that stays on
+// to one that stays; both are infinite_vertex where nothing is.
+struct TouchedPart {
+  VertexId first;
+  VertexId last;
+};
+inline TouchedPart touched_part(const MeshState& m, SegmentId s) noexcept {
+  const SegmentRecord& r = m.segment(s);
+  if (r.first.is_none()) return {r.from, r.to};
+  return {r.first, r.first == infinite_vertex ? r.first : r.last};
+}
 // Its subsegments in the part that is touched may be missing.
 void make_dirty(Change& change, SegmentId s) noexcept;
 // Takes all segments off the list of touched ones.
