@@ -1,4 +1,5 @@
 // What comes from the broker. Nothing that is not sound gets past here.
+#include <algorithm>
 #include <utility>
 
 #include "firmware/fleet/fleet_hash.h"
@@ -24,9 +25,12 @@ Peer* FleetMember::State::peer_of(std::string_view name, port::Instant now) {
   const auto at = peers.find(name);
   if (at != peers.end()) return &at->second;
   if (peers.size() + 1 >= settings.members_max) {
-    // One of whom nothing sound is known makes room.
-    auto spare = peers.begin();
-    while (spare != peers.end() && (spare->second.header || spare->second.is_owner)) ++spare;
+    // One of whom nothing sound is known makes room: never one whose records are being offered, as
+    // their owners come here too.
+    const auto is_spare = [](const auto& each) {
+      return !each.second.header && !each.second.is_owner && each.second.set.size() == 0;
+    };
+    const auto spare = std::find_if(peers.begin(), peers.end(), is_spare);
     if (spare == peers.end()) {
       if (!std::exchange(has_said_full, true)) {
         log.write(port::Level::warning, "the fleet has more than " +

@@ -343,6 +343,28 @@ TEST_F(FleetMemberTest, StrangersTakeNoMoreRoomThanThereIs) {
   EXPECT_NE(member->find(Serial{7}), nullptr);
 }
 
+TEST_F(FleetMemberTest, AnOwnerTakesNotTheRoomOfWhoTellsOfIt) {
+  settle();
+  meet("b", {});
+  meet("c", {});
+  // Its header comes last, which is for the broker to say.
+  say_node("p", record_of(7, 70, "z", 3, 1));
+  say_node("p", record_of(8, 80, "b", 3, 1));
+  say_set("p", {record_of(7, 70, "z", 3, 1), record_of(8, 80, "b", 3, 1)});
+  EXPECT_EQ(member->find(Serial{7}), nullptr);
+  EXPECT_NE(member->find(Serial{8}), nullptr);
+  EXPECT_EQ(count_lines("the fleet has more than 4 gateways"), 1u);
+  // And so where one record is offered, and where it is offered again.
+  say_node("p", record_of(7, 70, "y", 4, 1));
+  say_node("p", record_of(8, 80, "x", 4, 1));
+  EXPECT_EQ(member->find(Serial{7}), nullptr);
+  EXPECT_EQ(member->peers().size(), 2u);
+  say("p/" + topic_tail(TopicKind::node, Serial{7}), "");
+  say("p/" + topic_tail(TopicKind::node, Serial{8}), "");
+  meet("d", {});
+  EXPECT_EQ(member->peers().size(), 3u) << "of p nothing is known any more";
+}
+
 TEST_F(FleetMemberTest, NodesBeyondTheRoomAreSaidToBe) {
   settle();
   std::vector<FleetRecord> records;
