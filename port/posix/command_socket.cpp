@@ -94,13 +94,25 @@ CommandSocket::Client* CommandSocket::free_place() {
 }
 
 void CommandSocket::watch() {
-  if (is_listening()) loop_.change(socket_.get(), free_place() != nullptr, false);
+  if (is_listening()) loop_.change(socket_.get(), !is_resting_ && free_place() != nullptr, false);
 }
 
 void CommandSocket::on_ready(bool, bool) {
   while (Client* const place = free_place()) {
     FileDescriptor socket(::accept4(socket_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
-    if (!socket.is_open()) break;
+    if (!socket.is_open()) {
+      const int error = errno;
+      if (!is_exhaustion(error)) break;
+      is_resting_ = true;
+      retry_at_ = now_ + retry_interval;
+      if (!std::exchange(is_exhaustion_told_, true)) {
+        log_.write(Level::error, "no further command can come at " + path_ + ": " +
+                                     std::strerror(error) + "; " + descriptors_cure +
+                                     ", or lower clients_max in [server] and [http]");
+      }
+      break;
+    }
+    is_exhaustion_told_ = false;
     place->open(*this, static_cast<std::size_t>(place - clients_.data()), std::move(socket));
   }
   watch();
@@ -108,9 +120,14 @@ void CommandSocket::on_ready(bool, bool) {
 
 void CommandSocket::advance(Instant now) {
   now_ = now;
-  if (!is_listening() && retry_at_ <= now) {
+  if (is_at_rest() && retry_at_ <= now) {
     retry_at_ = now + retry_interval;
-    try_to_listen();
+    is_resting_ = false;
+    if (is_listening()) {
+      watch();
+    } else {
+      try_to_listen();
+    }
   }
   for (Client& client : clients_) {
     if (client.is_open() && client.active_at() + client_patience <= now) client.close();
@@ -118,7 +135,7 @@ void CommandSocket::advance(Instant now) {
 }
 
 Instant CommandSocket::next_deadline() const {
-  Instant deadline = is_listening() ? never : retry_at_;
+  Instant deadline = is_at_rest() ? retry_at_ : never;
   for (const Client& client : clients_) {
     if (client.is_open()) deadline = std::min(deadline, client.active_at() + client_patience);
   }

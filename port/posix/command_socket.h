@@ -2,7 +2,8 @@
 // and one answer.
 //
 // Only root and the user of this program may connect. A client that neither says nor takes anything
-// for client_patience is hung up on; while all places are taken others wait.
+// for client_patience is hung up on; while all places are taken, and while the system has no
+// descriptor left, others wait.
 #pragma once
 
 #include <array>
@@ -63,6 +64,7 @@ class CommandSocket final : private EventHandler {
   void try_to_listen();
   // Null where it listens; else what failed, and errno tells why.
   const char* listen();
+  bool is_at_rest() const { return !is_listening() || is_resting_; }
 
   EventLoop& loop_;
   const std::string path_;
@@ -73,6 +75,8 @@ class CommandSocket final : private EventHandler {
   Instant now_{};
   Instant retry_at_{};
   bool is_told_ = false;
+  bool is_resting_ = false;  // without descriptors: who waits makes it ready all the time
+  bool is_exhaustion_told_ = false;
 };
 
 }  // namespace etcm::port

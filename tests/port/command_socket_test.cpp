@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "no_descriptors.h"
 #include "peer.h"
 #include "support/scratch_folder.h"
 
@@ -152,6 +153,25 @@ TEST_F(CommandSocketTest, WhoTakesNothingIsHungUpOn) {
   EXPECT_EQ(socket_->next_deadline(), Instant{1h} + CommandSocket::client_patience);
   socket_->advance(Instant{1h} + CommandSocket::client_patience);
   EXPECT_EQ(echo_.open, 0);
+  EXPECT_EQ(socket_->next_deadline(), never);
+}
+
+TEST_F(CommandSocketTest, WithoutDescriptorsWhoeverWaitsLeavesTheLoopAtRest) {
+  if (needs_descriptors_itself) GTEST_SKIP();
+  Instant now{1h};
+  const FileDescriptor late = connect();
+  say(late, "hello\n");
+  {
+    const NoDescriptors none;
+    EXPECT_LT(turns_in(10s, loop_, *socket_, now), 50);
+    EXPECT_TRUE(echo_.lines.empty());
+  }
+  ASSERT_EQ(log_.lines.size(), 1u) << "said once";
+  EXPECT_EQ(log_.lines[0], "no further command can come at " + path_ +
+                               ": Too many open files; raise LimitNOFILE of the service, or lower "
+                               "clients_max in [server] and [http]");
+  socket_->advance(now + CommandSocket::retry_interval);
+  EXPECT_EQ(hear(late), "hello!");
   EXPECT_EQ(socket_->next_deadline(), never);
 }
 
