@@ -9,7 +9,7 @@
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
-#include <termios.h>
+#include <sys/sysmacros.h>
 
 #include <cerrno>
 #include <cstring>
@@ -51,8 +51,8 @@ Context set(const SerialLine& line, Parity parity) {
   Context context(modbus_new_rtu(line.path.c_str(), static_cast<int>(line.baud), letter_of(parity),
                                  data_bits, line.stop_bits));
   if (context == nullptr || modbus_connect(context.get()) == 0) return context;
-  // A pseudo terminal has no parity. The C library calls that an error when all the rest stands as
-  // it should from the last time.
+  // The C library calls a driver without parity an error when all the rest stands as it should from
+  // the last time. Whether that will do is asked once the port is set.
   const bool may_lack_parity = errno == EINVAL && parity != Parity::none;
   return may_lack_parity ? set(line, Parity::none) : nullptr;
 }
@@ -65,6 +65,20 @@ bool correct(int descriptor) {
   settings.c_cc[VMIN] = 1;
   settings.c_cflag |= HUPCL;
   return ::tcsetattr(descriptor, TCSANOW, &settings) == 0;
+}
+
+bool has_parity(int descriptor, Parity wanted, std::string& why) {
+  termios settings{};
+  struct stat device {};
+  if (::tcgetattr(descriptor, &settings) != 0 || ::fstat(descriptor, &device) != 0) {
+    why = std::strerror(errno);
+    return false;
+  }
+  if (can_carry(settings, wanted, device.st_rdev)) return true;
+  why =
+      "its driver does not take the parity; take another adapter, or set all devices to none, and "
+      "`parity` with them";
+  return false;
 }
 
 constexpr const char* where_ports_are = "; ls /dev/serial/by-path lists the ports there are";
@@ -136,6 +150,14 @@ std::string_view what_is_no_port(const std::string& path) {
 
 }  // namespace
 
+bool can_carry(const termios& actual, Parity wanted, dev_t device) {
+  constexpr unsigned pseudo_terminals_first = 136, pseudo_terminals_last = 143;
+  const unsigned driver = major(device);
+  if (driver >= pseudo_terminals_first && driver <= pseudo_terminals_last) return true;
+  const bool is_on = (actual.c_cflag & PARENB) != 0, is_odd = (actual.c_cflag & PARODD) != 0;
+  return is_on == (wanted != Parity::none) && (!is_on || is_odd == (wanted == Parity::odd));
+}
+
 FileDescriptor open_serial(const SerialLine& line, std::string& why) {
   if (const std::string_view what = what_is_no_port(line.path); !what.empty()) {
     why = std::string(what) + where_ports_are;
@@ -156,6 +178,7 @@ FileDescriptor open_serial(const SerialLine& line, std::string& why) {
     why = std::strerror(errno);
     return {};
   }
+  if (!has_parity(port.get(), line.parity, why)) return {};
   if (!set_speed(port.get(), line.baud, why) || !set_rs485(port.get(), line.rs485, why)) return {};
   lower_latency(port.get());
   discard_waiting(port.get());

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <modbus/modbus.h>
 #include <sys/ioctl.h>
+#include <sys/sysmacros.h>
 #include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
@@ -68,6 +69,22 @@ TEST(SerialPort, IsSetAsTheLineSays) {
       }
     }
   }
+}
+
+TEST(SerialPort, WhoseDriverLeavesOutTheParityWillNotDo) {
+  const dev_t adapter = makedev(188, 0), uart = makedev(4, 64), terminal = makedev(136, 7);
+  termios settings{};
+  EXPECT_TRUE(can_carry(settings, Parity::none, adapter));
+  EXPECT_FALSE(can_carry(settings, Parity::even, adapter));
+  EXPECT_FALSE(can_carry(settings, Parity::odd, uart));
+  EXPECT_TRUE(can_carry(settings, Parity::odd, terminal));
+  settings.c_cflag = PARENB;
+  EXPECT_FALSE(can_carry(settings, Parity::none, uart));
+  EXPECT_TRUE(can_carry(settings, Parity::even, uart));
+  EXPECT_FALSE(can_carry(settings, Parity::odd, adapter));
+  settings.c_cflag |= PARODD;
+  EXPECT_TRUE(can_carry(settings, Parity::odd, adapter));
+  EXPECT_FALSE(can_carry(settings, Parity::even, adapter));
 }
 
 // libmodbus takes such a speed for 9600.
