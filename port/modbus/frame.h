@@ -18,6 +18,9 @@ inline constexpr std::uint8_t read_input_registers = 4;
 inline constexpr std::uint8_t write_holding_registers = 16;
 // Set in the function of an answer that is an exception.
 inline constexpr std::uint8_t exception_bit = 0x80;
+// The exceptions that say what a unit does not have, and not how it is just now.
+inline constexpr std::uint8_t illegal_function = 1;
+inline constexpr std::uint8_t illegal_data_address = 2;
 
 inline constexpr std::size_t pdu_bytes_max = 253;
 inline constexpr std::size_t mbap_header_bytes = 7;

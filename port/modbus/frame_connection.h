@@ -44,8 +44,8 @@ class FrameConnection {
   virtual void send(std::span<std::uint8_t> frame, std::uint16_t transaction, std::uint8_t address,
                     std::size_t pdu_bytes) = 0;
 
-  // With nothing under way: whatever has come is the start of an answer that is too late, and its
-  // end would be taken for the start of the next one. It is not reported.
+  // With nothing under way: takes what has come; on_frame() and on_lost() may be called. What is no
+  // whole frame then is thrown away: it is the start of an answer that is too late.
   virtual void discard() = 0;
 
   // Is down then, and says nothing.

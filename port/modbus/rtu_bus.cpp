@@ -275,9 +275,10 @@ void RtuBus::settle_for_client(const RtuAnswer& found, Instant now) {
 // It may be for an earlier question with this function: then the answer to this one is to come.
 void RtuBus::settle_exception(std::uint8_t exception, Instant now) {
   UnitState& unit = units_[request_.address];
+  const bool is_refusal = exception == illegal_function || exception == illegal_data_address;
   if (unit.owed.owed_until(request_.question.function) > now) {
     owe(now);
-  } else if (request_.question.function == read_holding_registers) {
+  } else if (is_refusal && request_.question.function == read_holding_registers) {
     unit.has_no_holding = true;
   }
   complete(BusResult::exception);

@@ -95,9 +95,8 @@ void TcpBus::send(TcpRequest request, std::span<std::uint8_t> frame, std::size_t
   asked_in_silence_.set(request.address);
   slowest_timeout_ = std::max(slowest_timeout_, request.timeout);
   queue_.add(request, now);
-  if (connection_.state() != FrameConnection::State::up) {
-    return on_lost("connection closed by the other side");
-  }
+  // Lost while what had come was taken: why, it has told.
+  if (connection_.state() != FrameConnection::State::up) return abandon_all();
   connection_.send(frame, request.transaction, request.address, pdu_bytes);
 }
 
@@ -261,9 +260,13 @@ void TcpBus::connect(Instant now) {
                       std::max(options_.reconnect_interval, TcpConnector::connect_time_max));
 }
 
-void TcpBus::on_lost(const char* why) {
+void TcpBus::abandon_all() {
   while (const auto request = queue_.abandon()) complete(*request, BusResult::link_lost);
   start_listening();
+}
+
+void TcpBus::on_lost(const char* why) {
+  abandon_all();
   why_down_ = to_string(options_.end) + ": " + why;
   if (std::exchange(reported_down_, true)) return;
   log_.write(Level::warning, "bus " + options_.name + ": " + why_down_ + "; trying again");

@@ -77,6 +77,8 @@ class TcpBus final : public NodeBus, private FrameConnection::Listener {
   void on_connected() override;
   void on_frame(const Frame& frame) override;
   void on_lost(const char* why) override;
+  // Nothing that is under way will be answered.
+  void abandon_all();
   void send(TcpRequest request, std::span<std::uint8_t> frame, std::size_t pdu_bytes, Instant now);
   void settle(const TcpRequest& request, const Frame& frame);
   Completed& place();

@@ -39,6 +39,7 @@ class TcpListener::Client final : private EventHandler {
   }
 
   void reply(std::uint16_t transaction, std::uint8_t address, std::span<const std::uint8_t> pdu) {
+    if (!has_room()) return close();
     const bool waited = is_waiting();
     const std::span<std::uint8_t> out = std::span(unsent_).subspan(unsent_end_, frame_bytes_max);
     std::copy(pdu.begin(), pdu.end(), out.begin() + mbap_header_bytes);
@@ -67,6 +68,7 @@ class TcpListener::Client final : private EventHandler {
   }
 
   bool is_waiting() const { return unsent_end_ > 0; }
+  bool has_room() const { return unsent_.size() - unsent_end_ >= frame_bytes_max; }
 
   bool receive() {
     const std::span<std::uint8_t> space = reader_.free_space();
@@ -76,7 +78,8 @@ class TcpListener::Client final : private EventHandler {
     return count > 0;
   }
 
-  // False when what the client sends is no Modbus TCP.
+  // False when what the client sends is no Modbus TCP, or asks for more at once than there is room
+  // for.
   bool answer_all() {
     Frame request;
     FrameReader::Next next = reader_.next(request);
@@ -84,6 +87,7 @@ class TcpListener::Client final : private EventHandler {
       ++listener_.counters_.requests;
       has_asked_ = true;
       listener_.transaction_ = request.transaction;
+      if (!has_room()) return false;
       const std::span<std::uint8_t> out = std::span(unsent_).subspan(unsent_end_, frame_bytes_max);
       const std::size_t pdu = listener_.handler_.answer(index_, request.address, request.pdu,
                                                         out.subspan(mbap_header_bytes));
@@ -111,9 +115,9 @@ class TcpListener::Client final : private EventHandler {
   bool has_asked_ = false;  // since asked_at_
   Instant asked_at_{};
   FrameReader reader_;
-  // Room for the answers to all requests the reader can hold: one with registers in it needs a
-  // request of 12 bytes, and an exception is hardly longer than its request. And for those that
-  // come later.
+  // Room for the answers to all requests for registers that the reader can hold, each of 12 bytes;
+  // an exception is hardly longer than its request. And for those that come later. Only of long
+  // identities, which 8 bytes ask for, there can be more.
   static constexpr std::size_t answers_max = 4 * frame_bytes_max / 12 + 1 + replies_max;
   std::array<std::uint8_t, answers_max * frame_bytes_max> unsent_;
   std::size_t unsent_begin_ = 0;

@@ -82,6 +82,29 @@ TEST_F(Server, AClientSeesOneImageUntilItReadsTheHeaderAgain) {
   EXPECT_EQ(ask(first, 1, 5), 2);
 }
 
+// Of 8 bytes each, which is less than a request for registers has.
+TEST(ServerOfLongTexts, HasRoomForNoMoreAnswersThanItHas) {
+  EventLoop loop;
+  const std::string text(240, 'x');
+  RegisterServer server(loop, {.host = 0x7f000001, .port = 0}, 1, {{text, text, text}},
+                        image_of(1));
+  const FileDescriptor client = connect_tcp(server.address());
+  Bytes requests;
+  for (std::uint8_t i = 0; i < 130; ++i) {
+    const Bytes request = frame_of(i, 1, {report_server_id});
+    requests.insert(requests.end(), request.begin(), request.end());
+  }
+  send_bytes(client.get(), requests);
+  Bytes answers;
+  EXPECT_TRUE(turn_until(loop, [&] {
+    receive_available(client.get(), answers);
+    std::uint8_t next = 0;
+    const ssize_t count = ::recv(client.get(), &next, 1, MSG_PEEK | MSG_DONTWAIT);
+    return count == 0 || (count < 0 && errno == ECONNRESET);
+  }));
+  EXPECT_EQ(server.counters().clients, 0u);
+}
+
 TEST_F(Server, AClientThatNeverReadsTheHeaderSeesTheNewestImage) {
   const FileDescriptor client = connect_tcp(server_.address());
   for (std::uint16_t value = 1; value < 10; ++value) {

@@ -706,6 +706,18 @@ TEST_F(SerialBus, AUnitWithoutTheOtherFunctionIsAskedWithTheFirstAgain) {
   }
 }
 
+TEST_F(SerialBus, AUnitThatIsBusyIsAskedInBothWaysStill) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  request(7, read_holding_registers);
+  say(rtu_of(7, {0x83, 6}));
+  EXPECT_EQ(result(), BusResult::exception);
+  pass(late_answer_max);
+  request(7, read_holding_registers);
+  say(two_registers(7, 3, read_holding_registers));
+  EXPECT_EQ(result(), BusResult::ok);
+}
+
 TEST_F(SerialBus, NoiseBeforeAnAnswerAndAnEchoOfTheRequestAreSkipped) {
   request(7);
   say({0xff, 0, 7, 4, 4});

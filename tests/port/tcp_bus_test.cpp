@@ -547,6 +547,45 @@ class ReadyConnection final : public FrameConnection {
   State state_ = State::down;
 };
 
+// Is found to be lost when it is asked what has come.
+class LostConnection final : public FrameConnection {
+ public:
+  State state() const override { return state_; }
+  void connect(const Endpoint&, Instant, Duration) override {
+    state_ = State::up;
+    listener().on_connected();
+  }
+  void advance(Instant) override {}
+  Instant next_deadline() const override { return never; }
+  void send(std::span<std::uint8_t>, std::uint16_t, std::uint8_t, std::size_t) override {
+    ADD_FAILURE() << "it is down";
+  }
+  void discard() override {
+    close();
+    listener().on_lost("Connection reset by peer");
+  }
+  void close() override { state_ = State::down; }
+  void abort() override { close(); }
+
+ private:
+  State state_ = State::down;
+};
+
+TEST(TcpBusLoss, FoundBeforeAQuestionTellsWhyItWas) {
+  LostConnection connection;
+  KeptLog log;
+  TcpBus bus(connection, log,
+             {.name = "test", .end = {}, .outstanding_max = 1, .reconnect_interval = 1s});
+  const Instant now{1h};
+  bus.advance(now);
+  ASSERT_TRUE(bus.ready());
+  bus.start_read({.address = 4, .first = 0, .count = 2, .timeout = 50ms}, now);
+  BusAnswer answer;
+  ASSERT_TRUE(bus.take_answer(answer));
+  EXPECT_EQ(answer.result, BusResult::link_lost);
+  EXPECT_TRUE(bus.why_down().ends_with(": Connection reset by peer")) << bus.why_down();
+}
+
 TEST(TcpBusNumbers, OfRequestsThatNobodyAnsweredAreNotUsedAgain) {
   ReadyConnection connection;
   KeptLog log;
