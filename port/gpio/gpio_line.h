@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace etcm::port {
@@ -27,8 +28,9 @@ class GpioLine {
   GpioLine(const GpioLine&) = delete;
   GpioLine& operator=(const GpioLine&) = delete;
 
-  bool is_active() const;
-  void set_active(bool active);
+  // Where the line has gone with its chip nothing, and false, and errno tells.
+  std::optional<bool> is_active() const;
+  bool set_active(bool active);
 
   // Of an input: readable when the level has changed.
   int descriptor() const;

@@ -48,9 +48,14 @@ GpioLine::GpioLine(const LineRequest& request) : state_(std::make_unique<State>(
 
 GpioLine::~GpioLine() = default;
 
-bool GpioLine::is_active() const { return gpiod_line_get_value(state_->line) == 1; }
+std::optional<bool> GpioLine::is_active() const {
+  const int value = gpiod_line_get_value(state_->line);
+  return value < 0 ? std::nullopt : std::optional(value == 1);
+}
 
-void GpioLine::set_active(bool active) { gpiod_line_set_value(state_->line, active ? 1 : 0); }
+bool GpioLine::set_active(bool active) {
+  return gpiod_line_set_value(state_->line, active ? 1 : 0) == 0;
+}
 
 int GpioLine::descriptor() const { return gpiod_line_event_get_fd(state_->line); }
 

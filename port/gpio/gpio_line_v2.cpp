@@ -105,14 +105,17 @@ GpioLine::GpioLine(const LineRequest& request) : state_(std::make_unique<State>(
 
 GpioLine::~GpioLine() = default;
 
-bool GpioLine::is_active() const {
-  return gpiod_line_request_get_value(state_->request.get(), state_->offset) ==
-         GPIOD_LINE_VALUE_ACTIVE;
+std::optional<bool> GpioLine::is_active() const {
+  const gpiod_line_value value =
+      gpiod_line_request_get_value(state_->request.get(), state_->offset);
+  if (value == GPIOD_LINE_VALUE_ERROR) return std::nullopt;
+  return value == GPIOD_LINE_VALUE_ACTIVE;
 }
 
-void GpioLine::set_active(bool active) {
-  gpiod_line_request_set_value(state_->request.get(), state_->offset,
-                               active ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE);
+bool GpioLine::set_active(bool active) {
+  return gpiod_line_request_set_value(
+             state_->request.get(), state_->offset,
+             active ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE) == 0;
 }
 
 int GpioLine::descriptor() const { return gpiod_line_request_get_fd(state_->request.get()); }

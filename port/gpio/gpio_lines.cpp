@@ -11,43 +11,42 @@ namespace etcm::port {
 
 class GpioLines::Input final : private EventHandler {
  public:
-  Input(EventLoop& loop, Log& log, GpioLine& line, std::string name, Duration period)
-      : loop_(loop),
-        log_(log),
-        line_(line),
-        name_(std::move(name)),
-        debounce_(line.is_active(), period) {
+  Input(EventLoop& loop, GpioLine& line, Duration period)
+      : loop_(loop), line_(line), debounce_(line.is_active().value_or(false), period) {
     loop_.add(line_.descriptor(), *this, true, false);
   }
   ~Input() {
-    if (!is_gone_) loop_.remove(line_.descriptor());
+    if (why_gone_ == 0) loop_.remove(line_.descriptor());
   }
   Input(const Input&) = delete;
   Input& operator=(const Input&) = delete;
 
   void read(Instant now) {
-    debounce_.sample(line_.is_active(), std::exchange(has_moved_, false), now);
+    if (why_gone_ != 0) return;
+    // Not each kernel tells otherwise that the chip has gone.
+    const std::optional<bool> level = line_.is_active();
+    if (!level) return stop(errno);
+    debounce_.sample(*level, std::exchange(has_moved_, false), now);
   }
   const Debounce& debounce() const { return debounce_; }
   bool has_moved() const { return has_moved_; }
+  // 0: it is not.
+  int why_gone() const { return why_gone_; }
 
  private:
   void on_ready(bool, bool) override {
     has_moved_ = true;
-    if (line_.discard_events()) return;
-    const int error = errno;
-    // Waiting for it is impossible: it is ready all the time.
-    is_gone_ = true;
+    // Waiting for one that has gone is impossible: it is ready all the time.
+    if (!line_.discard_events()) stop(errno);
+  }
+  void stop(int error) {
+    why_gone_ = error;
     loop_.remove(line_.descriptor());
-    log_.write(Level::warning, "gpio line " + name_ + " is gone (" + std::strerror(error) +
-                                   "); goes on without it; plug its chip in again, and restart");
   }
 
   EventLoop& loop_;
-  Log& log_;
   GpioLine& line_;
-  const std::string name_;
-  bool is_gone_ = false;
+  int why_gone_ = 0;
   Debounce debounce_;
   bool has_moved_ = false;
 };
@@ -73,11 +72,19 @@ void GpioLines::try_to_open(RequestedLine& requested) {
     return;
   }
   if (requested.request.use == LineUse::input) {
-    requested.input = std::make_unique<Input>(loop_, log_, *requested.gpio_line,
-                                              requested.request.name, debounce_);
+    requested.input = std::make_unique<Input>(loop_, *requested.gpio_line, debounce_);
   }
-  if (requested.is_told)
+  if (std::exchange(requested.is_told, false))
     log_.write(Level::info, "gpio line " + requested.request.name + " is there");
+}
+
+void GpioLines::drop(RequestedLine& requested, int error) {
+  requested.input.reset();
+  requested.gpio_line.reset();
+  requested.is_told = true;
+  log_.write(Level::error, "gpio line " + requested.request.name + " is gone (" +
+                               std::strerror(error) +
+                               "); goes on without it, and tries again; plug its chip in again");
 }
 
 bool GpioLines::is_any_missing() const {
@@ -96,8 +103,9 @@ bool GpioLines::is_active(DigitalLine input) const {
 }
 
 void GpioLines::set_active(DigitalLine output, bool active) {
-  const RequestedLine& requested = requested_[output.index];
-  if (requested.gpio_line != nullptr) requested.gpio_line->set_active(active);
+  RequestedLine& requested = requested_[output.index];
+  if (requested.gpio_line == nullptr || requested.gpio_line->set_active(active)) return;
+  drop(requested, errno);
 }
 
 void GpioLines::advance(Instant now) {
@@ -109,10 +117,11 @@ void GpioLines::advance(Instant now) {
   }
   const bool reads_all = reread_at_ <= now;
   if (reads_all) reread_at_ = now + reread_interval;
-  for (const RequestedLine& requested : requested_) {
+  for (RequestedLine& requested : requested_) {
     Input* const input = requested.input.get();
     if (input == nullptr) continue;
     if (reads_all || input->has_moved() || input->debounce().settles_at() <= now) input->read(now);
+    if (input->why_gone() != 0) drop(requested, input->why_gone());
   }
 }
 

@@ -46,10 +46,12 @@ class GpioLines final : public DigitalIo {
     LineRequest request;
     std::unique_ptr<GpioLine> gpio_line;  // null while it cannot be had
     std::unique_ptr<Input> input;         // null for an output, and without a line
-    bool is_told = false;                 // that it cannot be had
+    bool is_told = false;                 // that it cannot be had, or is gone
   };
 
   void try_to_open(RequestedLine& requested);
+  // Until it is had again: `error` says why it is gone.
+  void drop(RequestedLine& requested, int error);
   bool is_any_missing() const;
   bool has_input() const;
 

@@ -23,7 +23,7 @@ stale_after = "3s"
 leave_after = "6s"
 [gpio]
 alert = "ALERT"
-join_button = "gpiochip0:1"
+join_button = "9030000.pl061:1"
 status_led = "LED"
 watchdog = "WATCHDOG"
 [[bus]]
@@ -128,6 +128,15 @@ class OnABoard(BoardCase):
         board.tell("kill -CONT $gateway")
         gateway_test.wait_for("the watchdog pulse",
                               lambda: len(board.rises("WATCHDOG", stopped_at)) > 2)
+
+        chip = "echo 9030000.pl061 > /sys/bus/amba/drivers/pl061_gpio"
+        board.tell(f"{chip}/unbind")
+        for name in ("ALERT", "9030000.pl061:1", "LED", "WATCHDOG"):
+            board.wait_for_output(f"gpio line {name} is gone .No such device.; goes on without it")
+        board.tell(f"{chip}/bind")
+        for name in ("ALERT", "9030000.pl061:1", "LED", "WATCHDOG"):
+            board.wait_for_output(f"gpio line {name} is there")
+        self.assertEqual(self.flashes(), 1, "its chip is back")
 
         board.tell("kill -TERM $gateway; wait $gateway; echo status $?")
         board.wait_for_output(r"ends at generation .* 4 nodes.*audit passed")
