@@ -20,21 +20,6 @@ bool hold_at_each_unit(const Holds& holds) {
   return true;
 }
 
-enum class Asked : std::uint8_t { never, always, looked_for };
-
-bool contain(const std::vector<UnitRange>& ranges, ModbusAddress unit) {
-  return std::any_of(ranges.begin(), ranges.end(),
-                     [unit](UnitRange range) { return range.contains(unit); });
-}
-
-Asked asked(const BusSettings& bus, ModbusAddress unit) {
-  if (contain(bus.units, unit) || contain(bus.assign, unit) ||
-      (unit == default_unit && !bus.assign.empty())) {
-    return Asked::always;
-  }
-  return contain(bus.scan, unit) ? Asked::looked_for : Asked::never;
-}
-
 class BusReload {
  public:
   BusReload(Settings& current, Settings& next) : current_(current), next_(next) {}
@@ -139,8 +124,7 @@ class BusReload {
     const std::vector<UnitRange> before = type->field.get(&now), after = type->field.get(&then);
     return hold_at_each_unit([&](ModbusAddress unit) {
       if (contain(before, unit)) return contain(after, unit);
-      return !contain(after, unit) || asked(now, unit) == Asked::never ||
-             asked(now, unit) == asked(then, unit);
+      return !contain(after, unit) || !asks(now, unit) || asked(now, unit) == asked(then, unit);
     });
   }
 
@@ -148,7 +132,7 @@ class BusReload {
   void compare_device_key(const Key& key) {
     const auto changed = buses_without([&](const BusSettings& now, const BusSettings& then) {
       return hold_at_each_unit([&](ModbusAddress unit) {
-        return asked(now, unit) == Asked::never || asked(then, unit) == Asked::never ||
+        return !asks(now, unit) || !asks(then, unit) ||
                is_same_device(key.name, device_at(now, unit), device_at(then, unit));
       });
     });
@@ -225,7 +209,7 @@ class BusReload {
       const auto bus = std::find_if(current_.buses.begin(), current_.buses.end(),
                                     [&](const BusSettings& on) { return on.name == then.bus; });
       const ModbusAddress unit{static_cast<std::uint8_t>(then.address)};
-      return !then.serial || bus == current_.buses.end() || asked(*bus, unit) == Asked::never ||
+      return !then.serial || bus == current_.buses.end() || !asks(*bus, unit) ||
              node_at(current_, *bus, unit) != nullptr;
     };
     return std::all_of(current_.nodes.begin(), current_.nodes.end(), is_kept) &&

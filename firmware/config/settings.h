@@ -51,6 +51,8 @@ struct UnitRange {
   friend constexpr bool operator==(const UnitRange&, const UnitRange&) = default;
 };
 
+bool contain(const std::vector<UnitRange>& ranges, ModbusAddress unit);
+
 // A digital line: its name or CHIP:OFFSET.
 struct LineSettings {
   std::string name;
@@ -115,6 +117,13 @@ std::string link_name(const BusSettings& bus);
 
 // The least time that a question to a unit and its answer take on a line.
 port::Duration exchange_floor(const port::SerialLine& line);
+
+// When a unit of a bus is asked.
+enum class Asked : std::uint8_t { never, always, looked_for };
+Asked asked(const BusSettings& bus, ModbusAddress unit);
+inline bool asks(const BusSettings& bus, ModbusAddress unit) {
+  return asked(bus, unit) != Asked::never;
+}
 
 // What the settings say of the device at this unit; null: it is a node, with the bus's own timeout.
 const DeviceSettings* device_at(const BusSettings& bus, ModbusAddress address);

@@ -1,22 +1,15 @@
 #include "firmware/config/unit_count.h"
 
 #include <algorithm>
-#include <array>
-#include <vector>
 
 namespace etcm::firmware {
 
 std::uint32_t count_units(const Settings& settings) {
   std::uint32_t count = 0;
   for (const BusSettings& bus : settings.buses) {
-    std::array<bool, 256> is_unit{};
-    for (const std::vector<UnitRange>* const ranges : {&bus.units, &bus.assign, &bus.scan}) {
-      for (const UnitRange range : *ranges) {
-        for (const ModbusAddress address : range) is_unit[address.value] = true;
-      }
+    for (const ModbusAddress unit : UnitRange{.first = 1, .last = unit_max}) {
+      if (asks(bus, unit)) ++count;
     }
-    if (!bus.assign.empty()) is_unit[default_unit.value] = true;
-    count += static_cast<std::uint32_t>(std::count(is_unit.begin(), is_unit.end(), true));
   }
   return count;
 }

@@ -26,7 +26,6 @@ class MeshFolder final : public MeshFiles {
 
   void start_check() override;
   void start_write(std::shared_ptr<const files::MeshImage> image) override;
-  bool is_writing() const override { return worker_.is_busy(); }
   bool take_result(DiskResult& result) override;
 
   // Waits for a write under way; false when that takes longer than `at_most`. It is then left

@@ -150,7 +150,6 @@ class RecordingFiles final : public port::MeshFiles {
     if (!failing) nodes_written.push_back(image->node_count);
     last = std::move(image);
   }
-  bool is_writing() const override { return has_news_ && is_unresponsive; }
   bool take_result(port::DiskResult& result) override {
     if (!has_news_ || (is_unresponsive && !is_check_)) return false;
     has_news_ = false;

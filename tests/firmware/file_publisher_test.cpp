@@ -166,7 +166,6 @@ TEST(Files, OfALargeMeshAreWrittenLessOften) {
       ++attempts;
       clock_.pass(200ms);
     }
-    bool is_writing() const override { return false; }
     bool take_result(port::DiskResult& result) override {
       result = {.ok = true, .why = {}};
       return true;

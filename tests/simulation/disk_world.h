@@ -107,7 +107,6 @@ class FolderWorld final : public port::MeshFiles {
     image_ = std::move(image);
     has_news_ = true;
   }
-  bool is_writing() const override { return has_news_ && hangs; }
   bool take_result(port::DiskResult& result) override {
     if (!has_news_ || hangs) return false;
     has_news_ = false;

@@ -25,7 +25,6 @@ class MeshFiles {
   // under way, the mesh is no larger than the adapter was made for, and the image does not change
   // until take_result() has told how it ended.
   virtual void start_write(std::shared_ptr<const files::MeshImage> image) = 0;
-  virtual bool is_writing() const = 0;
 
   // How the write or the check that has ended went; false when there is nothing to tell. Each is
   // told once.

@@ -1,5 +1,5 @@
 // What the nodes around a node say of its reading.
-#include "firmware/readings/expected.h"
+#include "firmware/readings/thin_plate.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "firmware/readings/thin_plate.h"
+#include "expected.h"
 #include "simulated_site.h"
 #include "support/allocation_watch.h"
 #include "support/emulated.h"
@@ -23,7 +23,7 @@ struct ExpectedSite {
               static_cast<std::uint32_t>(snapshot.vertices.size())) {
     nodes.take(snapshot, test::rows_of(snapshot));
   }
-  std::uint32_t row_count() const { return nodes.row_count(); }
+  std::uint32_t row_count() const { return static_cast<std::uint32_t>(snapshot.vertices.size()); }
   std::vector<double> linear(double a, double b, double c) const {
     std::vector<double> values(row_count());
     for (std::uint32_t row = 0; row < row_count(); ++row) {

@@ -1,4 +1,4 @@
-#include "firmware/readings/expected.h"
+#include "expected.h"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,5 @@
-// What the nodes around a node predict that its sensor reads, the node itself left out.
+// What the nodes around a node predict that it reads, the node itself left out, by the surface with
+// which the gateway judges sensors.
 #pragma once
 
 #include <cstdint>
