@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <cstdlib>
+#include <memory>
 #include <vector>
 
 #include "etcm/split_site.h"
@@ -196,6 +198,74 @@ TEST(Canonical, WorkTooLittleForAnythingChangesNothing) {
   ASSERT_EQ((*mesh)->canonicalize(Work{1}), Status::work_limit);
   EXPECT_TRUE(picture_of(**mesh) == before);
   EXPECT_FALSE((*mesh)->is_canonical());
+}
+
+constexpr std::int32_t site_side = 3000;
+
+// 250 nodes and features between near ones, made canonical; then so many moves.
+std::unique_ptr<OwnedMesh> site_after(int moves, std::uint64_t seed) {
+  constexpr std::uint32_t nodes = 250, features = 60;
+  constexpr std::int32_t reach = 400;
+  inputs::Random random(seed);
+  const auto anywhere = [&] {
+    return Position{random.between(0, site_side), random.between(0, site_side)};
+  };
+  const auto any_node = [&] { return vertex_of(random.between(0, nodes - 1)); };
+  auto mesh = empty_mesh();
+  VertexId node;
+  while ((*mesh)->node_count() < nodes) static_cast<void>((*mesh)->join(anywhere(), node));
+  FeatureId feature;
+  while ((*mesh)->feature_count() < features) {
+    const VertexId from = any_node(), to = any_node();
+    const Position a = (*mesh)->position(from), b = (*mesh)->position(to);
+    if (std::abs(a.x - b.x) > reach || std::abs(a.y - b.y) > reach) continue;
+    static_cast<void>((*mesh)->add_feature({from, to}, feature));
+  }
+  EXPECT_EQ((*mesh)->canonicalize(), Status::ok);
+  for (int i = 0; i < moves; ++i) static_cast<void>((*mesh)->move(any_node(), anywhere()));
+  return mesh;
+}
+
+TEST(Canonical, TakesAtMostThreeTimesTheWorkOfLayingAllAgain) {
+  std::uint64_t compared = 0, longer = 0;
+  for (std::uint64_t seed = 1; seed <= (is_emulated ? 2u : 20u); ++seed) {
+    for (const int moves : {1, 2, 4, 8}) {
+      const auto mesh = site_after(moves, seed);
+      if ((*mesh)->is_canonical()) continue;
+      std::vector<std::byte> bytes((*mesh)->saved_bytes());
+      ASSERT_EQ((*mesh)->save(bytes), Status::ok);
+      const auto again = empty_mesh();
+      ASSERT_EQ((*again)->load(bytes), Status::ok);
+      ASSERT_EQ((*again)->rebuild(), Status::ok);
+      ASSERT_EQ((*mesh)->canonicalize(), Status::ok);
+      ASSERT_EQ((*mesh)->hash(), (*again)->hash());
+      const std::uint64_t all = (*again)->work_used().units, some = (*mesh)->work_used().units;
+      EXPECT_LE(some, 3 * all) << "seed " << seed << ", " << moves << " moves";
+      ++compared;
+      if (some > all) ++longer;
+    }
+  }
+  EXPECT_GT(compared, is_emulated ? 4u : 40u);
+  EXPECT_LT(longer, compared / 2);
+}
+
+// A place of a change at a time, where no more can be looked at.
+TEST(Canonical, NamesNoneSixteenTimesAtTheMostUnlessForEver) {
+  constexpr int places_most = 16, ever = 200;
+  int stuck = 0, slow = 0;
+  for (std::uint64_t units = 20; units < 2000; units += 1 + units / 6) {
+    const auto mesh = site_after(7, 5);
+    int calls = 0;
+    while (calls < ever && (*mesh)->canonicalize(Work{units}) == Status::work_limit &&
+           (*mesh)->error_detail().feature.is_none()) {
+      ++calls;
+    }
+    EXPECT_TRUE(calls <= places_most || calls == ever) << units << ": " << calls;
+    if (calls == ever) ++stuck;
+    if (1 < calls && calls <= places_most) ++slow;
+  }
+  EXPECT_GT(stuck, 0);
+  EXPECT_GT(slow, 0);
 }
 
 // It may look at anything, so nobody can say what it depends on.

@@ -419,6 +419,38 @@ TEST(Refusals, NameBothFeatures) {
   EXPECT_EQ(refused.size(), 3u);
 }
 
+// Which would have to be split where the new one has broken it.
+TEST(Refusals, OfAFeatureNameTheOneThatItBreaks) {
+  MeshConfig config{.vertices_max = 60, .features_max = 10, .steiner_max = 2};
+  OwnedMesh mesh(config);
+  ASSERT_EQ(mesh.opened(), Status::ok);
+  VertexId node;
+  for (const Position position : {Position{6, 9}, {9, 4}, {4, 7}, {6, 8}, {7, 2}}) {
+    ASSERT_EQ(mesh->join(position, node), Status::ok);
+  }
+  FeatureId first, second;
+  ASSERT_EQ(mesh->add_feature({vertex_of(4), vertex_of(0)}, first), Status::ok);
+  ASSERT_EQ(mesh->add_feature({vertex_of(4), vertex_of(3)}, second), Status::steiner_budget);
+  const ErrorDetail& detail = mesh->error_detail();
+  EXPECT_EQ(detail.feature, first);
+  EXPECT_EQ(detail.to, mesh->point(vertex_of(4)));
+}
+
+TEST(Refusals, NeedWhatTheyHaveUsed) {
+  const auto mesh = empty_mesh(3, 1);
+  VertexId node;
+  for (const Position position : {Position{0, 0}, {5, 1}, {2, 7}}) {
+    ASSERT_EQ((*mesh)->join(position, node), Status::ok);
+  }
+  EXPECT_GT((*mesh)->work_needed().units, (*mesh)->work_used().units);
+  FeatureId feature;
+  ASSERT_EQ((*mesh)->add_feature({vertex_of(0), vertex_of(1)}, feature), Status::ok);
+  ASSERT_EQ((*mesh)->add_feature({vertex_of(0), vertex_of(2)}, feature), Status::out_of_features);
+  EXPECT_EQ((*mesh)->work_needed().units, (*mesh)->work_used().units);
+  ASSERT_EQ((*mesh)->join({9, 9}, node), Status::out_of_vertices);
+  EXPECT_EQ((*mesh)->work_needed().units, (*mesh)->work_used().units);
+}
+
 TEST(AfterAnIncompleteBuild, ARefusedMoveChangesNothing) {
   MeshConfig config{.vertices_max = 100, .features_max = 20, .steiner_max = 1};
   OwnedMesh mesh(config);

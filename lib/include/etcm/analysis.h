@@ -91,10 +91,10 @@ struct Relay {
 [[nodiscard]] std::uint64_t relays(const Mesh& mesh, const Mesh& devices, std::uint32_t radio_range,
                                    std::span<Relay> out) noexcept;
 
-// A segment of a feature from a sensor on it to the next one, or to an end of the feature that has
-// none, which they do not see whole: where both ends sense, longer than twice the range; where one
-// does, longer than the range; where neither does, any. Somebody may cross it unseen by those on
-// the feature.
+// A segment of a feature from a sensor at one of its vertices to the next such one, or to an end of
+// the feature that has none, which they do not see whole: where both ends sense, longer than twice
+// the range; where one does, longer than the range; where neither does, any. Somebody may cross it
+// unseen by those two: a sensor between its vertices counts as one beside the feature.
 struct Gap {
   FeatureId feature;
   VertexId from;  // ids of the mesh that has the features

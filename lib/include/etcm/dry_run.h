@@ -6,8 +6,8 @@
 // The change is made and taken back, as one that is refused at the very end: so the answer is that
 // of the change itself, and the mesh is as it was (mesh.h), with error_detail(), work_used(),
 // work_needed(), is_canonical() and what canonicalize() would do. Only its storage is arranged
-// otherwise: a seal of its bytes is broken (storage.h), and later calls may take a little more or
-// less work. It takes two to three times as long as the change.
+// otherwise: seal its bytes again (storage.h); and later calls may take a little more or less work.
+// It takes up to three times as long as the change.
 #pragma once
 
 #include <cstdint>

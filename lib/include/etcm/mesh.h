@@ -5,8 +5,7 @@
 //   features win ties, then the lexicographic symbolic perturbation. It does not depend on the
 //   order in which anything was given, on the compiler or on the machine. Which Steiner vertices
 //   there are does depend on the order of changes, until canonicalize().
-// - Each feature is a union of mesh edges, exactly; each Steiner vertex lies exactly on its
-// feature.
+// - Each feature is a union of mesh edges, exactly; each Steiner vertex lies exactly on one.
 //   (After build() answered steiner_budget, out_of_vertices or grid_exhausted: but for the
 //   subsegments that unresolved() counts; two vertices of chain() in a row may have no edge then.)
 // - 0, 1, 2 and collinear nodes are meshes too: they have no finite triangle.
@@ -45,7 +44,9 @@
 // Room: what a change takes out, Steiner vertices and segments of features that turn to another
 // line, keeps its place until the change ends. So a full mesh may answer out_of_vertices or
 // out_of_features where there would have been room in the end. Then canonicalize() gives back what
-// history has left; else fewer features, or storage for more: save(), open() it and load().
+// history has left; else fewer features, or storage for more: save(), open() it and load(). Room is
+// asked for before most of what may be wrong with the input: a full mesh may answer so, too, where
+// a node is in the way or features cross.
 //
 // Errors: while unresolved() is not 0 each change but clear() answers mesh_unresolved, save() too
 // (build(), restore() and load() mesh_not_empty). The room-and-bounds codes are out_of_vertices,
@@ -92,10 +93,11 @@ struct ErrorDetail {
   Status status = Status::ok;
   VertexId vertex{};    // the node in the way, or the unknown one
   VertexId rejected{};  // duplicate_vertex in build(): the node that stands there too
-  FeatureId feature{};  // the feature that cannot be made (in build(): its index in the input)
-                        //   or, after work_limit, that canonicalize() has got to
+  FeatureId feature{};  // the feature that cannot be made (in build(): its index in the input;
+                        //   of add_feature() none where it is the new one) or, after work_limit,
+                        //   that canonicalize() has got to
   FeatureId other{};    // the feature it crosses, overlaps or repeats (as above)
-  Point from{};         // the unresolved subsegment of `feature`, for steiner_budget and
+  Point from{};         // the unresolved subsegment of that feature, for steiner_budget and
   Point to{};           //   grid_exhausted
 };
 
@@ -131,9 +133,9 @@ class Mesh {
 
   // Takes the storage, which must outlive the mesh, be aligned to 8 and have storage_bytes(config)
   // bytes; the mesh in it is empty. Of two Mesh objects on one storage only the one that was opened
-  // or attached last may be used, which is not checked. Errors: bad_config, storage_too_small; then
-  // the mesh is what it was before. A pointer that is null or not aligned is a programming error.
-  // O(1).
+  // or attached last may be used, which is not checked. Errors: bad_config, storage_too_small, in
+  // this order; then the mesh is what it was before. A pointer to enough bytes that is null or not
+  // aligned is a programming error. O(1).
   Status open(std::span<std::byte> storage, const MeshConfig& config) noexcept;
 
   // Forgets all nodes and features. O(1).
@@ -194,11 +196,13 @@ class Mesh {
   // features, bit for bit. Changes keep the mesh conforming at once, with Steiner vertices that
   // depend on what was there before; this takes them back. Lays again what the changes can have had
   // an influence on, group by group of features that depend on each other; the cost goes with
-  // those, and is at most some 1.2 of rebuild(). Between groups the mesh is whole: work_limit
-  // leaves what has been done, and the next call goes on, where its limit is enough for one group:
-  // error_detail().feature is one of the first that was not. Named twice in a row, with no change
-  // in between, its group takes more than that limit, and no number of calls gets beyond it. None
-  // is named where not even looking for the groups was done; that is work for a few calls at most.
+  // those. After many changes it can be more than that of rebuild(): in what was tried up to three
+  // times, and five with fewer than a hundred nodes (docs/one-mesh.md). Between groups the mesh is
+  // whole: work_limit leaves what has been done, and the next call goes on, where its limit is
+  // enough for one group: error_detail().feature is one of the first that was not. Named twice in a
+  // row, with no change in between, its group takes more than that limit, and no number of calls
+  // gets beyond it. None is named before it is known where the groups begin, which takes sixteen
+  // calls at most: none seventeen times in a row says the same.
   // Errors: mesh_unresolved, and the room-and-bounds codes: build() would answer the same, or the
   // mesh has no room for the old and the new vertices of a group at once.
   Status canonicalize(Work limit = Work::unlimited()) noexcept;

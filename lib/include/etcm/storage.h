@@ -15,8 +15,9 @@
 //   attach()       What seal() has vouched for, which is what is in use of the bytes. Where that
 //                  was altered since, cut off or copied while a change was going on, it is refused,
 //                  but for one time in 2^64. A call that changes the mesh alters it even where it
-//                  is refused, and so does a dry run: the mesh is as it was, its bytes are not. So
-//                  seal after each such call, whatever it answered. It is a checksum, no
+//                  is refused, and so does a dry run, but for some that are refused at once: the
+//                  mesh is as it was, its bytes are not. So seal after each such call, whatever it
+//                  answered. It is a checksum, no
 //                  signature: who can write the bytes on purpose can make it right. What a program
 //                  keeps beside the mesh, such as the devices behind its ids, is not in it: that
 //                  wants a checksum of its own, or is written between a change and its seal, so
@@ -24,8 +25,9 @@
 //   attach_copy()  Everything but the head, which is looked at: whether a mesh begins there, of
 //                  this layout and within these bytes. For copies that this program made of a mesh
 //                  at rest.
-// Bytes that may be forged belong to neither: such a mesh is sent as Mesh::save() writes it, for
-// Mesh::load() believes nothing.
+// After both work_used() and work_needed() are 0, and error_detail() tells of the last change
+// before. Bytes that may be forged belong to neither: such a mesh is sent as Mesh::save() writes
+// it, for Mesh::load() believes nothing.
 //
 // The errors of all of these, and then what was attached before still is:
 //   not_a_mesh         no mesh begins there

@@ -34,7 +34,7 @@ void end(Mesh& mesh, Outcome& outcome, Status answer, const Before& before) noex
   } else {
     outcome.status = answer;
     outcome.steiner = 0;
-    outcome.work = m.work.needed();
+    outcome.work = m.work.used();
   }
   m.work.tell(before.used, before.needed);
   m.outcome = nullptr;

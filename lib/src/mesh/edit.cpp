@@ -142,6 +142,7 @@ Status take_node_out(Change& change, Moving& moving) noexcept {
 }
 
 }  // namespace
+
 Status Mesh::move(VertexId node, Position position, Work limit) noexcept {
   MeshState& m = about_to_change(*this, Call::move);
   m.work.start(limit, keep_alive_);
@@ -233,7 +234,8 @@ Status Mesh::add_feature(FeatureEnds ends, FeatureId& id, Work limit) noexcept {
   if (is_linked(m, root)) static_cast<void>(unlink_feature(change, root));
   touch(change, root);
   m.segment(root).from = VertexId::none();
-  m.error_detail.feature = FeatureId::none();
+  // Of the new one nobody has an id; it may be another that it has broken.
+  if (m.error_detail.feature == FeatureId{root.value}) m.error_detail.feature = FeatureId::none();
   restore_detached(change);
   return status;
 }
@@ -271,7 +273,10 @@ Status Mesh::remove_feature(FeatureId feature, Work limit) noexcept {
 void Mesh::keep_alive(const KeepAlive& hook) noexcept { keep_alive_ = hook; }
 
 Work Mesh::work_used() const noexcept { return opened(*this, Call::work_used).work.used(); }
-Work Mesh::work_needed() const noexcept { return opened(*this, Call::work_needed).work.needed(); }
+Work Mesh::work_needed() const noexcept {
+  const MeshState& m = opened(*this, Call::work_needed);
+  return m.error_detail.status == Status::ok ? m.work.needed() : m.work.used();
+}
 
 }  // namespace ETCM_IDS
 }  // namespace etcm

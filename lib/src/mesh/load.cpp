@@ -1,5 +1,5 @@
-// What save() has written, or somebody who wishes ill: every word is looked at before it is used,
-// and the mesh is made by what makes any other.
+// What save() has written, or what was forged to look like it: every word is looked at before it is
+// used, and the mesh is made by what makes any other.
 #include "base/checksum.h"
 #include "conforming/canonical.h"
 #include "conforming/conform_features.h"

@@ -21,7 +21,7 @@ extern "C" {
 
 // Writes a checksum of the mesh into its storage. Each call that changes the mesh wants a new one,
 // also where it was refused, and so does a dry run: after one that is not sealed etcm_attach()
-// answers ETCM_DAMAGED. O(n).
+// answers ETCM_DAMAGED, unless it was refused at once. O(n).
 void etcm_seal(etcm_mesh_t* mesh);
 
 // Takes storage that holds a sealed mesh, in place of etcm_open(), and keeps the function of

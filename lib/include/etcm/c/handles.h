@@ -78,7 +78,7 @@ ETCM_MUST_USE etcm_status_t etcm_handles_remove_feature(etcm_handles_t* handles,
 // --- Dry runs (etcm/dry_run.h)
 //
 // Whether a change would succeed, and what it would come to: it is made and taken back, which takes
-// two to three times as long. The mesh is as it was, etcm_error_detail() and etcm_work_needed()
+// up to three times as long. The mesh is as it was, etcm_error_detail() and etcm_work_needed()
 // included; nobody may read it meanwhile.
 
 typedef struct {

@@ -203,10 +203,11 @@ typedef struct {
   etcm_status_t status;
   etcm_vertex_t vertex;    // the node in the way, or the unknown one
   etcm_vertex_t rejected;  // ETCM_DUPLICATE_VERTEX of etcm_build(): who stands there too
-  etcm_feature_t feature;  // that cannot be made (of etcm_build(): its index in the input), or
-                           //   that etcm_canonicalize() has got to
+  etcm_feature_t feature;  // that cannot be made (of etcm_build(): its index in the input; of
+                           //   etcm_add_feature() ETCM_NONE where it is the new one), or that
+                           //   etcm_canonicalize() has got to
   etcm_feature_t other;    // that it crosses, overlaps or repeats (as above)
-  etcm_point_t from;       // the unresolved subsegment of `feature`, for ETCM_STEINER_BUDGET
+  etcm_point_t from;       // the unresolved subsegment of that one, for ETCM_STEINER_BUDGET
   etcm_point_t to;         //   and ETCM_GRID_EXHAUSTED
 } etcm_error_detail_t;
 
@@ -245,8 +246,9 @@ ETCM_MUST_USE etcm_status_t etcm_restore(etcm_mesh_t* mesh, const etcm_position_
 // ETCM_WORK_LIMIT what is done stays, and the next call goes on where the limit is enough for one
 // group of features: etcm_error_detail() names a feature of the first for which it was not. Where
 // two calls in a row name the same, that group takes more than the limit, and no number of calls
-// ends it: with long features one group is often all of them. ETCM_NONE is named where looking for
-// the groups was not done, which may take a few calls. Errors: the room-and-bounds statuses.
+// ends it: with long features one group is often all of them. ETCM_NONE is named before it is known
+// where the groups begin, which takes sixteen calls at most: seventeen times in a row it says the
+// same. Errors: the room-and-bounds statuses.
 ETCM_MUST_USE etcm_status_t etcm_canonicalize(etcm_mesh_t* mesh, uint64_t limit);
 // Whether it is known to be that mesh.
 bool etcm_is_canonical(const etcm_mesh_t* mesh);
