@@ -19,6 +19,7 @@ constexpr std::int64_t retry_parts = 32;
 constexpr std::int64_t converter_parts = 100;
 // A unit that is only looked for, was found, and has not answered so often is looked for again.
 constexpr std::uint32_t failures_of_the_lost = 8;
+
 port::Duration exchange_floor_of(const BusSettings& bus) {
   const auto* const line = std::get_if<port::SerialLine>(&bus.link);
   return line == nullptr ? port::Duration{} : exchange_floor(*line);

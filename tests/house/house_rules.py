@@ -33,7 +33,8 @@ FORBIDDEN_ARROWS = [
 ]
 
 # Rooms: each may include those it names, and itself. A header is named with its room, so that the
-# arrow shows in the line that makes it. Those of the library are drawn in its README.
+# arrow shows in the line that makes it. Those of the library are drawn in its README, those of the
+# gateway are the signs of its rooms.
 
 
 def drawn_arrows(text):
@@ -43,60 +44,31 @@ def drawn_arrows(text):
             for room, targets in re.findall(r"^(\w+)(?: *-> ((?:\w+, )*\w+))?", drawing, re.M)}
 
 
+def signed_arrows(folder):
+    """Room -> the rooms that its sign says it may include."""
+    signs = {path.parent.name: path.read_text().split("May include", 1)[1]
+             for path in folder.glob("*/README.md") if "May include" in path.read_text()}
+    return {room: tuple(other for other in re.findall(r"`(\w+)`", sign) if other in signs)
+            for room, sign in signs.items()}
+
+
 def reachable(drawn):
     """Room -> all rooms that arrows lead to, directly or by way of others."""
     def below(room):
-        return set(drawn[room]).union(*(below(target) for target in drawn[room]))
-    return {room: tuple(sorted(below(room))) for room in drawn}
+        found, waiting = set(), list(drawn[room])
+        while waiting:
+            target = waiting.pop()
+            if target not in found:
+                found.add(target)
+                waiting.extend(drawn[target])
+        return tuple(sorted(found))
+    return {room: below(room) for room in drawn}
 
 
 LIBRARY_ARROWS = drawn_arrows((ROOT / "lib/README.md").read_text())
 LIBRARY_ROOMS = reachable(LIBRARY_ARROWS)
-FIRMWARE_ROOMS = {
-    "logging": (),
-    "protocol": (),
-    "toml": (),
-    "profile": ("toml",),
-    "site": ("protocol",),
-    "fleet": ("protocol", "site"),
-    "config": ("logging", "protocol", "toml", "profile", "site", "fleet"),
-    "polling": ("logging", "protocol", "toml", "profile", "site", "fleet", "config"),
-    "records": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling"),
-    "mesh": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
-                "records"),
-    "nodes": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
-                "records",
-                "mesh"),
-    "publish": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
-                "records",
-                "mesh", "nodes"),
-    "readings": ("logging", "protocol", "toml", "profile", "site", "fleet", "config",
-                "polling", "records",
-                "mesh", "nodes", "publish"),
-    "persist": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
-                "records",
-                "mesh", "nodes", "publish"),
-    "gateway": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
-                "records",
-                "mesh", "nodes", "publish", "readings", "persist"),
-    "alarms": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
-                "records",
-                "mesh", "nodes", "publish", "readings", "persist", "gateway"),
-    "status": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
-                "records",
-                "mesh", "nodes", "publish", "readings", "persist", "gateway", "alarms"),
-    "control": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
-                "records",
-                "mesh", "nodes", "publish", "readings", "persist", "gateway", "alarms", "status"),
-    "sparkplug": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
-                  "records", "mesh", "nodes", "publish"),
-    "home_assistant": ("logging", "protocol", "toml", "profile", "site", "fleet", "config",
-                       "polling", "records", "mesh", "nodes", "publish"),
-    "app": ("logging", "protocol", "toml", "profile", "site", "fleet", "config", "polling",
-                "records",
-                "mesh", "nodes", "publish", "readings", "persist", "gateway",
-                "alarms", "status", "control", "sparkplug", "home_assistant"),
-}
+FIRMWARE_ARROWS = signed_arrows(ROOT / "firmware")
+FIRMWARE_ROOMS = reachable(FIRMWARE_ARROWS)
 # Folder, what an include of a room begins with there, and the rooms.
 HOUSES = [
     ("lib/src", "", LIBRARY_ROOMS),
@@ -394,6 +366,27 @@ def library_arrows_are_watched():
             yield f"library_arrows(): misses {title}"
 
 
+def firmware_signs():
+    """firmware/README.md has the rooms from the top down, and each sign names what is included."""
+    overview = (ROOT / "firmware/README.md").read_text()
+    order = re.findall(r"^\| \[(\w+)\]", overview, re.M)
+    if set(order) != set(FIRMWARE_ARROWS):
+        yield ("firmware/README.md: names other rooms than have signs that say what they may include: "
+               f"{', '.join(sorted(set(order) ^ set(FIRMWARE_ARROWS)))}")
+        return
+    walked = set()
+    for path in files(".h", ".cpp", under=("firmware",)):
+        room = path.relative_to(ROOT / "firmware").parts[0]
+        walked.update((room, header.split("/")[1]) for _, _, header in includes(path)
+                      if header.startswith("firmware/"))
+    for room, targets in FIRMWARE_ARROWS.items():
+        for target in targets:
+            if order.index(target) < order.index(room):
+                yield f"firmware/README.md: {room} stands below {target}, which it may include"
+            if (room, target) not in walked:
+                yield f"firmware/{room}/README.md: names {target}, which nothing there includes"
+
+
 def room_signs():
     """Each room has a sign at its door."""
     for folder, _, allowed in HOUSES:
@@ -474,7 +467,7 @@ def format():
 
 RULES = [file_length, no_leftovers, readmes, pragma_once, library_includes, nodiscard,
          nodiscard_is_watched, width_in_names, installed_headers, arrows, rooms, folders,
-         rooms_are_watched, library_arrows, library_arrows_are_watched, room_signs, crowded_folders, version, readme_example, links, format]
+         rooms_are_watched, library_arrows, library_arrows_are_watched, firmware_signs, room_signs, crowded_folders, version, readme_example, links, format]
 
 
 def main():

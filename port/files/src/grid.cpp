@@ -112,7 +112,7 @@ std::string describe_refusal(const ConstraintGraph& graph, const GridGraph& grid
   }
   const bool has_other =
       !error_detail.other.is_none() && error_detail.other.value < graph.features.size();
-  // Two features in each other's way: the later one is told off.
+  // Two features in each other's way: the later one is named.
   const std::size_t feature = has_other
                                   ? std::max(error_detail.feature.value, error_detail.other.value)
                                   : error_detail.feature.value;
