@@ -13,6 +13,8 @@
 #include <memory>
 #include <vector>
 
+#include "inputs/random.h"
+#include "inputs/random_graph.h"
 #include "support/meshes.h"
 
 namespace etcm::test {
@@ -461,6 +463,31 @@ TEST(Places, TooFarOutForAMeshAreOutside) {
       EXPECT_EQ(label_domain(**mesh, Exterior::hull, std::span(&place, 1), region, scratch),
                 Status::ok);
       EXPECT_EQ(std::count(region.begin(), region.end(), Region::hole), 0);
+    }
+  }
+}
+
+TEST(Places, AreFoundTheSameFromAnyTriangleAndFromNone) {
+  const Graph graph = inputs::random_graph(60, inputs::FeatureLength::in_reach, 3);
+  const auto mesh = built(graph);
+  const std::uint32_t count = (*mesh)->triangle_count();
+  inputs::Random random(7);
+  for (int i = 0; i < 40; ++i) {
+    const Position node = graph.nodes[random.below(60)];
+    const Point at = i % 4 == 0
+                         ? to_point(node)
+                         : Point{to_point(node).x + random.between(-99, 99) * subunits_per_unit,
+                                 to_point(node).y + i};
+    const Location found = locate(**mesh, at);
+    for (const IdValue near :
+         {IdValue{0}, static_cast<IdValue>(count / 2), static_cast<IdValue>(count - 1),
+          static_cast<IdValue>(count), static_cast<IdValue>(count + 1), TriangleId::none_value}) {
+      const Location again = locate(**mesh, at, TriangleId{near});
+      EXPECT_EQ(again.type, found.type) << near;
+      EXPECT_EQ(again.vertex, found.vertex) << near;
+      if (found.type == LocateType::inside_triangle) {
+        EXPECT_EQ(again.triangle, found.triangle) << near;
+      }
     }
   }
 }
