@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """The deepest stack of every public call, and the proof that nothing recurses.
 
-Usage: call_graph.py --limit BYTES [--show COUNT] FILE.o...
+Usage: call_graph.py --limit BYTES --promises FOLDER [--show COUNT] FILE.o...
 
 Reads the call graphs that GCC's -fcallgraph-info=su leaves beside each object file (FILE.ci). Calls
 through a pointer are in them without a target; INDIRECT below says where each may lead. Fails on a
 cycle, on a frame of unknown size, on a call through a pointer that is not listed, and on a public
-call above the limit.
+call above the limit, or above what the header in FOLDER promises of it.
 """
 
 import argparse
@@ -140,9 +140,27 @@ def is_public(title, function):
     return function.frame is not None and re.match(r"_ZNK?4etcm(?!8internal)", title) is not None
 
 
+def promises(folder):
+    """Name of a function -> bytes, where its header says "less than ... of stack" of it, or at its head
+    of all that it declares."""
+    def functions_in(text):
+        return re.findall(r"\b(\w+)\((?:const )?Mesh& ", text)
+
+    found = {}
+    for path in sorted(folder.glob("*.h")):
+        head, _, body = re.sub(r"\n *// ?", " ", path.read_text()).partition("#pragma once")
+        for part in (head, body):
+            for match in re.finditer(r"less than ([\d.]+) (KiB|bytes) of stack", part):
+                size = float(match[1]) * (1024 if match[2] == "KiB" else 1)
+                names = functions_in(body) if part is head else functions_in(body[match.end():])[:1]
+                found.update((name, size) for name in names)
+    return found
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--limit", type=int, required=True, help="bytes that a public call may take")
+    parser.add_argument("--promises", type=Path, required=True, help="the folder of the headers")
     parser.add_argument("--show", type=int, default=12, help="how many public calls to list")
     parser.add_argument("objects", nargs="+", type=Path)
     arguments = parser.parse_args()
@@ -158,6 +176,17 @@ def main():
     print(f"bytes  public call ({len(calls)} in all; no recursion)")
     for (size, _), title in calls[:arguments.show]:
         print(f"{size:5}  {functions[title].name}")
+    promised, held = promises(arguments.promises), {}
+    for (size, _), title in calls:
+        match = re.search(r"::(\w+)\(", functions[title].name)
+        if match and match[1] in promised:
+            held[match[1]] = max(size, held.get(match[1], 0))
+    print("promised and taken: " + ", ".join(f"{name} {promised[name]:.0f}, {size}"
+                                             for name, size in sorted(held.items())))
+    if missing := promised.keys() - held.keys():
+        fail(f"no such public call: {', '.join(sorted(missing))}")
+    if broken := [name for name, size in held.items() if size >= promised[name]]:
+        fail(f"more than the header says: {', '.join(sorted(broken))}")
     size, path = calls[0][0]
     print("the deepest descent:")
     for title in path:
