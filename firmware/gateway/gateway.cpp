@@ -46,7 +46,7 @@ Gateway::Gateway(std::shared_ptr<const Settings> settings, Mesh& mesh, const Gat
       unheard_ends_(kept_.features(), ports.log),
       far_nodes_(nodes_, poller_, ports.log),
       snapshots_(*settings_,
-                 roster_capacity(std::max(poller_.unit_count(), settings_->room.units)) +
+                 node_record_capacity(std::max(poller_.unit_count(), settings_->room.units)) +
                      foreign_room(*settings_)),
       reading_taker_(*settings_),
       sensors_(*settings_),

@@ -247,7 +247,8 @@ std::size_t saved_state_size_max(const Settings& settings) {
   size += quantities_of(settings).size() * quantity_size_max;
   size += count_readings(settings) * sensor_size;
   if (settings.mqtt) size += save_bytes_max(fleet_settings_of(settings));
-  return size + roster_capacity(std::max(count_units(settings), settings.room.units)) * node_size;
+  return size +
+         node_record_capacity(std::max(count_units(settings), settings.room.units)) * node_size;
 }
 
 StateWriter::StateWriter(std::size_t size_max) { bytes_.reserve(size_max); }

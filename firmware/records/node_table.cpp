@@ -8,7 +8,7 @@ namespace etcm::firmware {
 NodeTable::NodeTable(std::uint32_t unit_count, std::uint32_t unit_room, std::uint32_t foreign_room)
     : foreign_room_(foreign_room) {
   const std::uint32_t room = std::max(unit_count, unit_room);
-  const std::uint32_t capacity = roster_capacity(room) + foreign_room;
+  const std::uint32_t capacity = node_record_capacity(room) + foreign_room;
   records_.reserve(capacity);
   by_serial_.reserve(capacity);
   free_.reserve(capacity);
@@ -19,7 +19,7 @@ NodeTable::NodeTable(std::uint32_t unit_count, std::uint32_t unit_room, std::uin
 
 void NodeTable::add_units(std::uint32_t unit_count) {
   const std::size_t before = records_.size();
-  records_.resize(roster_capacity(unit_count) + foreign_room_);
+  records_.resize(node_record_capacity(unit_count) + foreign_room_);
   for (std::size_t slot = records_.size(); slot-- > before;) {
     free_.push_back(static_cast<std::uint32_t>(slot));
   }

@@ -65,7 +65,7 @@ struct NodeRecord {
 // A node keeps its record when it changes its unit, its port or its bus, and while it is missing.
 // One record for each unit, and some for nodes whose unit another one has now and for those that
 // are missing. The memory for all units that there may ever be is taken at the start.
-constexpr std::uint32_t roster_capacity(std::uint32_t unit_count) {
+constexpr std::uint32_t node_record_capacity(std::uint32_t unit_count) {
   return unit_count + unit_count / 4 + 16;
 }
 

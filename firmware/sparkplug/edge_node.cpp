@@ -73,7 +73,8 @@ void EdgeNode::update_settings(const Settings& settings) {
   told_max_ = reporter_.node_metrics_max();
   devices_.resize(sources_.nodes.records().size());
   // Nodes of other gateways have records too, and are no devices.
-  const std::size_t places = roster_capacity(std::max(count_units(settings), settings.room.units));
+  const std::size_t places =
+      node_record_capacity(std::max(count_units(settings), settings.room.units));
   told_.assign(places * told_max_, {});
   free_places_.reserve(places);
   forget_births();

@@ -421,7 +421,7 @@ TEST(SavedStateForm, FitsWhatASettingAllows) {
   for (std::uint32_t i = 0; i < 50; ++i) writer.add(SavedNode{.serial = Serial{i}});
   for (std::uint32_t i = 0; i < 10; ++i) writer.add(SavedFeature{.from = i, .to = i + 1});
   for (std::uint32_t i = 0; i < 50; ++i) writer.add(SteinerPlace{});
-  const std::uint32_t known = roster_capacity(count_units(settings));
+  const std::uint32_t known = node_record_capacity(count_units(settings));
   for (std::uint32_t i = 0; i < known; ++i) writer.add(SavedMissing{});
   writer.add(quantity);
   for (int i = 0; i < 20; ++i) writer.add(learned_sensor());
