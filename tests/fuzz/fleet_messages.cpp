@@ -3,10 +3,13 @@
 //   +N              so many half seconds pass
 //   =N X            the node N is heard here, at X
 //   ~               the connection is lost, and comes back
+//   *NAME           the member NAME says that its set is what it has said of nodes
 #include <charconv>
+#include <map>
 #include <string>
 #include <string_view>
 
+#include "firmware/fleet/fleet_hash.h"
 #include "firmware/fleet/fleet_member.h"
 #include "firmware/fleet/fleet_topics.h"
 #include "firmware/fleet/header_codec.h"
@@ -77,10 +80,12 @@ class Member {
       member_.on_disconnected("the cable", now_);
       return member_.on_connected(now_);
     }
+    if (line[0] == '*') return say_set(std::string(line.substr(1)));
     const std::string topic = "etcm/v1/yard/" + std::string(take(line, ' '));
     if (const auto parsed = parse_topic(topic, "yard")) {
       require(topic_text("yard", *parsed) == topic, "a topic is another one");
       decode(*parsed, line);
+      if (parsed->kind == TopicKind::node) note_record(*parsed, line);
     }
     member_.on_message({.topic = topic, .payload = line, .retained = topic.size() % 2 == 0}, now_);
   }
@@ -108,6 +113,26 @@ class Member {
   }
 
  private:
+  void note_record(const FleetTopic& topic, std::string_view payload) {
+    auto& said = said_[std::string(topic.gateway)];
+    std::string wrong;
+    const auto record = decode_record(payload, topic.serial, wrong);
+    if (record) {
+      said[topic.serial] = record_hash(*record);
+    } else {
+      said.erase(topic.serial);
+    }
+  }
+  // No bytes at random would have its hash.
+  void say_set(const std::string& name) {
+    FleetSetSummary set{.run = {.instance = 77, .epoch = 1}};
+    for (const auto& [serial, hash] : said_[name]) {
+      ++set.count;
+      set.hash += hash;
+    }
+    const std::string topic = "etcm/v1/yard/" + name + "/set", payload = encode_set(set);
+    member_.on_message({.topic = topic, .payload = payload, .retained = true}, now_);
+  }
   void hear(std::string_view text) {
     const Serial serial{static_cast<std::uint32_t>(number(take(text, ' ')))};
     const FleetNode node{.serial = serial, .position = Position{.x = number(text), .y = 0}};
@@ -115,6 +140,7 @@ class Member {
   }
 
   port::Instant now_{1h};
+  std::map<std::string, std::map<Serial, std::uint64_t>> said_;  // hashes of records, by who
   test::RecordingBroker broker_;
   test::RecordingGateway gateway_;
   FleetMember member_{settings_of_a(), broker_, gateway_, gateway_, now_};
