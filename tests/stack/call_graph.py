@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The deepest stack of every public call, and the proof that nothing recurses.
 
-Usage: call_graph.py --limit BYTES --promises FOLDER [--show COUNT] FILE.o...
+Usage: call_graph.py --limit BYTES [--promises FOLDER] [--show COUNT] FILE.o...
 
 Reads the call graphs that GCC's -fcallgraph-info=su leaves beside each object file (FILE.ci). Calls
 through a pointer are in them without a target; INDIRECT below says where each may lead. Fails on a
@@ -160,7 +160,7 @@ def promises(folder):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--limit", type=int, required=True, help="bytes that a public call may take")
-    parser.add_argument("--promises", type=Path, required=True, help="the folder of the headers")
+    parser.add_argument("--promises", type=Path, help="the folder of the headers")
     parser.add_argument("--show", type=int, default=12, help="how many public calls to list")
     parser.add_argument("objects", nargs="+", type=Path)
     arguments = parser.parse_args()
@@ -176,7 +176,7 @@ def main():
     print(f"bytes  public call ({len(calls)} in all; no recursion)")
     for (size, _), title in calls[:arguments.show]:
         print(f"{size:5}  {functions[title].name}")
-    promised, held = promises(arguments.promises), {}
+    promised, held = promises(arguments.promises) if arguments.promises else {}, {}
     for (size, _), title in calls:
         match = re.search(r"::(\w+)\(", functions[title].name)
         if match and match[1] in promised:
