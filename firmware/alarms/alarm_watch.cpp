@@ -145,9 +145,8 @@ void AlarmWatch::look_at_absent() {
   for (const AbsentUnit& absent : sources_.gateway.absent_units().list()) {
     const std::string_view bus = poller.bus(poller.bus_of(absent.unit)).name;
     book_.hold({AlarmKind::never_answered, subject_of(bus, poller.address_of(absent.unit).value)},
-               sources_.started_at,
-               TextLine() << poller.name(absent.unit).view() << " has not answered since the start",
-               absent_cure);
+               absent.since == port::Instant{} ? sources_.started_at : absent.since,
+               TextLine() << poller.name(absent.unit).view() << absent.what(), absent_cure);
   }
 }
 

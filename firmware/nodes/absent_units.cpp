@@ -17,26 +17,25 @@ bool is_named(const Settings& settings, const Poller& poller, UnitIndex unit) {
 
 bool AbsentUnits::look(const Settings& settings, const Poller& poller, const Presence& presence,
                        const NodeTable& nodes, port::Log& log, port::Instant now) {
-  if (!since_) since_ = now;
+  since_.resize(poller.unit_count(), now);
   std::swap(absent_, before_);
   absent_.clear();
-  if (now - *since_ <= settings.poll.leave_after) return absent_ != before_;
   for (BusIndex bus{0}; bus.value < poller.bus_count(); ++bus.value) {
     if (presence.is_silent(bus)) continue;
     const BusSettings& line = poller.bus(bus);
     for (const DeviceSettings& device : line.devices) {
       for (const UnitRange& range : device.units) {
         for (std::uint32_t address = range.first; address <= range.last; ++address) {
-          look_at_unit(settings, poller, nodes, bus, address);
+          look_at_unit(settings, poller, nodes, bus, address, now);
         }
       }
     }
     for (const NodeSettings& node : settings.nodes) {
-      if (node.bus == line.name) look_at_unit(settings, poller, nodes, bus, node.address);
+      if (node.bus == line.name) look_at_unit(settings, poller, nodes, bus, node.address, now);
     }
     for (const NodeName& node : settings.node_names) {
       const bool is_of_this_bus = node.serial.is_none() && node.bus == line.name;
-      if (is_of_this_bus) look_at_unit(settings, poller, nodes, bus, node.address);
+      if (is_of_this_bus) look_at_unit(settings, poller, nodes, bus, node.address, now);
     }
   }
   // Named twice, as a device and as a node, it is one unit.
@@ -54,23 +53,26 @@ void AbsentUnits::tell(const Poller& poller, port::Log& log) {
     const auto at = std::lower_bound(told_.begin(), told_.end(), absent.unit);
     if (at != told_.end() && *at == absent.unit) continue;
     told_.insert(at, absent.unit);
-    log.write(port::Level::warning, TextLine()
-                                        << poller.name(absent.unit)
-                                        << " has not answered since the start; " << absent_cure);
+    log.write(port::Level::warning,
+              TextLine() << poller.name(absent.unit) << absent.what() << "; " << absent_cure);
   }
 }
 
 void AbsentUnits::look_at_unit(const Settings& settings, const Poller& poller,
-                               const NodeTable& nodes, BusIndex bus, std::uint32_t address) {
+                               const NodeTable& nodes, BusIndex bus, std::uint32_t address,
+                               port::Instant now) {
   const ModbusAddress at{static_cast<std::uint8_t>(address)};
   const UnitIndex unit = poller.unit_at(bus, at);
   if (unit.is_none() || poller.counters(unit).has_answered()) return;
+  const port::Instant since = since_[unit.value];
+  if (now - since <= settings.poll.leave_after) return;
   const Serial serial = device_serial(settings, bus.value, at);
   if (nodes.find(serial) != nullptr) return;
   const NodeSettings* const node = node_at(settings, poller.bus(bus), at);
   absent_.push_back({.unit = unit,
                      .serial = serial,
-                     .position = node != nullptr ? node->position : std::nullopt});
+                     .position = node != nullptr ? node->position : std::nullopt,
+                     .since = since == since_.front() ? port::Instant{} : since});
 }
 
 }  // namespace etcm::firmware

@@ -30,14 +30,19 @@ struct AbsentUnit {
   UnitIndex unit{};
   Serial serial{};                     // that its node would have, unless it tells one
   std::optional<Position> position{};  // where it was surveyed
+  port::Instant since{};               // when it was first asked for; the origin: at the start
+  const char* what() const {
+    return since == port::Instant{} ? " has not answered since the start"
+                                    : " has not answered since a reload has added it";
+  }
   friend bool operator==(const AbsentUnit&, const AbsentUnit&) = default;
 };
 
 class AbsentUnits {
  public:
   // Finds them, and tells the log of each once; false: they are those of the last look. None is
-  // absent before leave_after has passed from the first look, nor on a silent bus: there it is the
-  // bus that wants looking at. O(u log u) for u units that are named.
+  // absent before leave_after has passed from the first look that there is such a unit, nor on a
+  // silent bus: there it is the bus that wants looking at. O(u log u) for u units that are named.
   bool look(const Settings& settings, const Poller& poller, const Presence& presence,
             const NodeTable& nodes, port::Log& log, port::Instant now);
 
@@ -46,13 +51,14 @@ class AbsentUnits {
 
  private:
   void look_at_unit(const Settings& settings, const Poller& poller, const NodeTable& nodes,
-                    BusIndex bus, std::uint32_t address);
+                    BusIndex bus, std::uint32_t address, port::Instant now);
   void tell(const Poller& poller, port::Log& log);
 
   std::vector<AbsentUnit> absent_;
   std::vector<AbsentUnit> before_;
   std::vector<UnitIndex> told_;  // in order
-  std::optional<port::Instant> since_{};
+  // When each unit was there first: those of the start first, then those that a reload has added.
+  std::vector<port::Instant> since_;
 };
 
 }  // namespace etcm::firmware

@@ -41,7 +41,8 @@ Presence::Presence(const PollSettings& settings, const Poller& poller, NodeTable
 void Presence::turn(port::Instant now) {
   clock_.turn(now, sweep_interval_);
   for (BusIndex bus{0}; bus.value < poller_.bus_count(); ++bus.value) {
-    if (poller_.is_clearing(bus, now)) clock_.excuse(bus);
+    const bool is_finding = poller_.is_finding(bus) && clock_.heard_at(bus) != port::Instant{};
+    if (poller_.is_clearing(bus, now) || is_finding) clock_.excuse(bus);
   }
 }
 
@@ -159,6 +160,9 @@ void Presence::check_node(NodeRecord& node, port::Instant now, std::uint32_t gen
     return;
   }
   const BusIndex bus = bus_of(node);
+  // Before it is asked its silence says nothing.
+  const bool is_asked = bus.is_none() || poller_.counters(node.last_unit).requests > 0;
+  if (!is_asked) node.heard = clock_.shown(bus);
   if (node.is_missing || clock_.silence_since(bus, node.heard) > settings_.leave_after) {
     return lose(node, now, generation);
   }

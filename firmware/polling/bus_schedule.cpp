@@ -9,6 +9,8 @@ namespace {
 constexpr std::size_t addresses = 256;
 // A unit may miss this many answers in a row before it is asked less often.
 constexpr std::uint32_t failures_free = 2;
+// Of a unit that nobody has heard: after those that are to be asked at once.
+constexpr port::Instant due_of_strangers{port::Duration{1}};
 // So many answers in a row may be to a repeat before a unit is asked at another time.
 constexpr std::uint32_t repeats_free = 1;
 // A day doubled this often is still a Duration.
@@ -62,7 +64,7 @@ void BusSchedule::add_unit(ModbusAddress address, bool is_listed) {
                            .is_listed = is_listed,
                            .is_undiscovered = !is_listed};
   if (is_listed) {
-    firsts_.push_back({.due = port::Instant{}, .address = address});
+    push(firsts_, {.due = due_of_strangers, .address = address});
   } else {
     discovery_.push_back(address);
     ++undiscovered_;
@@ -105,6 +107,10 @@ std::optional<BusSchedule::Question> BusSchedule::next_question(port::Instant no
 
 std::uint32_t BusSchedule::half_of_the_requests() const {
   return takes_one() ? 1 : std::max(1u, settings_.outstanding_max / 2);
+}
+
+bool BusSchedule::has_strangers() const {
+  return !firsts_.empty() && firsts_.front().due <= due_of_strangers;
 }
 
 // Of the sound units and those that nobody has heard yet.

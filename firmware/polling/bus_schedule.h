@@ -113,6 +113,8 @@ class BusSchedule {
   port::Instant client_start(port::Instant now) const;
   void charge_client(port::Duration cost, port::Instant now);
 
+  // Units that were never asked are still to be, before all others.
+  bool has_strangers() const;
   std::uint32_t failures(ModbusAddress address) const { return units_[address.value].failures; }
   bool has_answered(ModbusAddress address) const { return units_[address.value].has_answered; }
   bool is_listed(ModbusAddress address) const { return units_[address.value].is_listed; }

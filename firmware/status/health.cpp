@@ -88,8 +88,7 @@ void look_at_absent(const StatusSources& sources, Reasons& reasons) {
   const std::span<const AbsentUnit> absent = sources.gateway.absent_units().list();
   if (absent.empty()) return;
   TextWriter& reason = reasons.add();
-  reason << sources.gateway.poller().name(absent.front().unit).view()
-         << " has not answered since the start";
+  reason << sources.gateway.poller().name(absent.front().unit).view() << absent.front().what();
   if (absent.size() > 1) reason << ", and " << absent.size() - 1 << " more";
   reason << "; " << absent_cure;
 }

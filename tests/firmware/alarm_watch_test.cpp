@@ -416,6 +416,26 @@ TEST_F(AlarmWatchOfACrossing, HealthNamesAFeatureThatIsRefused) {
   EXPECT_EQ(tell("show health"), "ok\nok\n");
 }
 
+TEST_F(AlarmWatchTest, AUnitThatAReloadHasAddedHasItsTimeFromThere) {
+  rig_.put(1, 0, 0);
+  run(20s);
+  ScriptedBus added;
+  rig_.settings.buses.push_back(rig_.settings.buses[0]);
+  rig_.settings.buses[1].name = "gate";
+  rig_.settings.buses[1].units = {{.first = 7, .last = 7}};
+  rig_.settings.node_names = {{.bus = "gate", .address = 8, .name = "depot"}};
+  rig_.settings.buses[1].units.push_back({.first = 8, .last = 8});
+  added.set(7, {.serial = Serial{7}, .position = {9, 9}, .status = node_status::fix_valid});
+  rig_.update_settings({&added});
+  run(1s);
+  EXPECT_TRUE(wrong().empty()) << wrong()[0];
+  run(rig_.settings.poll.leave_after);
+  ASSERT_EQ(wrong().size(), 1u);
+  EXPECT_TRUE(
+      wrong()[0].starts_with("major: unit 8 of gate has not answered since a reload has added it"))
+      << wrong()[0];
+}
+
 TEST_F(AlarmWatchTest, WhoHasANameIsExpectedAtItsUnit) {
   rig_.settings.node_names = {{.bus = "yard", .address = 12, .name = "depot"}};
   rig_.put(1, 0, 0);

@@ -324,6 +324,35 @@ TEST_F(MissingOverARestart, CountsTheTimeInWhichTheGatewayDidNotRun) {
   EXPECT_GE(after->clock.now() - node->positioned_at, 24h + 99s);
 }
 
+// Many units are asked in vain first, each for the time of half a node's patience; and a branch is
+// out, whose nodes are asked one after the other too.
+TEST_F(MissingOverARestart, IsNobodyWhoWasNotAskedYet) {
+  const auto make = [&] {
+    auto rig = make_rig();
+    BusSettings& bus = rig->settings.buses[0];
+    bus.units = {{.first = 1, .last = 247}};
+    bus.timeout = rig->settings.poll.timeout = 200ms;
+    rig->bus.outstanding_max = bus.outstanding_max = 1;
+    for (std::uint8_t unit = 200; unit < 240; ++unit) rig->put(unit, 7 * unit, unit * unit % 101);
+    return rig;
+  };
+  const auto before = make();
+  before->run(2min);
+  ASSERT_EQ(before->mesh.node_count(), 40u);
+  before->gateway->finish(before->clock.now());
+  const auto after = make();
+  for (std::uint8_t unit = 200; unit < 220; ++unit) after->bus.silence(unit);
+  after->start();
+  after->gateway->restore(after->clock.now());
+  after->run(2 * after->settings.poll.leave_after);
+  for (std::uint8_t unit = 220; unit < 240; ++unit) {
+    EXPECT_GT(after->bus.reads[unit], 0u) << unit;
+    EXPECT_EQ(after->log.count("node " + std::to_string(1000 + unit) + " is missing"), 0u) << unit;
+  }
+  after->run(2min);
+  EXPECT_EQ(after->mesh.node_count(), 20u) << "the others are, by then";
+}
+
 // It fell silent before the restart, and is missing after it.
 class SilentOverARestart : public MissingOverARestart {
  protected:
