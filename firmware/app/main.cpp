@@ -33,6 +33,15 @@ using namespace etcm;
 
 constexpr int exit_bad_settings = 2;
 
+// What was printed may have found no room, or nobody.
+int printed(int code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  std::fputs(
+      "etcm-gateway: the output cannot be written; make room for it, or give it another place\n",
+      stderr);
+  return EXIT_FAILURE;
+}
+
 // Runs the gateway, or only checks its settings.
 int run(const std::string& config, bool is_check, bool is_verbose) {
   const port::SteadyClock clock;
@@ -68,7 +77,7 @@ int run(const std::string& config, bool is_check, bool is_verbose) {
     }
     if (is_check) {
       std::printf("%s: good\n", config.c_str());
-      return EXIT_SUCCESS;
+      return printed(EXIT_SUCCESS);
     }
     // Before both: noise fills neither the log nor the events of the status page.
     firmware::RecentEvents events(clock, log);
@@ -122,17 +131,17 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
-    return app.exit(success);
+    return printed(app.exit(success));
   } catch (const CLI::ParseError& error) {
     std::fprintf(stderr, "etcm-gateway: %s (etcm-gateway --help tells more)\n", error.what());
     return exit_bad_settings;
   }
 
-  if (control) return control();
+  if (control) return printed(control());
   if (register_map) std::fputs(firmware::describe_mesh_registers().c_str(), stdout);
   if (settings_file) std::fputs(firmware::print_settings().c_str(), stdout);
   if (settings_table) std::fputs(firmware::describe_settings().c_str(), stdout);
-  if (register_map || settings_file || settings_table) return EXIT_SUCCESS;
+  if (register_map || settings_file || settings_table) return printed(EXIT_SUCCESS);
   if (config.empty()) {
     std::fputs("--config is missing; give the path of the settings, such as --config site.toml\n",
                stderr);

@@ -1,7 +1,9 @@
 #include "firmware/config/settings.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <stdexcept>
 #include <string_view>
@@ -112,6 +114,24 @@ void check_http(TomlTable& toml_table, Settings& settings) {
   const toml::node* const allow = toml_table.find("allow");
   std::string place = allow != nullptr ? toml_table.place(*allow) : toml_table.place();
   settings.http->allow_place = place.replace(place.rfind(':'), 1, ", line ");
+}
+
+void check_files(TomlTable& toml_table, Settings& settings) {
+  if (settings.files->name.find('/') == std::string::npos) return;
+  toml_table.mistake(*toml_table.find("name"),
+                     "'name' is that of files in 'folder'; take each / out of it, and give the "
+                     "path in 'folder'");
+}
+
+// A Unix socket's path has a place of its own, and an end.
+void check_control(TomlTable& toml_table, Settings& settings) {
+  constexpr std::size_t bytes_max = 107;
+  const std::size_t bytes = settings.control.socket.size();
+  if (bytes <= bytes_max) return;
+  toml_table.mistake(*toml_table.find("socket"), "'socket' is a path of " + std::to_string(bytes) +
+                                                     " bytes, and no more than " +
+                                                     std::to_string(bytes_max) +
+                                                     " are possible; give a shorter one");
 }
 
 void check_rs485(TomlTable& toml_table, const BusSettings& bus, const port::Rs485& rs485) {
@@ -409,6 +429,9 @@ void read_node(TomlTable& toml_table, Settings& settings) {
 
 // ---- The whole file.
 
+// Far more than settings of all nodes there may be.
+constexpr std::size_t file_bytes_max = 16 << 20;
+
 // Those of a file, or of a folder, whose names are not known yet.
 void add_profiles(const std::string& path, Settings& settings, std::vector<std::string>& mistakes) {
   for (Profile& profile : read_profiles(path, mistakes)) {
@@ -463,11 +486,9 @@ struct TableWork {
 };
 constexpr TableWork list_readers[] = {
     {"bus", read_bus}, {"node", read_node}, {"feature", read_feature}};
-constexpr TableWork table_checks[] = {{"site", note_site},
-                                      {"poll", check_poll},
-                                      {"gpio", check_gpio},
-                                      {"http", check_http},
-                                      {"mqtt", check_mqtt}};
+constexpr TableWork table_checks[] = {
+    {"site", note_site},        {"poll", check_poll}, {"gpio", check_gpio}, {"files", check_files},
+    {"control", check_control}, {"http", check_http}, {"mqtt", check_mqtt}};
 
 void read_list(TomlTable& file, const KeyTable& table, Settings& settings) {
   const auto reader = std::find_if(std::begin(list_readers), std::end(list_readers),
@@ -515,9 +536,12 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
   Settings settings;
   toml::table parsed;
   try {
-    parsed = toml::parse(files::read_bytes(path), path);
+    parsed = toml::parse(files::read_bytes(path, file_bytes_max), path);
   } catch (const files::InputError& error) {
-    mistakes.push_back(std::string(error.what()) + "; give the path of the settings");
+    const std::string what = error.what();
+    const bool is_denied = what.find(std::strerror(EACCES)) != std::string::npos;
+    mistakes.push_back(what + (is_denied ? "; let the user of the gateway read it"
+                                         : "; give the path of the settings"));
     return settings;
   } catch (const toml::parse_error& error) {
     const std::string_view what = error.description();

@@ -37,6 +37,20 @@ Tag tag_of(std::uint64_t version) {
   return tag;
 }
 
+// Whether one of the tags of If-None-Match is this one, or any is. A proxy may have made it a weak
+// one (RFC 9110, 13.1.2).
+bool holds_tag(std::string_view list, std::string_view tag) {
+  while (!list.empty()) {
+    std::string_view each = list.substr(0, list.find(','));
+    list.remove_prefix(std::min(each.size() + 1, list.size()));
+    each.remove_prefix(std::min(each.find_first_not_of(" \t"), each.size()));
+    each = each.substr(0, each.find_last_not_of(" \t") + 1);
+    if (each.starts_with("W/")) each.remove_prefix(2);
+    if (each == tag || each == "*") return true;
+  }
+  return false;
+}
+
 struct DestroyResponse {
   void operator()(MHD_Response* response) const { MHD_destroy_response(response); }
 };
@@ -182,8 +196,7 @@ class WebServer::Callbacks {
     const Tag tag = tag_of(answer.version);
     const char* const known =
         MHD_lookup_connection_value(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_IF_NONE_MATCH);
-    const bool is_known =
-        answer.version != 0 && known != nullptr && std::strcmp(known, tag.data()) == 0;
+    const bool is_known = answer.version != 0 && known != nullptr && holds_tag(known, tag.data());
     if (is_known) end_reading(&client);
     const Response response = is_known
                                   ? empty_response()

@@ -513,8 +513,22 @@ INSTANTIATE_TEST_SUITE_P(
                 "localhost alone",
                 "\"[::]:8080\" for all of its addresses"},
         Mistake{"files_without_folder", bus("units = \"1\"\n") + "[files]\n", 7,
-                "'folder' is missing in [files]", "add it"}),
+                "'folder' is missing in [files]", "add it"},
+        Mistake{"files_beside_their_folder",
+                bus("units = \"1\"\n") + "[files]\nfolder = \"a\"\nname = \"../b\"\n", 9,
+                "'name' is that of files in 'folder'", "give the path in 'folder'"},
+        Mistake{"socket_of_a_long_path",
+                bus("units = \"1\"\n") + "[control]\nsocket = \"/" + std::string(107, 'x') + "\"\n",
+                8, "'socket' is a path of 108 bytes, and no more than 107", "give a shorter one"}),
     [](const auto& row) { return std::string(row.param.name); });
+
+TEST_F(SettingsFile, OneThatHasNoEndIsNotReadForEver) {
+  mistakes_.clear();
+  read_settings("/dev/zero", mistakes_);
+  ASSERT_EQ(mistakes_.size(), 1u);
+  EXPECT_NE(mistakes_[0].find("/dev/zero: has more than 16777216 bytes"), std::string::npos)
+      << mistakes_[0];
+}
 
 TEST_F(SettingsFile, AllMistakesComeAtOnceFromTheTop) {
   read("[poll]\nx = 1\ninterval = 1\n[mesh]\nvertices_max = 0\n");

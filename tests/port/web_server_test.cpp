@@ -281,6 +281,21 @@ TEST_F(WebServerTest, WhatTheClientHasIsNotSentAgain) {
   EXPECT_EQ(site_.ended, 1u);
 }
 
+TEST_F(WebServerTest, WhatAProxyHasMadeOfATagIsThatTag) {
+  const auto first_line = [&](const std::string& tags) {
+    const FileDescriptor socket =
+        client("GET /1000 HTTP/1.1\r\nHost: a\r\nIf-None-Match: " + tags + "\r\n\r\n");
+    const std::string answer = receive(socket.get(), "\r\n\r\n");
+    return answer.substr(0, answer.find('\r'));
+  };
+  for (const char* known : {"W/\"abcd\"", "\"1\", \"abcd\"", "\"1\",W/\"abcd\" , \"2\"", "*"}) {
+    EXPECT_EQ(first_line(known), "HTTP/1.1 304 Not Modified") << known;
+  }
+  for (const char* unknown : {"abcd", "\"abc\"", "\"abcde\", \"1\"", ",", "W/", "W/*\""}) {
+    EXPECT_EQ(first_line(unknown), "HTTP/1.1 200 OK") << unknown;
+  }
+}
+
 TEST_F(WebServerTest, HeadHasNoContent) {
   const FileDescriptor socket = client("HEAD /100 HTTP/1.1\r\nHost: a\r\n\r\n");
   const std::string answer = receive(socket.get(), "\r\n\r\n");

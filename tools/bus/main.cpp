@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   bus::add_write_command(program, run);
   if (const auto end = command_line::parse(program, argc, argv)) return *end;
   try {
-    return run();
+    return command_line::finish(program, run());
   } catch (const bus::UsageError& error) {
     return command_line::complain(program, bus::exit_bad_usage, error.what());
   } catch (const bus::LinkError& error) {

@@ -1,5 +1,6 @@
 #include "command_line/command_line.h"
 
+#include <cstdio>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -40,6 +41,14 @@ int complain(const CLI::App& app, int code, const std::string& message) {
   return code;
 }
 
+int finish(const CLI::App& app, int code) {
+  std::cout.flush();
+  const bool is_written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good();
+  if (is_written) return code;
+  return complain(app, exit_no_output,
+                  "the output cannot be written; make room for it, or give it another place");
+}
+
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
   const std::string& name = app.get_name();
   // A group of options is one too, without a name.
@@ -52,7 +61,7 @@ std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
-    return app.exit(success);
+    return finish(app, app.exit(success));
   } catch (const CLI::ParseError& error) {
     return complain(app, exit_bad_usage,
                     mistake_of(app, &error) + " (" + name + " --help tells more)");

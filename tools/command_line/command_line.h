@@ -17,4 +17,9 @@ inline constexpr int exit_bad_usage = 2;
 // Says it with the program's name, and returns the code.
 int complain(const CLI::App& app, int code, const std::string& message);
 
+// What a program ends with that would end with `code`: `exit_no_output`, told, where what it has
+// printed could not be written.
+inline constexpr int exit_no_output = 1;
+[[nodiscard]] int finish(const CLI::App& app, int code);
+
 }  // namespace etcm::command_line

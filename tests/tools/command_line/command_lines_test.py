@@ -34,6 +34,17 @@ class CommandLines(unittest.TestCase):
                 self.assertEqual((done.returncode, done.stderr), (0, ""))
                 self.assertIn("--version", done.stdout)
 
+    def test_output_that_cannot_be_written_is_told(self):
+        lines = [[program, word] for program in PROGRAMS for word in ("--version", "--help")]
+        lines += [[program, word] for program in PROGRAMS if program.name == "etcm-gateway"
+                  for word in ("--settings", "--settings-table", "--register-map")]
+        for line in lines:
+            with self.subTest(line[0].name, word=line[1]), open("/dev/full", "w") as full:
+                done = subprocess.run(line, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
+                self.assertEqual((done.returncode, done.stderr),
+                                 (1, f"{line[0].name}: the output cannot be written; "
+                                     "make room for it, or give it another place\n"))
+
     def test_what_is_not_understood_is_told_in_one_line_and_ends_with_2(self):
         for program in PROGRAMS:
             takes_a_file = "[FILE]" in run(program, "--help").stdout
