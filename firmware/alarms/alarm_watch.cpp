@@ -251,8 +251,10 @@ void AlarmWatch::look_at_member(const ReportedMember& member, port::Instant now)
       return book_.hold({AlarmKind::name_taken, subject}, member.since, text, member.why);
     }
     case MemberState::rejected:
-      return book_.hold({AlarmKind::rejected_gateway, subject}, member.since,
-                        text << " says what is not taken", member.why);
+      text << " says what is not taken: " << member.why;
+      return book_.hold({AlarmKind::rejected_gateway, subject}, member.since, text,
+                        "give both one version; what is no gateway's is taken back by a retained "
+                        "message without content at its topic");
     case MemberState::here:
       if (!member.differs) return;
       return book_.hold({AlarmKind::other_mesh, subject}, {}, text << " has another mesh",

@@ -27,10 +27,8 @@ Peer* FleetMember::State::peer_of(std::string_view name, port::Instant now) {
   if (peers.size() + 1 >= settings.members_max) {
     // One of whom nothing sound is known makes room: never one whose records are being offered, as
     // their owners come here too.
-    const auto is_spare = [](const auto& each) {
-      return !each.second.header && !each.second.is_owner && each.second.set.size() == 0;
-    };
-    const auto spare = std::find_if(peers.begin(), peers.end(), is_spare);
+    const auto spare = std::find_if(peers.begin(), peers.end(),
+                                    [&](const auto& each) { return is_stranger(each.second); });
     if (spare == peers.end()) {
       if (!std::exchange(has_said_full, true)) {
         log.write(port::Level::warning, "the fleet has more than " +
@@ -53,12 +51,24 @@ void FleetMember::State::reject(std::string_view name, const std::string& tail,
                                 const std::string& wrong, port::Instant now) {
   ++rejected_count;
   Peer* const peer = peer_of(name, now);
-  if (peer == nullptr || !peer->quarantine.empty()) return;
+  if (peer == nullptr) return;
+  peer->rejected_at = now;
+  if (!peer->quarantine.empty()) return;
   peer->quarantine = tail + ": " + wrong;
   peer->has_news = true;
   log.write(port::Level::warning, "gateway " + std::string(name) +
                                       " of the fleet says what is not sound (" + peer->quarantine +
                                       "): only what was sound before counts");
+}
+
+// What was not sound is there no more.
+void FleetMember::State::release(Peer& peer) {
+  peer.quarantine.clear();
+  peer.has_news = true;
+}
+
+bool FleetMember::State::is_stranger(const Peer& peer) const {
+  return !peer.header && !peer.is_owner && peer.set.size() == 0;
 }
 
 void FleetMember::State::take_peer(const FleetTopic& topic, const port::BrokerMessage& message,
@@ -89,7 +99,9 @@ void FleetMember::State::take_peer(const FleetTopic& topic, const port::BrokerMe
   } else {
     is_sound = take_peer_header(*peer, message, wrong, now);
   }
-  if (!is_sound) reject(topic.gateway, topic_tail(topic.kind, topic.serial), wrong, now);
+  const std::string tail = topic_tail(topic.kind, topic.serial);
+  if (!is_sound) reject(topic.gateway, tail, wrong, now);
+  if (payload.empty() && peer->quarantine.starts_with(tail + ": ")) release(*peer);
   check_complete(*peer, now);
 }
 
@@ -172,8 +184,7 @@ void FleetMember::State::check_complete(Peer& peer, port::Instant now) {
     peer.set.for_each([&](const RecordPointer& record) { offer(record, peer.name, now); });
   }
   if (is_complete && peer.has_sound_header && !peer.quarantine.empty()) {
-    peer.quarantine.clear();
-    peer.has_news = true;
+    release(peer);
     log.write(port::Level::info, "gateway " + peer.name + " of the fleet is sound again");
   }
   if (peer.told_complete != is_complete) {

@@ -41,6 +41,7 @@ struct Peer {
   bool is_proven = false;  // a header came in this run that the broker had not kept
   bool is_back = false;    // in this connection
   std::string quarantine{};
+  port::Instant rejected_at{};  // when it said last what is not sound
   bool told_complete = false;
   bool has_news = false;  // the gateway is to be told
 };
@@ -113,6 +114,9 @@ struct FleetMember::State {
   void note_version(const FleetRecord& there, port::Instant now);
   void reject(std::string_view name, const std::string& tail, const std::string& wrong,
               port::Instant now);
+  void release(Peer& peer);
+  // Nothing sound is known of it.
+  bool is_stranger(const Peer& peer) const;
   Peer* peer_of(std::string_view name, port::Instant now);
   void offer(RecordPointer record, std::string_view from, port::Instant now);
   void note_lack_of_room(Serial serial, std::string_view from, port::Instant now);

@@ -71,6 +71,10 @@ void FleetMember::State::watch_peers(port::Instant now) {
     const bool is_silent =
         peer.state == PeerState::online && now - peer.heard_at >= settings.silent_after;
     if (is_silent) set_peer_state(peer, PeerState::silent, now);
+    // Whoever can write to the broker can invent a name, and nobody would ever take it back.
+    const bool is_over = !peer.quarantine.empty() && is_stranger(peer) &&
+                         now - peer.rejected_at >= settings.leave_after;
+    if (is_over) release(peer);
   }
 }
 

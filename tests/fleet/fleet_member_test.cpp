@@ -335,6 +335,33 @@ TEST_F(FleetMemberTest, RubbishIsNamedOnceAndChangesNothing) {
   EXPECT_EQ(count_lines("sound again"), 1u);
 }
 
+TEST_F(FleetMemberTest, RubbishThatIsTakenBackIsNoTroubleAnyMore) {
+  settle();
+  say("b/header", "rubbish", true);
+  pass(1s);
+  EXPECT_EQ(gateway.peers["b"].quarantine.substr(0, 8), "header: ");
+  say("b/set", "", true);
+  pass(1s);
+  EXPECT_NE(gateway.peers["b"].quarantine, "");
+  say("b/header", "", true);
+  pass(1s);
+  EXPECT_EQ(gateway.peers["b"].quarantine, "");
+  EXPECT_TRUE(member->peers().empty());
+}
+
+TEST_F(FleetMemberTest, AStrangerWhoSaysRubbishOnceIsNoTroubleForEver) {
+  settle();
+  meet("b", {record_of(7, 70, "b", 3, 1)});
+  say("b/node/00000007", "rubbish");
+  say("c/header", "rubbish");
+  pass(settings_.leave_after - 2s);
+  EXPECT_NE(gateway.peers["c"].quarantine, "");
+  pass(4s);
+  EXPECT_EQ(gateway.peers["c"].quarantine, "");
+  EXPECT_EQ(member->peers().size(), 1u);
+  EXPECT_NE(gateway.peers["b"].quarantine, "") << "it is a gateway, and its node is unknown";
+}
+
 TEST_F(FleetMemberTest, StrangersTakeNoMoreRoomThanThereIs) {
   settle();
   for (int i = 0; i < 100; ++i) say("stranger-" + std::to_string(i) + "/set", "{}");
