@@ -114,7 +114,9 @@ TEST(Optimise, NeedsRoomForNineteenVerticesMoreAndIsWithoutEffectInLess) {
     }
   }
   EXPECT_GT(as_good, 0u);
-  if (!is_emulated) EXPECT_GT(worse, 0u) << "or less would do";
+  if (!is_emulated) {
+    EXPECT_GT(worse, 0u) << "or less would do";
+  }
 }
 
 TEST(Optimise, LeavesAloneWhatHasNoSteinerVertex) {
