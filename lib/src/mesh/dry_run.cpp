@@ -28,13 +28,14 @@ Before begin(Mesh& mesh, Outcome& outcome) noexcept {
 
 void end(Mesh& mesh, Outcome& outcome, Status answer, const Before& before) noexcept {
   MeshState& m = state_of(mesh);
+  const Work needed = mesh.work_needed();
   std::swap(outcome.detail, m.error_detail);
   if (outcome.status == Status::ok) {
     outcome.detail = ErrorDetail{};
   } else {
     outcome.status = answer;
     outcome.steiner = 0;
-    outcome.work = m.work.used();
+    outcome.work = needed;
   }
   m.work.tell(before.used, before.needed);
   m.outcome = nullptr;
