@@ -522,10 +522,9 @@ TEST_F(Bus, ALateAnswerToAClientIsNobodys) {
   EXPECT_EQ(found.registers[0], 2);
 }
 
-// Answers at once, but to one unit never.
-class ReadyConnection final : public FrameConnection {
+// Is there as soon as it is wanted.
+class MadeConnection : public FrameConnection {
  public:
-  static constexpr std::uint8_t dead = 9;
   State state() const override { return state_; }
   void connect(const Endpoint&, Instant, Duration) override {
     state_ = State::up;
@@ -533,12 +532,6 @@ class ReadyConnection final : public FrameConnection {
   }
   void advance(Instant) override {}
   Instant next_deadline() const override { return never; }
-  void send(std::span<std::uint8_t>, std::uint16_t transaction, std::uint8_t address,
-            std::size_t) override {
-    constexpr std::array<std::uint8_t, 6> two_registers{4, 4, 0, 1, 0, 2};
-    if (address == dead) return;
-    listener().on_frame({.transaction = transaction, .address = address, .pdu = two_registers});
-  }
   void discard() override {}
   void close() override { state_ = State::down; }
   void abort() override { close(); }
@@ -547,16 +540,21 @@ class ReadyConnection final : public FrameConnection {
   State state_ = State::down;
 };
 
-// Is found to be lost when it is asked what has come.
-class LostConnection final : public FrameConnection {
+// Answers at once, but to one unit never.
+class ReadyConnection final : public MadeConnection {
  public:
-  State state() const override { return state_; }
-  void connect(const Endpoint&, Instant, Duration) override {
-    state_ = State::up;
-    listener().on_connected();
+  static constexpr std::uint8_t dead = 9;
+  void send(std::span<std::uint8_t>, std::uint16_t transaction, std::uint8_t address,
+            std::size_t) override {
+    constexpr std::array<std::uint8_t, 6> two_registers{4, 4, 0, 1, 0, 2};
+    if (address == dead) return;
+    listener().on_frame({.transaction = transaction, .address = address, .pdu = two_registers});
   }
-  void advance(Instant) override {}
-  Instant next_deadline() const override { return never; }
+};
+
+// Is found to be lost when it is asked what has come.
+class LostConnection final : public MadeConnection {
+ public:
   void send(std::span<std::uint8_t>, std::uint16_t, std::uint8_t, std::size_t) override {
     ADD_FAILURE() << "it is down";
   }
@@ -564,11 +562,6 @@ class LostConnection final : public FrameConnection {
     close();
     listener().on_lost("Connection reset by peer");
   }
-  void close() override { state_ = State::down; }
-  void abort() override { close(); }
-
- private:
-  State state_ = State::down;
 };
 
 TEST(TcpBusLoss, FoundBeforeAQuestionTellsWhyItWas) {
