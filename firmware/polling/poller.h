@@ -82,12 +82,12 @@ class Poller {
   // As the bus itself says (node_bus.h).
   bool is_up(BusIndex bus) const { return buses_[bus.value].bus->is_up(); }
   std::string_view why_down(BusIndex bus) const { return buses_[bus.value].bus->why_down(); }
-  // Whether the first round of the bus goes on, in which units that are not there keep the others
-  // waiting.
-  bool is_finding(BusIndex bus) const { return buses_[bus.value].schedule.has_strangers(); }
   bool is_clearing(BusIndex bus, port::Instant now) const {
     return buses_[bus.value].bus->is_clearing(now);
   }
+  // Whether the first round of the bus goes on, in which units that are not there keep the others
+  // waiting.
+  bool is_finding(BusIndex bus) const { return buses_[bus.value].schedule.has_strangers(); }
   BusIndex bus_of(UnitIndex unit) const { return units_[unit.value].bus; }
   // None where there is none.
   UnitIndex unit_at(BusIndex bus, ModbusAddress address) const {
