@@ -473,7 +473,7 @@ TEST(Places, AreFoundTheSameFromAnyTriangleAndFromNone) {
   const std::uint32_t count = (*mesh)->triangle_count();
   inputs::Random random(7);
   for (int i = 0; i < 40; ++i) {
-    const Position node = graph.nodes[random.below(60)];
+    const Position node = graph.nodes[static_cast<std::size_t>(random.below(60))];
     const Point at = i % 4 == 0
                          ? to_point(node)
                          : Point{to_point(node).x + random.between(-99, 99) * subunits_per_unit,
