@@ -138,6 +138,12 @@ class WebServer::Callbacks {
     }
   }
 
+  // A path is a text that ends with NUL: what stands behind one would be left out of it.
+  static std::size_t unescape(void*, MHD_Connection*, char* text) {
+    const std::string_view escaped = text;
+    return escaped.find("%00") == escaped.npos ? MHD_http_unescape(text) : escaped.size();
+  }
+
   // The next request of the connection has its own time.
   static void completed(void* self, MHD_Connection* connection, void**,
                         MHD_RequestTerminationCode) {
@@ -251,7 +257,7 @@ WebServer::WebServer(EventLoop& loop, WebSite& site, const WebServerOptions& opt
       MHD_OPTION_CONNECTION_LIMIT, static_cast<unsigned>(options.clients_max),
       MHD_OPTION_CONNECTION_MEMORY_LIMIT, connection_memory, MHD_OPTION_NOTIFY_CONNECTION,
       &Callbacks::connection_changed, this, MHD_OPTION_NOTIFY_COMPLETED, &Callbacks::completed,
-      this, MHD_OPTION_END));
+      this, MHD_OPTION_UNESCAPE_CALLBACK, &Callbacks::unescape, nullptr, MHD_OPTION_END));
   if (!daemon_) throw std::system_error(errno, std::generic_category(), "no web server");
   descriptor_ = MHD_get_daemon_info(daemon_.get(), MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
   loop_.add(descriptor_, *this, true, false);
