@@ -1,9 +1,7 @@
 #include "firmware/config/settings.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <stdexcept>
 #include <string_view>
@@ -536,12 +534,9 @@ Settings read_settings(const std::string& path, std::vector<std::string>& mistak
   Settings settings;
   toml::table parsed;
   try {
-    parsed = toml::parse(files::read_bytes(path, file_bytes_max), path);
+    parsed = toml::parse(files::read_text(path, file_bytes_max), path);
   } catch (const files::InputError& error) {
-    const std::string what = error.what();
-    const bool is_denied = what.find(std::strerror(EACCES)) != std::string::npos;
-    mistakes.push_back(what + (is_denied ? "; let the user of the gateway read it"
-                                         : "; give the path of the settings"));
+    mistakes.push_back(error.what());
     return settings;
   } catch (const toml::parse_error& error) {
     const std::string_view what = error.description();

@@ -231,9 +231,9 @@ bool has(const std::vector<Profile>& profiles, const std::string& name) {
 // None after a mistake.
 std::optional<toml::table> parse(const std::string& path, std::vector<std::string>& mistakes) {
   try {
-    return toml::parse(files::read_bytes(path, bytes_max), path);
+    return toml::parse(files::read_text(path, bytes_max), path);
   } catch (const files::InputError& error) {
-    mistakes.push_back(std::string(error.what()) + "; give the path of the profiles");
+    mistakes.push_back(error.what());
   } catch (const toml::parse_error& error) {
     mistakes.push_back(path + ":" + std::to_string(error.source().begin.line) + ": " +
                        std::string(error.description()) +

@@ -5,6 +5,7 @@
 #include "etcm/files/constraint_graph.h"
 #include "etcm/files/error.h"
 #include "etcm/files/grid.h"
+#include "etcm/files/record_reader.h"
 #include "support/scratch_folder.h"
 
 namespace etcm::files {
@@ -45,6 +46,28 @@ TEST(Graph, TakesNodesFromTheNodeFile) {
   EXPECT_EQ(graph.features.size(), 1u);
   EXPECT_EQ(graph.attribute_count, 0u);
   EXPECT_EQ(read_graph(folder.path("b.node")).nodes.size(), 2u);
+}
+
+TEST(Graph, BeginsBehindTheMarkThatAnEditorPutBeforeIt) {
+  const ScratchFolder folder;
+  const ConstraintGraph graph = read_graph(folder.write("m.node",
+                                                        "\xef\xbb\xbf"
+                                                        "1 2\n1 3 4\n"));
+  ASSERT_EQ(graph.nodes.size(), 1u);
+  EXPECT_EQ(graph.nodes[0].y, Decimal::of(4));
+}
+
+TEST(Graph, OfAFileThatIsNotThereSaysWhatToDo) {
+  const ScratchFolder folder;
+  for (const std::string& path : {folder.path("none.poly"), folder.path("")}) {
+    try {
+      read_text(path);
+      ADD_FAILURE() << path;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), testing::StartsWith(path + ": cannot be "));
+      EXPECT_THAT(error.what(), testing::EndsWith("; check the path"));
+    }
+  }
 }
 
 TEST(Graph, MayBeEmpty) {

@@ -71,7 +71,7 @@ TEST_F(Json, HostileFilesCostLittle) {
   std::string keys = "{";
   for (int i = 0; i <= 1000; ++i) keys += "\"" + std::to_string(i) + "\":0,";
   EXPECT_NE(error_of(keys).find("more than 1000 keys"), std::string::npos);
-  EXPECT_NE(error_of(std::string(json_bytes_max + 1, ' ')).find("bytes; split it"),
+  EXPECT_NE(error_of(std::string(json_bytes_max + 1, ' ')).find("bytes; check the path"),
             std::string::npos);
   EXPECT_THROW(static_cast<void>(read_json("/dev/zero")), InputError);
   EXPECT_THROW(static_cast<void>(read_json(folder_.path("nowhere"))), InputError);

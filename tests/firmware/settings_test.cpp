@@ -570,7 +570,7 @@ TEST_F(SettingsFile, AFileThatIsNotThereIsAMistake) {
   read_settings(folder_ / "nowhere.toml", mistakes_);
   ASSERT_EQ(mistakes_.size(), 1u);
   EXPECT_NE(mistakes_[0].find("nowhere.toml"), std::string::npos);
-  EXPECT_NE(mistakes_[0].find("; give the path of the settings"), std::string::npos);
+  EXPECT_NE(mistakes_[0].find("; check the path"), std::string::npos);
 }
 
 TEST_F(SettingsFile, WhatIsNoUtf8IsAMistakeWithItsLine) {

@@ -79,7 +79,7 @@ NodeReadings fitted(const std::string& source, std::size_t node_count,
 }  // namespace
 
 NodeReadings read_node_readings(const std::string& path, const files::ConstraintGraph& graph) {
-  const std::string text = files::read_bytes(path);
+  const std::string text = files::read_text(path);
   std::vector<ReadingLine> lines;
   std::vector<std::size_t> line_of(graph.nodes.size());  // of each node; 0: none yet
   bool is_first = true;

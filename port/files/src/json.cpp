@@ -181,7 +181,7 @@ const char* to_string(JsonValue::Kind kind) {
 }
 
 JsonValue read_json(const std::string& path) {
-  return parse_json(read_bytes(path, json_bytes_max), path);
+  return parse_json(read_text(path, json_bytes_max), path);
 }
 
 JsonValue parse_json(std::string_view text, const std::string& name, const JsonBounds& bounds) {

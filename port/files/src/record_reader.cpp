@@ -29,30 +29,42 @@ class Descriptor {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 
+constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+
+[[noreturn]] void fail_by_system(const std::string& path, const char* what) {
+  const int error = errno;
+  throw InputError(
+      path, 0,
+      std::string(what) + ": " + std::strerror(error) +
+          (error == EACCES ? "; let the user of this program read it" : "; check the path"));
+}
+
 }  // namespace
 
-std::string read_bytes(const std::string& path, std::size_t most) {
+std::string read_text(const std::string& path, std::size_t most) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (file.get() < 0) {
-    throw InputError(path, 0, std::string("cannot be opened: ") + std::strerror(errno));
+    fail_by_system(path, "cannot be opened");
   }
   std::string text;
   std::array<char, 65536> buffer;
   while (true) {
     const ssize_t got = ::read(file.get(), buffer.data(), buffer.size());
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw InputError(path, 0, std::string("cannot be read: ") + std::strerror(errno));
-    if (got == 0) return text;
+    if (got < 0) fail_by_system(path, "cannot be read");
+    if (got == 0) break;
     if (static_cast<std::size_t>(got) > most - text.size()) {
-      throw InputError(
-          path, 0,
-          "has more than " + std::to_string(most) + " bytes; split it, or simplify what it draws");
+      throw InputError(path, 0,
+                       "has more than " + std::to_string(most) +
+                           " bytes; check the path, or make the file smaller");
     }
     text.append(buffer.data(), static_cast<std::size_t>(got));
   }
+  if (text.starts_with(byte_order_mark)) text.erase(0, byte_order_mark.size());
+  return text;
 }
 
-RecordReader::RecordReader(const std::string& path) : path_(path), text_(read_bytes(path)) {
+RecordReader::RecordReader(const std::string& path) : path_(path), text_(read_text(path)) {
   const std::size_t nul = text_.find('\0');
   if (nul == std::string::npos) return;
   std::size_t line = 1;

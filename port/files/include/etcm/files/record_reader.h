@@ -12,8 +12,9 @@
 
 namespace etcm::files {
 
-// The bytes of a file (or pipe). Throws InputError when it cannot be read, or has more than `most`.
-std::string read_bytes(const std::string& path, std::size_t most = std::string::npos);
+// What a file (or pipe) has, without the mark of UTF-8 that some editors put before a text. Throws
+// InputError when it cannot be read, or has more than `most` bytes.
+std::string read_text(const std::string& path, std::size_t most = std::string::npos);
 
 class RecordReader {
  public:
