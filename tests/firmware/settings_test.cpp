@@ -512,6 +512,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "has the name 'gate.example'; it takes addresses of this machine, and of names "
                 "localhost alone",
                 "\"[::]:8080\" for all of its addresses"},
+        Mistake{"bus_of_two_lines", bus("units = \"1\"\nname = \"yard\\nwest\"\n"), 7,
+                "'name' must be a text of 1 to", "name = \"yard\""},
         Mistake{"files_without_folder", bus("units = \"1\"\n") + "[files]\n", 7,
                 "'folder' is missing in [files]", "add it"},
         Mistake{"files_beside_their_folder",
