@@ -1,7 +1,7 @@
 // Every key of the configuration file, one row each. By this table the file is read, defaults are
 // set, a reload knows what it may change, and `etcm-gateway --settings`, the guide and
 // gateway.toml(5) are printed. Whatever is between keys (leave_after is longer than interval) is
-// checked in settings.cpp.
+// checked in settings.cpp, bus_reader.cpp and mqtt_checks.cpp.
 #pragma once
 
 #include <cstdint>
