@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "command_line/command_line.h"
 #include "firmware/app/broker_link.h"
 #include "firmware/app/control_client.h"
 #include "firmware/app/program.h"
@@ -33,17 +34,8 @@ using namespace etcm;
 
 constexpr int exit_bad_settings = 2;
 
-// What was printed may have found no room, or nobody.
-int printed(int code) {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  std::fputs(
-      "etcm-gateway: the output cannot be written; make room for it, or give it another place\n",
-      stderr);
-  return EXIT_FAILURE;
-}
-
 // Runs the gateway, or only checks its settings.
-int run(const std::string& config, bool is_check, bool is_verbose) {
+int run(const CLI::App& app, const std::string& config, bool is_check, bool is_verbose) {
   const port::SteadyClock clock;
   port::StreamLog log(STDERR_FILENO, is_verbose ? port::Level::detail : port::Level::info);
   try {
@@ -77,7 +69,7 @@ int run(const std::string& config, bool is_check, bool is_verbose) {
     }
     if (is_check) {
       std::printf("%s: good\n", config.c_str());
-      return printed(EXIT_SUCCESS);
+      return command_line::finish(app, EXIT_SUCCESS);
     }
     // Before both: noise fills neither the log nor the events of the status page.
     firmware::RecentEvents events(clock, log);
@@ -131,21 +123,22 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
-    return printed(app.exit(success));
+    return command_line::finish(app, app.exit(success));
   } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "etcm-gateway: %s (etcm-gateway --help tells more)\n", error.what());
-    return exit_bad_settings;
+    return command_line::complain(app, command_line::exit_bad_usage,
+                                  std::string(error.what()) + " (etcm-gateway --help tells more)");
   }
 
-  if (control) return printed(control());
+  if (control) return command_line::finish(app, control());
   if (register_map) std::fputs(firmware::describe_mesh_registers().c_str(), stdout);
   if (settings_file) std::fputs(firmware::print_settings().c_str(), stdout);
   if (settings_table) std::fputs(firmware::describe_settings().c_str(), stdout);
-  if (register_map || settings_file || settings_table) return printed(EXIT_SUCCESS);
+  if (register_map || settings_file || settings_table)
+    return command_line::finish(app, EXIT_SUCCESS);
   if (config.empty()) {
-    std::fputs("--config is missing; give the path of the settings, such as --config site.toml\n",
-               stderr);
-    return exit_bad_settings;
+    return command_line::complain(
+        app, command_line::exit_bad_usage,
+        "--config is missing; give the path of the settings, such as --config site.toml");
   }
-  return run(config, check_config, is_verbose);
+  return run(app, config, check_config, is_verbose);
 }

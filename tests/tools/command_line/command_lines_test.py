@@ -7,7 +7,7 @@ import subprocess
 import unittest
 
 PROGRAMS = sorted(pathlib.Path(os.environ["ETCM_BIN"]).glob("etcm*"))
-COMPLETION = pathlib.Path(__file__).resolve().parents[3] / "tools" / "command_line"
+COMPLETION = pathlib.Path(__file__).resolve().parents[3] / "port" / "command_line"
 VERSION = os.environ["ETCM_VERSION"]
 
 
