@@ -43,48 +43,49 @@ bool is_left_behind(const sockaddr_un& address) {
 }  // namespace
 
 CommandSocket::CommandSocket(EventLoop& loop, std::string path, CommandHandler& handler, Log& log)
-    : loop_(loop), path_(std::move(path)), handler_(handler), log_(log) {
-  try_to_listen();
-}
+    : loop_(loop), path_(std::move(path)), handler_(handler), log_(log), socket_(loop, *this) {}
 
 CommandSocket::~CommandSocket() {
   for (Client& client : clients_) client.close();
-  if (!is_listening()) return;
-  loop_.remove(socket_.get());
-  ::unlink(path_.c_str());
+  if (is_listening()) ::unlink(path_.c_str());
 }
 
-const char* CommandSocket::listen() {
+FileDescriptor CommandSocket::listen(const char*& failed) const {
+  failed = "cannot listen";
   const std::optional<sockaddr_un> address = unix_address(path_);
   if (!address) {
     errno = ENAMETOOLONG;
-    return "cannot listen";
+    return {};
   }
   FileDescriptor socket = unix_socket();
-  if (!socket.is_open()) return "cannot listen";
+  if (!socket.is_open()) return {};
   if (is_left_behind(*address)) ::unlink(path_.c_str());
-  if (::bind(socket.get(), as_native(*address), sizeof(*address)) != 0) return "cannot listen";
+  if (::bind(socket.get(), as_native(*address), sizeof(*address)) != 0) return {};
   // Before anybody can connect.
-  if (::chmod(path_.c_str(), S_IRUSR | S_IWUSR) != 0) return "cannot keep others out";
-  if (::listen(socket.get(), SOMAXCONN) != 0) return "cannot listen";
-  socket_ = std::move(socket);
-  return nullptr;
+  if (::chmod(path_.c_str(), S_IRUSR | S_IWUSR) != 0) {
+    failed = "cannot keep others out";
+    return {};
+  }
+  if (::listen(socket.get(), SOMAXCONN) != 0) return {};
+  return socket;
 }
 
-void CommandSocket::try_to_listen() {
-  const char* const failure = listen();
-  if (failure == nullptr) {
-    loop_.add(socket_.get(), *this, free_place() != nullptr, false);
-    if (std::exchange(is_told_, false)) log_.write(Level::info, "takes commands at " + path_);
-    return;
-  }
-  if (std::exchange(is_told_, true)) return;
+FileDescriptor CommandSocket::try_to_listen() {
+  const char* failed;
+  FileDescriptor socket = listen(failed);
   const int error = errno;
-  log_.write(Level::warning, "takes no commands: " + std::string(failure) + " at " + path_ + " (" +
-                                 std::strerror(error) + "); goes on, and tries again; " +
-                                 (is_out_of_descriptors(error)
-                                      ? descriptors_cure
-                                      : "look who has that path, or change `socket` of [control]"));
+  if (socket.is_open()) {
+    if (std::exchange(is_told_, false)) log_.write(Level::info, "takes commands at " + path_);
+  } else if (!std::exchange(is_told_, true)) {
+    log_.write(Level::warning,
+               "takes no commands: " + std::string(failed) + " at " + path_ + " (" +
+                   std::strerror(error) + "); goes on, and tries again; " +
+                   (is_out_of_descriptors(error)
+                        ? descriptors_cure
+                        : "look who has that path, or change `socket` of [control]"));
+  }
+  errno = error;
+  return socket;
 }
 
 CommandSocket::Client* CommandSocket::free_place() {
@@ -93,49 +94,31 @@ CommandSocket::Client* CommandSocket::free_place() {
   return place == clients_.end() ? nullptr : &*place;
 }
 
-void CommandSocket::watch() {
-  if (is_listening()) loop_.change(socket_.get(), !is_resting_ && free_place() != nullptr, false);
+// It is held while there is no place.
+bool CommandSocket::accept_from(int listener) {
+  FileDescriptor socket(::accept4(listener, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+  if (!socket.is_open()) return false;
+  Client* const place = free_place();
+  place->open(*this, static_cast<std::size_t>(place - clients_.data()), std::move(socket));
+  if (free_place() == nullptr) socket_.hold();
+  return true;
 }
 
-void CommandSocket::on_ready(bool, bool) {
-  while (Client* const place = free_place()) {
-    FileDescriptor socket(::accept4(socket_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
-    if (!socket.is_open()) {
-      const int error = errno;
-      if (!is_exhaustion(error)) break;
-      is_resting_ = true;
-      retry_at_ = now_ + retry_interval;
-      if (!std::exchange(is_exhaustion_told_, true)) {
-        log_.write(Level::error, "no further command can come at " + path_ + ": " +
-                                     std::strerror(error) + "; " + descriptors_cure +
-                                     ", or lower clients_max in [server] and [http]");
-      }
-      break;
-    }
-    is_exhaustion_told_ = false;
-    place->open(*this, static_cast<std::size_t>(place - clients_.data()), std::move(socket));
-  }
-  watch();
+void CommandSocket::exhausted(const char* why) {
+  log_.write(Level::error, "no further command can come at " + path_ + ": " + why + "; " +
+                               descriptors_cure + ", or lower clients_max in [server] and [http]");
 }
 
 void CommandSocket::advance(Instant now) {
   now_ = now;
-  if (is_at_rest() && retry_at_ <= now) {
-    retry_at_ = now + retry_interval;
-    is_resting_ = false;
-    if (is_listening()) {
-      watch();
-    } else {
-      try_to_listen();
-    }
-  }
+  socket_.advance(now);
   for (Client& client : clients_) {
     if (client.is_open() && client.active_at() + client_patience <= now) client.close();
   }
 }
 
 Instant CommandSocket::next_deadline() const {
-  Instant deadline = is_at_rest() ? retry_at_ : never;
+  Instant deadline = socket_.next_deadline();
   for (const Client& client : clients_) {
     if (client.is_open()) deadline = std::min(deadline, client.active_at() + client_patience);
   }
@@ -157,7 +140,7 @@ void CommandSocket::Client::close() {
   if (is_answering_) owner_->handler_.end(number_);
   owner_->loop_.remove(socket_.get());
   socket_.close();
-  owner_->watch();
+  owner_->socket_.resume();
 }
 
 void CommandSocket::Client::on_ready(bool, bool) {

@@ -13,15 +13,15 @@
 #include "etcm/port/commands.h"
 #include "etcm/port/log.h"
 #include "posix/event_loop.h"
+#include "posix/listening_socket.h"
 
 namespace etcm::port {
 
 inline constexpr std::size_t command_bytes_max = 4096;
 
-class CommandSocket final : private EventHandler {
+class CommandSocket final : private ListeningHandler {
  public:
   static constexpr Duration client_patience = std::chrono::seconds(10);
-  static constexpr Duration retry_interval = std::chrono::seconds(1);
 
   // All must outlive this. A socket that a dead program left at `path` is replaced; what else is in
   // the way is said to the log once, and tried again.
@@ -33,7 +33,7 @@ class CommandSocket final : private EventHandler {
   void advance(Instant now);
   Instant next_deadline() const;
 
-  bool is_listening() const { return socket_.is_open(); }
+  bool is_listening() const { return socket_.is_listening(); }
 
  private:
   class Client final : public EventHandler {
@@ -58,25 +58,21 @@ class CommandSocket final : private EventHandler {
     std::array<char, command_bytes_max> buffer_;
   };
 
-  void on_ready(bool can_read, bool can_write) override;
+  FileDescriptor try_to_listen() override;
+  bool accept_from(int listener) override;
+  void exhausted(const char* why) override;
   Client* free_place();
-  void watch();
-  void try_to_listen();
-  // Null where it listens; else what failed, and errno tells why.
-  const char* listen();
-  bool is_at_rest() const { return !is_listening() || is_resting_; }
+  // Not open where it does not listen: `failed` then tells at what, and errno why.
+  FileDescriptor listen(const char*& failed) const;
 
   EventLoop& loop_;
   const std::string path_;
   CommandHandler& handler_;
   Log& log_;
-  FileDescriptor socket_;
   std::array<Client, command_clients_max> clients_;
   Instant now_{};
-  Instant retry_at_{};
-  bool is_told_ = false;
-  bool is_resting_ = false;  // without descriptors: who waits makes it ready all the time
-  bool is_exhaustion_told_ = false;
+  bool is_told_ = false;  // that it does not listen
+  ListeningSocket socket_;
 };
 
 }  // namespace etcm::port

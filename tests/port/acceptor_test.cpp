@@ -44,7 +44,7 @@ TEST_F(AcceptorTest, ATakenPortIsHadAsSoonAsItIsFree) {
   Instant now{1h};
   for (int i = 0; i < 100; ++i) {
     acceptor.advance(now);
-    ASSERT_EQ(acceptor.next_deadline(), now + Acceptor::retry_interval);
+    ASSERT_EQ(acceptor.next_deadline(), now + ListeningSocket::retry_interval);
     now = acceptor.next_deadline();
   }
   EXPECT_FALSE(acceptor.is_listening());

@@ -170,7 +170,7 @@ TEST_F(CommandSocketTest, WithoutDescriptorsWhoeverWaitsLeavesTheLoopAtRest) {
   EXPECT_EQ(log_.lines[0], "no further command can come at " + path_ +
                                ": Too many open files; raise LimitNOFILE of the service, or lower "
                                "clients_max in [server] and [http]");
-  socket_->advance(now + CommandSocket::retry_interval);
+  socket_->advance(now + ListeningSocket::retry_interval);
   EXPECT_EQ(hear(late), "hello!");
   EXPECT_EQ(socket_->next_deadline(), never);
 }
