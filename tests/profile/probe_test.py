@@ -228,7 +228,7 @@ class Refusals(ProbeCase):
                                                "p", "/dev/null/x", code=2))
 
     def test_profiles_that_are_not_there_are_asked_for(self):
-        self.assertIn("give the path of the profiles",
+        self.assertIn("check the path",
                       self.complaint("--profiles", self.folder / "no", "--profile", "p",
                                      "/dev/null/x", code=2))
 

@@ -256,7 +256,7 @@ TEST(ProfileMistakes, OfAFile) {
   std::vector<std::string> found;
   EXPECT_THAT(read_profiles("/no/such/file.toml", found), IsEmpty());
   EXPECT_THAT(found, ElementsAre(testing::AllOf(HasSubstr("/no/such/file.toml"),
-                                                HasSubstr("give the path of the profiles"))));
+                                                HasSubstr("check the path"))));
 }
 
 TEST(ProfileMistakes, OfOneNameTwice) {
