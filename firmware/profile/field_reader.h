@@ -44,18 +44,4 @@ class FieldReader {
   mutable std::vector<OutOfRange> out_of_range_{};
 };
 
-// Calls `read` for the table that `node` is, the value of the key.
-void read_inner(TomlTable& table, const std::string& key, const toml::node& node,
-                const std::function<void(TomlTable&)>& read);
-
-// A whole number of the key; nothing where there is none, and after a mistake.
-std::optional<std::int64_t> read_whole(TomlTable& table, const char* key, std::int64_t least,
-                                       std::int64_t most);
-
-// A decimal above 0 in 10^-9; nothing where there is none, or after a mistake.
-std::optional<std::int64_t> read_positive(TomlTable& table, const char* key);
-
-// A text that a person can read; empty after a mistake, and where there is none.
-std::string read_text(TomlTable& table, const char* key);
-
 }  // namespace etcm::firmware

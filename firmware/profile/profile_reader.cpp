@@ -8,6 +8,7 @@
 #include "etcm/files/error.h"
 #include "etcm/files/record_reader.h"
 #include "firmware/profile/field_reader.h"
+#include "firmware/profile/toml_values.h"
 
 namespace etcm::firmware {
 
