@@ -3,25 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <tuple>
-#include <utility>
 #include <vector>
 
 #include "etcm/files/decimal.h"
 #include "etcm/files/outline.h"
+#include "picture_map.h"
+#include "svg.h"
 
 namespace etcm::files {
 
 namespace {
 
-// Pixels.
-constexpr double page_width = 1200;
-constexpr double margin = 48;
-constexpr double header_height = 104;
-constexpr double footer_height = 84;
-constexpr double map_width_max = page_width - 2 * margin;
-constexpr double map_height_max = 1100;
-constexpr double map_height_min = 120;
+using Spot = PictureSpot;
 
 constexpr const char* ink = "#1c2733";
 constexpr const char* soft_ink = "#5d6b7a";
@@ -34,216 +27,6 @@ constexpr const char* unseen_fill = "#f6c9bd";
 constexpr const char* hole_colour = "#b3261e";
 constexpr const char* relay_colour = "#6d3fc0";
 constexpr const char* unresolved_colour = "#c2185b";
-
-// With thin spaces between groups of three digits.
-struct Grouped {
-  std::size_t number;
-};
-TextSink& operator<<(TextSink& out, Grouped grouped) {
-  std::size_t power = 1;
-  while (grouped.number / power >= 1000) power *= 1000;
-  out << grouped.number / power;
-  for (power /= 1000; power > 0; power /= 1000) {
-    const std::size_t three = grouped.number / power % 1000;
-    out << "\xE2\x80\xAF" << three / 100 << three / 10 % 10 << three % 10;
-  }
-  return out;
-}
-
-struct Counted {
-  std::size_t number;
-  const char* one;
-  const char* many;
-};
-TextSink& operator<<(TextSink& out, const Counted& counted) {
-  return out << Grouped{counted.number} << ' '
-             << (counted.number == 1 ? counted.one : counted.many);
-}
-
-// What the user wrote, as SVG wants it.
-struct Escaped {
-  const std::string& text;
-  bool is_utf8 = false;  // without control characters
-};
-TextSink& operator<<(TextSink& out, Escaped escaped) {
-  for (const char c : escaped.text) {
-    switch (c) {
-      case '&':
-        out << "&amp;";
-        break;
-      case '<':
-        out << "&lt;";
-        break;
-      case '>':
-        out << "&gt;";
-        break;
-      case '"':
-        out << "&quot;";
-        break;
-      default:
-        // A file name may hold any bytes; a picture may not.
-        out << (escaped.is_utf8 || (c >= ' ' && c <= '~') ? c : '?');
-    }
-  }
-  return out;
-}
-
-// A length in pixels with two decimals at most, the same text everywhere.
-struct Px {
-  double value;
-};
-TextSink& operator<<(TextSink& out, Px length) {
-  const std::int64_t hundredths = std::llround(length.value * 100);
-  const std::int64_t magnitude = hundredths < 0 ? -hundredths : hundredths;
-  if (hundredths < 0) out << '-';
-  out << magnitude / 100;
-  const std::int64_t rest = magnitude % 100;
-  if (rest == 0) return out;
-  out << (rest < 10 ? ".0" : ".");
-  return out << (rest % 10 == 0 ? rest / 10 : rest);
-}
-
-using Spot = PictureSpot;
-
-// Where a handful of vertices stands so far off that the rest would shrink to a corner, the picture
-// leaves them out (and says so): less than 1 % of all, beyond a gap of a third of the extent.
-std::pair<std::int64_t, std::int64_t> extent_without_outliers(std::vector<std::int64_t>& values) {
-  if (values.empty()) return {0, 0};
-  std::sort(values.begin(), values.end());
-  const std::size_t few = values.size() / 100;
-  std::size_t first = 0;
-  std::size_t last = values.size() - 1;
-  const std::int64_t gap = (values[last] - values[first]) / 3;
-  for (std::size_t i = 0; i < few; ++i) {
-    if (values[i + 1] - values[i] > gap) first = i + 1;
-    const std::size_t j = values.size() - 1 - i;
-    if (values[j] - values[j - 1] > gap) last = j - 1;
-  }
-  return {values[first], values[last]};
-}
-
-class Map {
- public:
-  Map(const MeshImage& image, std::vector<std::int64_t>& coordinates) {
-    coordinates.clear();
-    for (const ImageVertex& vertex : image.vertices) coordinates.push_back(vertex.point.x);
-    std::tie(low_.x, high_.x) = extent_without_outliers(coordinates);
-    coordinates.clear();
-    for (const ImageVertex& vertex : image.vertices) coordinates.push_back(vertex.point.y);
-    std::tie(low_.y, high_.y) = extent_without_outliers(coordinates);
-    for (const ImageVertex& vertex : image.vertices) outside_count_ += !shows(vertex.point);
-    const double width = static_cast<double>(high_.x - low_.x);
-    const double height = static_cast<double>(high_.y - low_.y);
-    if (width > 0 || height > 0) {
-      px_per_subunit_ = std::min(width > 0 ? map_width_max / width : map_height_max / height,
-                                 height > 0 ? map_height_max / height : map_width_max / width);
-    }
-    height_px_ = std::max(map_height_min, height * px_per_subunit_);
-    left_ = (page_width - width * px_per_subunit_) / 2;
-    bottom_ = header_height + (height_px_ + height * px_per_subunit_) / 2;
-  }
-
-  double height_px() const { return height_px_; }
-  // Vertices that the frame leaves out.
-  std::size_t outside_count() const { return outside_count_; }
-  double page_height() const { return header_height + height_px_ + footer_height; }
-  double px_per_unit() const { return px_per_subunit_ * static_cast<double>(subunits_per_unit); }
-
-  Spot spot(const Point& point) const {
-    const double x = left_ + static_cast<double>(point.x - low_.x) * px_per_subunit_;
-    const double y = bottom_ - static_cast<double>(point.y - low_.y) * px_per_subunit_;
-    return {std::llround(x * 100), std::llround(y * 100)};
-  }
-
-  bool shows(const Point& point) const {
-    return low_.x <= point.x && point.x <= high_.x && low_.y <= point.y && point.y <= high_.y;
-  }
-
- private:
-  std::size_t outside_count_ = 0;
-  Point low_;
-  Point high_;
-  double px_per_subunit_ = 0;
-  double height_px_ = map_height_min;
-  double left_ = page_width / 2;
-  double bottom_ = header_height;
-};
-
-// One path in relative moves, which are short; no path at all where nothing is drawn. `style`
-// writes the attributes before the data.
-template <class Style>
-class Path {
- public:
-  Path(TextSink& out, const Style& style) : out_(out), style_(style) {}
-  Path(const Path&) = delete;
-  Path& operator=(const Path&) = delete;
-  ~Path() {
-    if (command_ != ' ') out_ << "\"/>\n";
-  }
-
-  void move_to(Spot to) {
-    if (command_ == ' ') {
-      out_ << "<path ";
-      style_();
-      out_ << " d=\"M";
-    } else {
-      out_ << 'm';
-    }
-    ends_in_digit_ = false;
-    command_ = 'm';
-    append(to);
-    first_ = to;
-  }
-  void line_to(Spot to) {
-    if (command_ != 'l') {
-      out_ << 'l';
-      ends_in_digit_ = false;
-    }
-    command_ = 'l';
-    append(to);
-  }
-  void close() {
-    out_ << 'z';
-    ends_in_digit_ = false;
-    command_ = 'z';
-    at_ = first_;
-  }
-  void dot(Spot to) {
-    move_to(to);
-    // Not 0: some renderers draw no caps on a line without length.
-    out_ << "h1";
-    at_.x += 1;
-  }
-
- private:
-  void append(Spot to) {
-    const std::int64_t dx = to.x - at_.x;
-    const std::int64_t dy = to.y - at_.y;
-    if (ends_in_digit_ && dx >= 0) out_ << ' ';
-    out_ << dx;
-    if (dy >= 0) out_ << ' ';
-    out_ << dy;
-    ends_in_digit_ = true;
-    at_ = to;
-  }
-
-  TextSink& out_;
-  const Style& style_;
-  Spot at_;
-  Spot first_;
-  char command_ = ' ';
-  bool ends_in_digit_ = false;
-};
-
-struct Stroke {
-  const char* colour;
-  double width;
-  const char* more = "";
-};
-TextSink& operator<<(TextSink& out, const Stroke& stroke) {
-  return out << "stroke=\"" << stroke.colour << "\" stroke-width=\"" << Px{stroke.width * 100}
-             << '"' << stroke.more;
-}
 
 // Widths that suit the density of the mesh.
 struct Strokes {
@@ -550,7 +333,7 @@ class Picture {
   const PictureText& words_;
   const PictureMarks& marks_;
   PictureRoom& room_;
-  Map map_;
+  PictureMap map_;
   Strokes strokes_{};
 };
 
