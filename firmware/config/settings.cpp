@@ -165,9 +165,8 @@ void read_all_profiles(TomlTable& file, const std::filesystem::path& folder, Set
                        "'profiles'");
     }
   }
-  if (std::filesystem::exists(ETCM_PROFILES, ignored)) {
-    add_profiles(ETCM_PROFILES, settings, mistakes);
-  }
+  const std::string installed = installed_profiles();
+  if (std::filesystem::exists(installed, ignored)) add_profiles(installed, settings, mistakes);
   settings.has_all_profiles = mistakes.size() == before;
 }
 

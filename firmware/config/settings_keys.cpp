@@ -47,7 +47,8 @@ constexpr Key profile_keys[] = {
     {"profiles", paths_from_file<&Settings::profiles>(), unset(R"(["profiles.toml"])", "none"),
      at_once,
      "files with [profiles of devices](profiles.md), or folders of such, looked through in this "
-     "order, and `" ETCM_PROFILES "` behind them; a `[[profile]]` may "
+     "order, and those of the package (`/usr/share/etcm/profiles`) behind them; a `[[profile]]` "
+     "may "
      "stand in this file too"},
 };
 

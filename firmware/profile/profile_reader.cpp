@@ -272,6 +272,13 @@ bool is_configuration(const toml::table& parsed) {
 
 }  // namespace
 
+std::string installed_profiles() {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error) return "";
+  return (program.parent_path() / ETCM_INSTALLED_PROFILES).lexically_normal();
+}
+
 std::vector<Profile> read_profiles(const std::string& path, std::vector<std::string>& mistakes) {
   std::vector<Profile> profiles;
   std::error_code error;

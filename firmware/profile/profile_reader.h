@@ -13,6 +13,10 @@ namespace etcm::firmware {
 // there are none.
 Profile read_profile(TomlTable& table);
 
+// The folder of those that were installed with the program that runs; empty where that is not
+// known.
+std::string installed_profiles();
+
 // Every [[profile]] of a file, or of all files NAME.toml of a folder in the order of their names.
 // Each mistake is one line "file:line: what is wrong; the cure".
 std::vector<Profile> read_profiles(const std::string& path, std::vector<std::string>& mistakes);

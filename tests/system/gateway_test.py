@@ -7,6 +7,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import socket
 import struct
@@ -607,6 +608,24 @@ class CommandLine(GatewayCase):
         done = self.run_gateway("--version")
         self.assertEqual(done.returncode, 0)
         self.assertRegex(done.stdout, r"^etcm-gateway \d+\.\d+\.\d+\n$")
+
+    def test_it_has_the_profiles_that_were_installed_beside_it(self):
+        program = PROGRAMS / "etcm-gateway"
+        if program.read_bytes()[:4] != b"\x7fELF":
+            self.skipTest("what runs it here stays where it is")
+        (self.folder / "bin").mkdir()
+        shutil.copy(program, self.folder / "bin")
+        (self.folder / "site.toml").write_text(
+            '[mesh]\nvertices_max = 9\n[[bus]]\ntcp = "127.0.0.1:1"\n'
+            '[[bus.device]]\nprofile = "transmitter"\nunits = "1"\n')
+        check = [self.folder / "bin" / "etcm-gateway", "--config", "site.toml", "--check-config"]
+        run = lambda: subprocess.run(check, capture_output=True, text=True, timeout=PATIENCE_S,
+                                     cwd=self.folder)
+        self.assertIn("there is no profile 'transmitter'", run().stderr)
+        shutil.copytree(HERE.parents[1] / "firmware" / "profiles",
+                        self.folder / "share" / "etcm" / "profiles")
+        done = run()
+        self.assertEqual((done.returncode, done.stdout), (0, "site.toml: good\n"), done.stderr)
 
     def test_a_site_file_brings_its_features(self):
         (self.folder / "site.poly").write_text(

@@ -24,12 +24,6 @@ struct ProbeOptions {
   std::string path;  // empty: those that were installed
 };
 
-std::string installed_profiles() {
-  std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
-  return (program.parent_path() / ETCM_PROFILES).lexically_normal();
-}
-
 const Profile& find_profile(const std::vector<Profile>& profiles, const std::string& name,
                             const std::string& path) {
   std::string names;
@@ -44,7 +38,7 @@ const Profile& find_profile(const std::vector<Profile>& profiles, const std::str
 std::vector<Profile> read_profiles(const std::string& path) {
   std::vector<std::string> mistakes;
   std::vector<Profile> profiles =
-      firmware::read_profiles_or_gateways(path, installed_profiles(), mistakes);
+      firmware::read_profiles_or_gateways(path, firmware::installed_profiles(), mistakes);
   if (mistakes.empty()) return profiles;
   std::string text = mistakes.front();
   for (std::size_t i = 1; i < mistakes.size(); ++i) text += "\netcm-bus: " + mistakes[i];
@@ -193,7 +187,7 @@ std::string read_sweep(Master& master, std::uint8_t unit, const Profile& profile
 
 int probe(const ProbeOptions& options) {
   const auto units = options.bus.units();
-  const std::string path = options.path.empty() ? installed_profiles() : options.path;
+  const std::string path = options.path.empty() ? firmware::installed_profiles() : options.path;
   const std::vector<Profile> profiles = read_profiles(path);
   const Profile& profile = find_profile(profiles, options.profile, path);
   const auto blocks = firmware::blocks_of(profile);
