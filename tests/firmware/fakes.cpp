@@ -187,13 +187,13 @@ void Rig::start_with(const std::vector<port::NodeBus*>& buses) {
                                                    .version = version});
 }
 
-void Rig::run(port::Duration duration) {
+void Rig::run(port::Duration duration, port::Duration step) {
   if (!gateway) start();
-  for (port::Duration passed{}; passed < duration; passed += 10ms) {
+  for (port::Duration passed{}; passed < duration; passed += step) {
     // The answers of reads that a step starts arrive before the next one.
     if (broker != nullptr) broker->step(clock.now());
     gateway->step(clock.now());
-    clock.pass(10ms);
+    clock.pass(step);
   }
 }
 

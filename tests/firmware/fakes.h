@@ -180,8 +180,8 @@ struct Rig {
   void start();
   // One bus for each of settings.buses.
   void start_with(const std::vector<port::NodeBus*>& buses);
-  // Runs the gateway for this long, a step every 10 ms.
-  void run(port::Duration duration);
+  // Runs the gateway for this long.
+  void run(port::Duration duration, port::Duration step = std::chrono::milliseconds(10));
   // Gives the gateway the settings as they are here now.
   void update_settings(const std::vector<port::NodeBus*>& added = {});
   // Unit `unit` is the node with serial 1000 + unit.

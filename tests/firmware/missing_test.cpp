@@ -417,9 +417,9 @@ TEST_F(MissingOverARestart, IsKnownWithinTheHourSinceWhen) {
   before->put_square();
   before->run(1s);
   before->bus.silence(1);
-  before->run(5h);
+  before->run(5h, 200ms);
   const std::size_t saves = store_.saves;
-  before->run(5h);
+  before->run(5h, 200ms);
   EXPECT_GE(store_.saves, saves + 4);
   EXPECT_LE(store_.saves, saves + 6);
   const auto after = make_rig();
