@@ -85,7 +85,9 @@ class WebServer::Callbacks {
                             void** has_begun) {
     auto& server = *static_cast<WebServer*>(self);
     Client* const client = client_of(connection);
-    if (client == nullptr || client->is_reading || *upload_size > 0) return MHD_NO;
+    if (client == nullptr || client->is_reading) return MHD_NO;
+    // Content of a question means nothing (RFC 9110, 9.3.1).
+    if (std::exchange(*upload_size, 0) > 0) return MHD_YES;
     const std::string_view verb = method;
     const bool is_read = verb == MHD_HTTP_METHOD_GET || verb == MHD_HTTP_METHOD_HEAD;
     // The first call comes with the headers: who is answered then is not listened to any more.

@@ -320,6 +320,28 @@ TEST_F(WebServerTest, APathIsOnlyEverText) {
   }
 }
 
+TEST_F(WebServerTest, ContentOfAQuestionMeansNothing) {
+  const FileDescriptor socket =
+      client("GET /10 HTTP/1.1\r\nHost: a\r\nContent-Length: 5\r\n\r\nhello");
+  EXPECT_TRUE(receive(socket.get()).starts_with("HTTP/1.1 200 OK\r\n"));
+  send(socket.get(), "GET /20 HTTP/1.1\r\nHost: a\r\n\r\n");
+  EXPECT_NE(receive(socket.get()).find(std::string(20, 'x')), std::string::npos);
+  EXPECT_EQ(site_.paths, (std::vector<std::string>{"/10", "/20"}));
+}
+
+// Of the same time as any other request.
+TEST_F(WebServerTest, ContentWithoutEndRunsOutOfTime) {
+  const FileDescriptor socket =
+      client("GET /10 HTTP/1.1\r\nHost: a\r\nContent-Length: 999999999\r\n\r\n");
+  for (int i = 0; i < 100 && !is_gone(socket.get()); ++i) {
+    static_cast<void>(::send(socket.get(), "hello", 5, MSG_NOSIGNAL));
+    turn();
+    now_ += 1s;
+  }
+  EXPECT_TRUE(turn_until([&] { return is_gone(socket.get()); }));
+  EXPECT_EQ(site_.begun, 0u);
+}
+
 TEST_F(WebServerTest, APathDoesNotEndAtANul) {
   get("/%31%30");
   get("/10%00.html");
