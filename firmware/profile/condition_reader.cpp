@@ -54,22 +54,22 @@ std::optional<std::int64_t> read_tested(TomlTable& table, const char* key, const
   if (nano && can_be(number, *nano)) return nano;
   const std::string text = node.value_exact<std::string>().value_or("");
   if (!nano && number.type == NumberType::ascii && node.is_string()) {
-    table.mistake(node, quoted(key) +
+    table.mistake(node, quoted_key(key) +
                             " compares an ascii number with a text; give a number, or look at the "
                             "letter of one byte without 'type' and 'count': { register = 200, mask "
                             "= 0xFF00, equals = \"A\" }");
     return std::nullopt;
   }
   if (nano && text.size() == 1 && text[0] >= '0' && text[0] <= '9') {
-    table.mistake(node, quoted(key) + " = \"" + text +
+    table.mistake(node, quoted_key(key) + " = \"" + text +
                             "\" is the number, not the digit, and the bits of this test never have "
                             "it; give the code of the digit, where the bits of the mask stand: 0x" +
                             std::to_string(30 + text[0] - '0') + " in a low byte, 0x" +
                             std::to_string(30 + text[0] - '0') + "00 in a high one");
     return std::nullopt;
   }
-  table.mistake(
-      node, quoted(key) + (nano ? " is a number that the registers of this test never have (see "
+  table.mistake(node, quoted_key(key) +
+                          (nano ? " is a number that the registers of this test never have (see "
                                   "'type' and 'mask'); correct it"
                                 : " is no number and no letter; write it as 1, 0x57, \"0.5\" or "
                                   "\"A\""));
@@ -86,7 +86,7 @@ void read_equals(TomlTable& table, const char* key, Condition& condition) {
   };
   if (const toml::array* const list = node->as_array()) {
     if (list->empty()) {
-      table.mistake(*node, quoted(key) + " is an empty list; give a number, or several");
+      table.mistake(*node, quoted_key(key) + " is an empty list; give a number, or several");
     }
     for (const toml::node& element : *list) take(element);
   } else {
@@ -104,7 +104,7 @@ void read_limits(TomlTable& table, Condition& condition) {
     if (nano) {
       *limit = *nano;
     } else {
-      table.mistake(*node, quoted(key) + " is no number; " + how_to_write_number);
+      table.mistake(*node, quoted_key(key) + " is no number; " + how_to_write_number);
     }
   }
   if (interval.least > interval.most) {

@@ -148,7 +148,7 @@ void FieldReader::read_parts(TomlTable& table, Field& field) const {
   for (const char* const key : number_keys) {
     const toml::node* const beside = table.find(key);
     if (beside == nullptr) continue;
-    table.mistake(*beside, quoted(key) + " beside 'parts'; give it to each part that needs it");
+    table.mistake(*beside, quoted_key(key) + " beside 'parts'; give it to each part that needs it");
   }
   const toml::array* const list = node->as_array();
   if (list == nullptr || list->empty()) {

@@ -6,7 +6,7 @@
 
 namespace etcm::firmware {
 
-std::string quoted(std::string_view key) { return "'" + std::string(key) + "'"; }
+std::string quoted_key(std::string_view key) { return "'" + std::string(key) + "'"; }
 
 std::optional<Fraction> fraction_of(const toml::node& node) {
   if (const auto whole = node.value_exact<std::int64_t>()) {
@@ -27,12 +27,12 @@ bool tell_of_no_number(TomlTable& table, const char* key, const toml::node& node
     const std::string text = node.value_exact<std::string>().value_or("");
     const bool is_number =
         !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-    table.mistake(node, quoted(key) + " is a text; write the number without quotes: " + key +
+    table.mistake(node, quoted_key(key) + " is a text; write the number without quotes: " + key +
                             " = " + (is_number ? text : example));
     return true;
   }
   if (!node.is_array()) return false;
-  table.mistake(node, quoted(key) + " is a list; give one number: " + key + " = " + example);
+  table.mistake(node, quoted_key(key) + " is a list; give one number: " + key + " = " + example);
   return true;
 }
 
@@ -43,7 +43,7 @@ std::optional<std::int64_t> read_whole(TomlTable& table, const char* key, std::i
   const auto value = node->value_exact<std::int64_t>();
   if (value && *value >= least && *value <= most) return value;
   if (tell_of_no_number(table, key, *node, std::to_string(least))) return std::nullopt;
-  table.mistake(*node, quoted(key) + " is out of range; give a whole number from " +
+  table.mistake(*node, quoted_key(key) + " is out of range; give a whole number from " +
                            std::to_string(least) + " to " + std::to_string(most));
   return std::nullopt;
 }
@@ -67,7 +67,7 @@ std::string read_text(TomlTable& table, const char* key) {
     return static_cast<unsigned char>(c) < ' ' || c == '\x7f';
   });
   if (!text.empty() && is_readable) return text;
-  table.mistake(*node, quoted(key) + " must be a text in one line; write it in quotes");
+  table.mistake(*node, quoted_key(key) + " must be a text in one line; write it in quotes");
   return "";
 }
 
@@ -75,7 +75,7 @@ void read_inner(TomlTable& table, const std::string& key, const toml::node& node
                 const std::function<void(TomlTable&)>& read) {
   if (!node.is_table()) {
     return table.mistake(
-        node, quoted(key) + " must be a table; write it as " + key + " = { register = 200 }");
+        node, quoted_key(key) + " must be a table; write it as " + key + " = { register = 200 }");
   }
   TomlTable inner = table.inner(key, *node.as_table());
   read(inner);

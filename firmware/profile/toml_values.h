@@ -14,7 +14,7 @@
 namespace etcm::firmware {
 
 // A key, in the quotes of a sentence.
-std::string quoted(std::string_view key);
+std::string quoted_key(std::string_view key);
 
 inline constexpr const char* how_to_write_number =
     "write it as 10, \"0.001\" or \"1/60000\" (a number with a point stands in quotes, so that it "
@@ -60,7 +60,7 @@ const Value* read_word(TomlTable& table, const char* key, std::span<const Word<V
     if (text && *text == word.word) return &word.value;
     list += (list.empty() ? "\"" : ", \"") + std::string(word.word) + "\"";
   }
-  table.mistake(*node, quoted(key) + " is unknown; write one of " + list);
+  table.mistake(*node, quoted_key(key) + " is unknown; write one of " + list);
   return nullptr;
 }
 
