@@ -41,7 +41,11 @@ void Integrations::step(port::Instant now) {
 #ifdef ETCM_WITH_SPARKPLUG
   if (edge_node_) edge_node_->step(now);
 #endif
-  if (announcer_) announcer_->step(now);
+  const FleetReport* const fleet = gateway_.fleet();
+  if (announcer_ && fleet != nullptr) {
+    announcer_->step(now, {.has_told_all = fleet->has_told_all,
+                           .other_refused_count = fleet->other_refused_count});
+  }
 }
 
 port::Instant Integrations::next_deadline() const {

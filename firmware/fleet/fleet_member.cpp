@@ -40,6 +40,9 @@ void FleetMember::step(port::Instant now) {
     state.next_tick = now + std::min(settings.period / 8, settings.settle);
   }
   state.send(now);
+  if (state.is_header_taken && !state.has_told_all) {
+    state.has_told_all = state.out.waiting_count(now) == 0;
+  }
   state.tell_peers(now);
 }
 
@@ -84,6 +87,8 @@ FleetStatus FleetMember::status() const {
                      .merged_hash = state.merged.hash(),
                      .is_refused = state.is_refused,
                      .is_header_taken = state.is_header_taken,
+                     .has_told_all = state.has_told_all,
+                     .other_refused_count = state.other_refused_count,
                      .lacks_room = state.lacks_room,
                      .rejected_count = state.rejected_count,
                      .sent_count = state.out.sent_count(),
@@ -102,7 +107,7 @@ FleetStatus FleetMember::status() const {
 void FleetMember::on_connected(port::Instant now) {
   State& state = *state_;
   state.is_connected = true;
-  state.is_settled = state.is_blocked = state.is_header_taken = false;
+  state.is_settled = state.is_blocked = state.is_header_taken = state.has_told_all = false;
   state.since = state.kept_came_at = now;
   // All of it comes again, as far as the broker still has it.
   state.on_broker.clear();
@@ -141,6 +146,7 @@ void FleetMember::on_delivered(std::uint32_t token, port::Instant) {
 
 void FleetMember::on_refused(std::uint32_t token, std::string_view, port::Instant now) {
   state_->is_blocked = false;
+  if (token == other_token) ++state_->other_refused_count;
   const std::optional<OutKey> key = state_->out.take_refused(token, now);
   if (key && key->kind == TopicKind::header) state_->is_refused = true;
   if (key && key->kind == TopicKind::site) state_->note_site_refused();

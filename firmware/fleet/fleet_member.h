@@ -33,6 +33,10 @@ namespace etcm::firmware {
 // connection is back a gateway waits for the others.
 inline constexpr port::Duration return_time = port::broker_pause_max + std::chrono::seconds(20);
 
+// Of messages whose delivery the member does not follow, such as those that others send through its
+// broker.
+inline constexpr std::uint32_t other_token = 0;
+
 struct FleetSettings {
   std::string site;     // is_fleet_name()
   std::string gateway;  // the same; no two of a site have one
@@ -80,13 +84,16 @@ struct FleetStatus {
   bool has_name_conflict = false;
   bool is_read_only = false;
   std::uint32_t epoch = 0;
-  std::uint32_t node_count = 0;      // that are there, of all members
-  std::uint32_t own_count = 0;       // of them this one's
-  std::uint32_t stale_count = 0;     // of them
-  std::uint32_t waiting_count = 0;   // messages that are to be sent, or not delivered yet
-  std::uint64_t merged_hash = 0;     // of the serials and places of all nodes that are there
-  bool is_refused = false;           // the broker did not take its last header
-  bool is_header_taken = false;      // it took one since it is connected
+  std::uint32_t node_count = 0;     // that are there, of all members
+  std::uint32_t own_count = 0;      // of them this one's
+  std::uint32_t stale_count = 0;    // of them
+  std::uint32_t waiting_count = 0;  // messages that are to be sent, or not delivered yet
+  std::uint64_t merged_hash = 0;    // of the serials and places of all nodes that are there
+  bool is_refused = false;          // the broker did not take its last header
+  bool is_header_taken = false;     // it took one since it is connected
+  bool has_told_all = false;        // and since then nothing was left to be told, once
+  // Messages that others send through its broker, and that were refused, ever.
+  std::uint64_t other_refused_count = 0;
   bool lacks_room = false;           // for nodes of the site, beyond nodes_max
   std::uint64_t rejected_count = 0;  // messages that were not sound, ever
   std::uint64_t sent_count = 0;      // messages, ever

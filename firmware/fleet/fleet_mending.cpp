@@ -77,7 +77,9 @@ bool FleetMember::State::say_what_is_here(Peer& peer) {
   const std::string topic = topic_text(
       settings.site, {.kind = TopicKind::have, .gateway = settings.gateway, .other = peer.name});
   const std::string payload = encode_have(have);
-  if (!broker.publish({.topic = topic, .payload = payload, .at_most_once = true}, 0)) return false;
+  if (!broker.publish({.topic = topic, .payload = payload, .at_most_once = true}, other_token)) {
+    return false;
+  }
   peer.have_next = next;
   return true;
 }

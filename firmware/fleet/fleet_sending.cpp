@@ -152,7 +152,7 @@ void FleetMember::State::send_conflict(port::Instant now) {
   const std::string topic =
       topic_text(settings.site, {.kind = TopicKind::conflict, .gateway = settings.gateway});
   const std::string payload = encode_conflict(header.run);
-  if (broker.publish({.topic = topic, .payload = payload, .at_most_once = true}, 0)) {
+  if (broker.publish({.topic = topic, .payload = payload, .at_most_once = true}, other_token)) {
     next_conflict = now + settings.period;
     asks_for_other = false;
   }

@@ -297,6 +297,8 @@ struct FleetMember::State {
   Differing differing_places{};
   Differing differing_records{};
   std::uint64_t rejected_count = 0;
+  bool has_told_all = false;  // in this session, once
+  std::uint64_t other_refused_count = 0;
   bool has_said_full = false;
   bool is_refused = false;           // the header that was sent last
   bool is_header_taken = false;      // one was, in this connection

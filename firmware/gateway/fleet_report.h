@@ -79,9 +79,11 @@ struct FleetReport {
   std::string site{};
   std::string name{};
   bool is_connected = false;
-  bool is_settled = false;  // what the broker had kept has come
-  bool is_told = false;     // since then the broker has taken what this gateway says of itself
-  bool is_silent = false;   // another gateway of its name goes on, and this one tells nothing
+  bool is_settled = false;    // what the broker had kept has come
+  bool is_told = false;       // since then the broker has taken what this gateway says of itself
+  bool has_told_all = false;  // and all else, once
+  std::uint64_t other_refused_count = 0;  // messages of others through its broker, ever
+  bool is_silent = false;  // another gateway of its name goes on, and this one tells nothing
   port::Instant connected_or_not_since{};
   // Since when no connection has lasted, such as with a broker that refuses what it is told and
   // hangs up; none: this one has.

@@ -88,6 +88,8 @@ void FleetLink::make_report(port::Instant now) {
   report_.is_settled = status.is_connected && status.is_settled;
   report_.is_silent = status.is_read_only;
   report_.is_told = report_.is_settled && status.is_header_taken;
+  report_.has_told_all = report_.is_told && status.has_told_all;
+  report_.other_refused_count = status.other_refused_count;
   report_.is_site_known = report_.is_settled && status.is_site_known;
   report_.connected_or_not_since = status.since;
   note_refusal(status, now);

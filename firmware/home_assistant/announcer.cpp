@@ -1,8 +1,10 @@
 #include "firmware/home_assistant/announcer.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "firmware/fleet/fleet_hash.h"
+#include "firmware/fleet/fleet_member.h"
 #include "firmware/fleet/fleet_record.h"
 
 namespace etcm::firmware {
@@ -21,9 +23,6 @@ constexpr port::Duration room_pause = 100ms;
 // In one step: the fleet's own messages go before.
 constexpr int messages_max = 4;
 constexpr int announced_looks_max = 512;
-// Those of the fleet begin with 1.
-constexpr std::uint32_t token = 0;
-
 void mix(std::uint64_t& hash, std::string_view text) {
   // Between two texts stands what no text has.
   hash = fnv_hash("\xff", fnv_hash(text, hash));
@@ -47,10 +46,15 @@ Announcer::Announcer(const Settings& settings, std::string_view version, const N
 void Announcer::update_settings(const Settings& settings) {
   has_degrees_ = settings.site.projection != nullptr;
   announced_.resize(nodes_.records().size());
+  due_ = {};
 }
 
-void Announcer::step(port::Instant now) {
-  if (!broker_.is_connected() || now < due_) return;
+void Announcer::step(port::Instant now, const FleetStanding& fleet) {
+  if (std::exchange(refused_count_, fleet.other_refused_count) != fleet.other_refused_count) {
+    is_under_way_ = false;
+    due_ = now + repeat_interval;
+  }
+  if (!broker_.is_connected() || !fleet.has_told_all || now < due_) return;
   if (!is_under_way_) begin_round(now);
   int sent = 0;
   for (int looks = 0; looks < announced_looks_max && sent < messages_max; ++looks) {
@@ -143,7 +147,7 @@ std::uint64_t Announcer::shape(std::string_view name) const {
 
 bool Announcer::send(Serial serial, const std::string& payload) {
   const std::string topic = announcement_topic(prefix_, site_, serial);
-  return broker_.publish({.topic = topic, .payload = payload, .retained = true}, token);
+  return broker_.publish({.topic = topic, .payload = payload, .retained = true}, other_token);
 }
 
 }  // namespace etcm::firmware

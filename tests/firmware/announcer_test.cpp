@@ -33,7 +33,7 @@ class Announcing : public Measuring {
   void run(port::Duration duration) {
     for (port::Duration passed{}; passed < duration; passed += 10ms) {
       rig_.run(10ms);
-      announcer_->step(rig_.clock.now());
+      announcer_->step(rig_.clock.now(), fleet_);
     }
   }
   // The topics of what was sent since the last call; those that are taken back with a '-'.
@@ -51,6 +51,7 @@ class Announcing : public Measuring {
 
   RecordingBroker broker_;
   std::unique_ptr<Announcer> announcer_;
+  FleetStanding fleet_{.has_told_all = true};
 };
 
 using Topics = std::vector<std::string>;
@@ -68,6 +69,43 @@ TEST_F(Announcing, EachNodeOnceAndAgainInEachSession) {
   broker_.connect(rig_.clock.now());
   run(2s);
   EXPECT_EQ(take(), (Topics{topic_of(1002), topic_of(77)}));
+}
+
+// A broker may hang up on who says what it does not let it say: the fleet knew nothing of a gateway
+// whose nodes Home Assistant was not to know.
+TEST_F(Announcing, NothingGoesBeforeWhatTheFleetIsTold) {
+  fleet_.has_told_all = false;
+  broker_.connect(rig_.clock.now());
+  run(5s);
+  EXPECT_EQ(take(), Topics{});
+  fleet_.has_told_all = true;
+  run(2s);
+  EXPECT_EQ(take(), (Topics{topic_of(1002), topic_of(77)}));
+}
+
+TEST_F(Announcing, WhatIsRefusedIsTriedAgainInAnHourOrAfterAReload) {
+  broker_.connect(rig_.clock.now());
+  run(2s);
+  EXPECT_EQ(take().size(), 2u);
+  fleet_.other_refused_count = 1;
+  broker_.end(rig_.clock.now());
+  run(100ms);
+  broker_.connect(rig_.clock.now());
+  rig_.clock.pass(59min);
+  run(1s);
+  EXPECT_EQ(take(), Topics{});
+  rig_.clock.pass(1min);
+  run(2s);
+  EXPECT_EQ(take().size(), 2u);
+  ++fleet_.other_refused_count;
+  run(2s);
+  broker_.end(rig_.clock.now());
+  broker_.connect(rig_.clock.now());
+  run(2s);
+  EXPECT_EQ(take(), Topics{});
+  announcer_->update_settings(rig_.settings);
+  run(2s);
+  EXPECT_EQ(take().size(), 2u);
 }
 
 TEST_F(Announcing, ANodeGoesByItsName) {

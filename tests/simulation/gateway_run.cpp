@@ -157,7 +157,11 @@ void GatewayRun::step(Instant now) {
   if (company_.sparkplug != nullptr) company_.sparkplug->step(now);
   gateway_->step(now);
   if (edge_node_) edge_node_->step(now);
-  if (announcer_) announcer_->step(now);
+  const firmware::FleetReport* const fleet = gateway_->fleet();
+  if (announcer_ && fleet != nullptr) {
+    announcer_->step(now, {.has_told_all = fleet->has_told_all,
+                           .other_refused_count = fleet->other_refused_count});
+  }
   if (alarms_->next_deadline() <= now) alarms_->step(now);
   if (teller_ && teller_->next_deadline() <= now) teller_->step(now);
   page_->advance(now);
