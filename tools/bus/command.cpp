@@ -34,7 +34,7 @@ port::Endpoint endpoint(const std::string& device, std::uint16_t tcp_port) {
 
 }  // namespace
 
-void BusOptions::add_to(CLI::App& command) {
+void BusOptions::add_to(CLI::App& command, Digits digits) {
   command.add_option("device", device_, "path of a serial port, or host or host:port; [IPV6]:port")
       ->required();
   command
@@ -53,9 +53,11 @@ void BusOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   command.add_flag("-R,--rts", has_rts_, "the driver switches an RS-485 transceiver by RTS");
   // What is so anyway: lines that were written for mbpoll shall do.
-  command.add_flag("-1", is_once_, "once; only poll would go on");
-  command.add_flag("-0,-q,-B", is_as_always_,
-                   "as mbpoll has them: from 0, without a head, high words first");
+  command.add_flag("-q,-B", is_as_always_, "as mbpoll has them: no head, high words first");
+  if (digits == Digits::are_options) {
+    command.add_flag("-1", is_once_, "once; only poll would go on");
+    command.add_flag("-0", is_as_always_, "as mbpoll has it: registers count from 0");
+  }
   command.add_flag("-v,--verbose", is_verbose_, "show each frame: sent in [], heard in <>");
 }
 

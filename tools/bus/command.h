@@ -42,7 +42,9 @@ class BusOptions {
   BusOptions(std::string units, std::string timeout_s)
       : units_(std::move(units)), timeout_s_(std::move(timeout_s)) {}
 
-  void add_to(CLI::App& command);
+  // Whether mbpoll's -0 and -1 are options, or -1 is a value as -12 is.
+  enum class Digits : std::uint8_t { are_options, begin_values };
+  void add_to(CLI::App& command, Digits digits = Digits::are_options);
 
   // `least` is 0 where a broadcast is meant to be possible, else 1.
   std::vector<std::uint8_t> units(int least = 1) const;

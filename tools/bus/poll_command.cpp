@@ -3,6 +3,10 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "command.h"
 #include "node_answer.h"
@@ -31,8 +35,8 @@ struct Row {
 };
 
 void ask(Master& master, Row& row, firmware::WordOrder order) {
-  const NodeAnswer answer = ask_node(master, row.address, order);
   ++row.asked_count;
+  const NodeAnswer answer = ask_node(master, row.address, order);
   row.error_detail = trouble_text(answer);
   if (!answer.is_node()) {
     ++row.error_count;
@@ -80,8 +84,9 @@ int poll(const PollOptions& options) {
   const auto order = parse_word_order(options.order);
   if (!order) throw UsageError("-w " + options.order + ": give ABCD, BADC, CDAB or DCBA");
   const port::Duration timeout = options.bus.timeout();
-  const auto link = options.bus.open();
-  Master master(*link, timeout);
+  // Null while it is lost. The first time it must be there.
+  std::unique_ptr<Link> link = options.bus.open();
+  const std::string name = link->name();
   const port::SteadyClock clock;
   // A person sees the table change in place; a file gets it once a round.
   const bool is_live = ::isatty(STDOUT_FILENO) == 1;
@@ -95,16 +100,34 @@ int poll(const PollOptions& options) {
   std::vector<Row> rows(units.size());
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].address = units[i];
   if (is_live) std::fputs("\033[2J", stdout);
+  const auto is_last = [&](std::uint32_t round) {
+    return round + 1 == options.rounds || options.bus.is_once();
+  };
+  std::string told;
+  Waiter waiter;
   try {
     for (std::uint32_t round = 0; options.rounds == 0 || round < options.rounds; ++round) {
       const port::Instant next_round = clock.now() + std::chrono::milliseconds(options.interval_ms);
-      for (Row& row : rows) {
-        ask(master, row, *order);
-        if (is_live) show(rows);
+      try {
+        if (!link) link = options.bus.open();
+        Master master(*link, timeout);
+        for (Row& row : rows) {
+          ask(master, row, *order);
+          if (is_live) show(rows);
+        }
+        if (!is_live) show(rows);
+        if (is_last(round)) break;
+        link->pause(next_round - clock.now());
+      } catch (const LinkError& error) {
+        link.reset();
+        if (std::exchange(told, error.what()) != error.what()) {
+          std::fprintf(stderr, "etcm-bus: %s; trying again\n", error.what());
+        }
+        for (Row& row : rows) row.error_detail = "no connection";
+        show(rows);
+        if (is_last(round)) break;
+        waiter.wait_until(next_round);
       }
-      if (!is_live) show(rows);
-      if (round + 1 == options.rounds || options.bus.is_once()) break;
-      link->pause(next_round - clock.now());
     }
   } catch (const Interrupted&) {
     // The usual way to end it: what was seen stays on the screen.
@@ -114,7 +137,7 @@ int poll(const PollOptions& options) {
   if (has_any) return exit_ok;
   std::fprintf(stderr,
                "etcm-bus: no position node answered on %s; etcm-bus scan shows who is there\n",
-               link->name().c_str());
+               name.c_str());
   return exit_trouble;
 }
 

@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <optional>
 
 #include "command.h"
 #include "node_answer.h"
@@ -97,7 +98,8 @@ void print_row(const Found& found) {
   } else {
     what += (what.empty() ? "" : "; ") + trouble_text(found.node);
   }
-  const std::string took = found.took > port::Duration{} ? milliseconds_text(found.took) : "-";
+  const bool is_timed = !found.node.error_detail || found.took > port::Duration{};
+  const std::string took = is_timed ? milliseconds_text(found.took) : "-";
   std::printf("%4u  %10s  %-20s  %10s  %s\n", found.address, serial.c_str(), place.c_str(),
               took.c_str(), what.c_str());
   std::fflush(stdout);
@@ -113,6 +115,7 @@ int scan(const ScanOptions& options) {
   std::size_t found_count = 0, node_count = 0, garbled_count = 0, asked_count = 0;
   std::string json;
   bool is_interrupted = false;
+  std::optional<LinkError> lost;
   {
     const Progress progress;
     try {
@@ -141,6 +144,8 @@ int scan(const ScanOptions& options) {
       }
     } catch (const Interrupted&) {
       is_interrupted = true;
+    } catch (const LinkError& error) {
+      lost = error;
     }
   }
   if (options.as_json) std::printf("[%s]\n", json.c_str());
@@ -152,6 +157,7 @@ int scan(const ScanOptions& options) {
                  "UNIT\n");
   }
   if (is_interrupted) return exit_interrupted;
+  if (lost) throw *lost;
   if (found_count > 0) return exit_ok;
   if (garbled_count > 0) {
     std::fprintf(stderr,

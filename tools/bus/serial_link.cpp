@@ -86,7 +86,9 @@ class SerialLink final : public Link {
             // It may be for the earlier question.
             owed.add(question, sent_at, waiter_.now() + port::late_answer_max);
           }
-          return {.outcome = Outcome::answer, .pdu = found->pdu, .took = last_heard_ - sent_at};
+          return {.outcome = Outcome::answer,
+                  .pdu = found->pdu,
+                  .took = std::max(last_heard_ - sent_at, port::Duration{})};
         }
         static_cast<void>(owed_[found->address].take(found->pdu, waiter_.now()));
         line_.drop(*found);

@@ -58,7 +58,7 @@ class Writer {
 
   int write_blindly(std::uint8_t unit) const {
     if (const auto error_detail = master_.write(unit, table_, first_, wanted_)) {
-      return complain(unit, "does not take it: " + to_string(*error_detail));
+      return complain(unit, refusal(*error_detail));
     }
     std::printf("unit %u took %zu %s from %u\n", unit, wanted_.size(), what(table_), first_);
     return exit_ok;
@@ -73,16 +73,26 @@ class Writer {
                                      ? "; --blind writes without reading"
                                      : ""));
     }
-    if (const auto error_detail = master_.write(unit, table_, first_, wanted_)) {
-      return complain(unit, "does not take it: " + to_string(*error_detail) +
-                                (error_detail->kind == ErrorDetail::Kind::exception
-                                     ? ""
-                                     : "; read what stands there before you try again"));
+    try {
+      const auto error_detail = master_.write(unit, table_, first_, wanted_);
+      const bool is_refused = error_detail && error_detail->kind == ErrorDetail::Kind::exception;
+      if (is_refused) return complain(unit, refusal(*error_detail));
+      if (const auto unread = read(unit, after)) {
+        print(unit, before, nullptr);
+        return complain(unit, (error_detail ? refusal(*error_detail) : "took it") +
+                                  ", and cannot be read any more: " + to_string(*unread));
+      }
+      print(unit, before, &after);
+      if (error_detail) return complain(unit, refusal(*error_detail));
+    } catch (const Interrupted&) {
+      print(unit, before, nullptr);
+      complain(unit, "interrupted, and it may have taken it: read what stands there now");
+      throw;
+    } catch (const LinkError&) {
+      print(unit, before, nullptr);
+      complain(unit, "it may have taken it: read what stands there now");
+      throw;
     }
-    if (const auto error_detail = read(unit, after)) {
-      return complain(unit, "took it, but cannot be read any more: " + to_string(*error_detail));
-    }
-    print(unit, before, after);
     if (after == wanted_) return exit_ok;
     return complain(unit, std::string("took it, but other values stand there now: the ") +
                               what(table_) + " may be read-only in part, or change by themselves");
@@ -97,11 +107,20 @@ class Writer {
     return format_value(std::span(registers).subspan(at, type_.register_count()), type_);
   }
 
-  void print(std::uint8_t unit, const Registers& before, const Registers& after) const {
+  // Without an answer it is not known.
+  static std::string refusal(const ErrorDetail& error_detail) {
+    return (error_detail.kind == ErrorDetail::Kind::exception
+                ? "does not take it: "
+                : "does not say whether it took it: ") +
+           to_string(error_detail);
+  }
+
+  // `after`: null where it is not known.
+  void print(std::uint8_t unit, const Registers& before, const Registers* after) const {
     std::printf("unit %u\n", unit);
     for (std::size_t at = 0; at < before.size(); at += type_.register_count()) {
-      std::printf("%5zu  was %s, is %s\n", first_ + at, value_at(before, at).c_str(),
-                  value_at(after, at).c_str());
+      const std::string is = after == nullptr ? "is not known" : "is " + value_at(*after, at);
+      std::printf("%5zu  was %s, %s\n", first_ + at, value_at(before, at).c_str(), is.c_str());
     }
     std::fflush(stdout);
   }
@@ -161,7 +180,7 @@ void add_write_command(CLI::App& program, Run& run) {
   CLI::App* const command = program.add_subcommand(
       "write", "holding registers or coils, with what was there before and after");
   const auto options = std::make_shared<WriteOptions>();
-  options->bus.add_to(*command);
+  options->bus.add_to(*command, BusOptions::Digits::begin_values);
   options->type.add_to(*command, "4");
   add_first_option(*command, options->first);
   command->add_option("value", options->values, "what to write, one after the other")->required();

@@ -261,6 +261,16 @@ class Write(BusCase):
         self.assertEqual(self.bus("read", "-a", "2", "-t", "4:i32", "-r", "5", self.device).stdout,
                          "    5  100\n", "the other unit")
 
+    def test_values_below_zero_are_values(self):
+        for kind, values in (("i16", ["-15"]), ("i16", ["3", "-12"]), ("i16", ["7", "-1"]),
+                             ("i16", ["-1", "7"]), ("i16", ["100", "-10", "0"]), ("i16", ["-100"]),
+                             ("i32", ["3", "-123"]), ("float", ["-0.5", "-1.5"])):
+            with self.subTest(kind, values=values):
+                self.bus("write", "-a", "2", "-t", "4:" + kind, "-r", "5", self.device, *values)
+                read = self.bus("read", "-a", "2", "-t", "4:" + kind, "-r", "5", "-c",
+                                str(len(values)), self.device).stdout
+                self.assertEqual(read.split()[1::2], values)
+
     def test_what_mbpoll_reads_is_what_was_written(self):
         self.bus("write", "-a", "2", "-r", "0", "-t", "4:hex", self.device, "0x1234", "0xBEEF")
         done = subprocess.run(["mbpoll", "-m", "tcp", "-p", self.device.split(":")[1], "-a", "2",
@@ -286,6 +296,102 @@ class Write(BusCase):
             options = arguments[:2] if arguments[0].startswith("-") else []
             values = arguments[len(options):]
             self.complaint("write", *options, self.device, *values, code=2)
+
+
+class RawUnit:
+    """Registers over TCP, whatever the unit. `act` is asked before each answer: "mute" leaves it out,
+    "close" ends the connection."""
+
+    def __init__(self, case, act, registers):
+        self.registers, self.act = dict(enumerate(registers)), act
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.name = "127.0.0.1:%d" % self.listener.getsockname()[1]
+        case.addCleanup(self.listener.close)
+        threading.Thread(target=self.serve, daemon=True).start()
+
+    def serve(self):
+        try:
+            while True:
+                client = self.listener.accept()[0]
+                with client:
+                    while self.answer(client):
+                        pass
+        except OSError:
+            pass
+
+    def answer(self, client):
+        head = client.recv(7, socket.MSG_WAITALL)
+        if len(head) < 7:
+            return False
+        pdu = client.recv(int.from_bytes(head[4:6], "big") - 1, socket.MSG_WAITALL)
+        first, count = int.from_bytes(pdu[1:3], "big"), int.from_bytes(pdu[3:5], "big")
+        answer = pdu[:1] + b"\x01"
+        if pdu[0] == 16:
+            for i in range(count):
+                self.registers[first + i] = int.from_bytes(pdu[6 + 2 * i:8 + 2 * i], "big")
+            answer = pdu[:5]
+        elif pdu[0] in (3, 4):
+            values = [self.registers.get(first + i, 0) for i in range(count)]
+            answer = pdu[:1] + bytes([2 * count]) + b"".join(v.to_bytes(2, "big") for v in values)
+        else:
+            answer = bytes([pdu[0] | 0x80, 1])
+        what = self.act(head[6], pdu[0])
+        if what == "close":
+            return False
+        if what != "mute":
+            client.sendall(head[:4] + (len(answer) + 1).to_bytes(2, "big") + head[6:] + answer)
+        return True
+
+
+class LostAnswers(BusCase):
+    def test_what_stood_there_is_told_where_a_write_is_not_answered(self):
+        unit = RawUnit(self, lambda unit, function: "mute" if function == 16 else "", [7, 8])
+        done = self.bus("write", "-o", "0.2", unit.name, "100", "200", "-r", "0", code=1)
+        self.assertEqual(done.stdout, "unit 1\n    0  was 7, is 100\n    1  was 8, is 200\n")
+        self.assertIn("does not say whether it took it: no answer", done.stderr)
+        self.assertIn("does not say whether it took it",
+                      self.complaint("write", "--blind", "-o", "0.2", unit.name, "1"))
+
+    def test_what_stood_there_is_told_where_the_connection_goes(self):
+        unit = RawUnit(self, lambda unit, function: "close" if function == 16 else "", [7, 8])
+        done = self.bus("write", unit.name, "100", code=1)
+        self.assertEqual(done.stdout, "unit 1\n    0  was 7, is not known\n")
+        self.assertIn("it may have taken it", done.stderr)
+
+    def test_what_stood_there_is_told_where_it_is_interrupted(self):
+        asked = threading.Event()
+        def act(unit, function):
+            if function != 16:
+                return ""
+            asked.set()
+            return "mute"
+        unit = RawUnit(self, act, [7])
+        write = self.start("write", [BUS, "write", "-o", "10", unit.name, "100"])
+        self.assertTrue(asked.wait(PATIENCE_S))
+        self.assertEqual(write.stop(signal.SIGINT), 130)
+        self.assertIn("    0  was 7, is not known", write.log())
+        self.assertIn("interrupted, and it may have taken it", write.log())
+
+    def node(self, act):
+        return RawUnit(self, act, [0x4554, 0x010c, 0, 1001, 1, 0, 5, 0, 0, 1, 3, 1])
+
+    def test_a_poll_goes_on_over_a_connection_that_was_lost(self):
+        counts = []
+        def act(unit, function):
+            counts.append(unit)
+            return "close" if len(counts) == 3 else ""
+        done = self.bus("poll", "-l", "20", "-n", "8", self.node(act).name)
+        rows = [line for line in done.stdout.splitlines() if line.startswith("   1")]
+        self.assertEqual(len(rows), 8, done.stdout)
+        self.assertIn("no connection", rows[2])
+        self.assertIn("fix", rows[7])
+        self.assertIn("trying again", done.stderr)
+
+    def test_a_scan_tells_what_it_found_before_the_connection_was_lost(self):
+        unit = self.node(lambda unit, function: "close" if unit == 3 else "")
+        done = self.bus("scan", "-a", "1-5", "--json", unit.name, code=1)
+        self.assertEqual([found["unit"] for found in json.loads(done.stdout)], [1, 2])
+        self.assertIn("try again", done.stderr)
 
 
 class Refusals(BusCase):
