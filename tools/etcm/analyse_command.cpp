@@ -200,8 +200,14 @@ int run_analyse(const AnalyseOptions& options) {
   if (options.radio_range == 0 && options.sensing_range == 0) {
     throw UsageError("analyse: give --radio-range, --sensing-range or both");
   }
+  if (options.picture == "-" && options.json) {
+    throw UsageError(
+        "-o -: the picture and --json would be one stream; give the picture a file name");
+  }
   const files::Placement placement = options.placement.placement();
   const files::ConstraintGraph graph = files::read_graph(options.input);
+  const std::string inputs[] = {graph.node_file, graph.poly_file};
+  refuse_replacing("-o", options.picture, inputs);
   const files::GridGraph grid = files::place_on_grid(graph, placement);
   const Meshed meshed = build_mesh(graph, grid, {});
   const Mesh& mesh = **meshed.mesh;
@@ -239,7 +245,11 @@ int run_analyse(const AnalyseOptions& options) {
                               marks_of(*nodes, radio, sensing, options.sensing_range)));
     files.commit();
   }
-  print(options.json ? json_object(members) : text);
+  if (options.picture == "-") {
+    std::cerr << text << std::flush;
+  } else {
+    print(options.json ? json_object(members) : text);
+  }
   return exit_ok;
 }
 
@@ -257,7 +267,8 @@ void add_analyse_command(CLI::App& program, Run& run) {
       ->check(CLI::Range(1u, range_max));
   command
       .add_option("-o,--output", options->picture,
-                  "Draw relays, holes and what is seen as SVG; - is stdout")
+                  "Draw relays, holes and what is seen as SVG; - is stdout, and the sentences go "
+                  "to stderr then")
       ->type_name("FILE");
   options->placement.add_to(command);
   options->domain.add_to(command);

@@ -28,6 +28,12 @@ double units(const SquaredLength& length) {
   return std::sqrt(square) / static_cast<double>(subunits_per_unit);
 }
 
+// The place itself is not known more exactly.
+double rounded(double length) {
+  constexpr double digits = 1e8;
+  return std::round(length * digits) / digits;
+}
+
 int run_nearest(const NearestOptions& options) {
   const files::Placement placement = options.placement.placement();
   const Point place = place_at(options.place, placement);
@@ -42,7 +48,7 @@ int run_nearest(const NearestOptions& options) {
   std::string text = "node,distance\n";
   for (const NearNode& near : found) {
     text += std::to_string(graph.node_number(inputs::node_index_of(near.node))) + "," +
-            json_number(units(near.distance) / scale) + "\n";
+            json_number(rounded(units(near.distance) / scale)) + "\n";
   }
   print(text);
   return exit_ok;

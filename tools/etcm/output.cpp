@@ -24,14 +24,9 @@ void OutputOptions::refuse_overwriting(const files::ConstraintGraph& graph) cons
     throw UsageError("-o " + base_ +
                      ": names a folder; add a name for the mesh, as in folder/mesh");
   }
-  for (const char* extension : {".node", ".poly"}) {
-    for (const std::string& input : {graph.node_file, graph.poly_file}) {
-      std::error_code error;
-      if (!input.empty() && std::filesystem::equivalent(base_ + extension, input, error)) {
-        throw UsageError("-o " + base_ + ": would replace the input " + input +
-                         "; give the mesh another name");
-      }
-    }
+  const std::string inputs[] = {graph.node_file, graph.poly_file};
+  for (const char* extension : {".node", ".ele", ".edge", ".poly", ".svg"}) {
+    refuse_replacing("-o", base_ + extension, inputs);
   }
 }
 
@@ -46,6 +41,16 @@ void OutputOptions::write(const Mesh& mesh, const files::MeshImage& image) const
         << ": no triangle is inside the domain; close the features around it, move the holes, "
            "or use --domain hull"
         << std::endl;
+  }
+}
+
+void refuse_replacing(const std::string& option, const std::string& path,
+                      std::span<const std::string> inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code none;
+    if (input.empty() || !std::filesystem::equivalent(path, input, none)) continue;
+    throw UsageError(option + " " + path + ": would replace the input " + input +
+                     "; give another name");
   }
 }
 

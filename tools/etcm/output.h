@@ -1,6 +1,7 @@
 // The files that `mesh` and `replay` leave: BASE.node, .ele, .edge, .poly and .svg.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "command.h"
@@ -24,6 +25,11 @@ class OutputOptions {
   DomainOption domain_;
   std::string unit_ = "units";
 };
+
+// Throws UsageError where what is written to `path`, by that option, would replace an input. An
+// empty name is no input.
+void refuse_replacing(const std::string& option, const std::string& path,
+                      std::span<const std::string> inputs);
 
 // The last part of a path: what a picture is titled with.
 std::string title_of(const std::string& base);

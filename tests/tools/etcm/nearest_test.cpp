@@ -33,12 +33,16 @@ class Nearest : public ::testing::Test {
 
 TEST_F(Nearest, IsOneUnlessToldMore) {
   EXPECT_EQ(ask("--at 1,0").output, "node,distance\n0,1\n");
-  EXPECT_EQ(ask("--at 9,2 --count 2").output, "node,distance\n1,3.605551275463989\n2,5\n");
+  EXPECT_EQ(ask("--at 9,2 --count 2").output, "node,distance\n1,3.60555128\n2,5\n");
 }
 
 TEST_F(Nearest, TieByPlace) {
   EXPECT_EQ(ask("--at 10,3 --count 9").output,
-            "node,distance\n1,5\n2,5\n0,10.44030650891055\n3,10.44030650891055\n");
+            "node,distance\n1,5\n2,5\n0,10.44030651\n3,10.44030651\n");
+}
+
+TEST_F(Nearest, AreAsFarAsThePlaceIsKnown) {
+  EXPECT_EQ(ask("--at 0.1,0").output, "node,distance\n0,0.1\n");
 }
 
 TEST_F(Nearest, AreInTheUnitOfTheInput) {

@@ -238,6 +238,37 @@ TEST(Program, SaysWhereNoMeshHasFewer) {
   EXPECT_THAT(outcome.output, HasSubstr("(no mesh has fewer), "));
 }
 
+TEST(Program, ReplacesNoInputWithAPicture) {
+  const ScratchFolder folder;
+  const std::string input = folder.write("in.poly", small_plate);
+  const std::string base = folder.path("out");
+  ASSERT_EQ(run("mesh " + input + " -o " + base).code, 0);
+  const std::string nodes = folder.read("out.node");
+  for (const std::string& line : {"analyse " + input + " --radio-range 5 -o " + input,
+                                  "export " + base + " --svg " + base + ".node",
+                                  "export " + base + " --geojson " + base + ".poly",
+                                  "export " + base + " --vtk " + folder.path("./out.ele")}) {
+    const Outcome outcome = run(line);
+    EXPECT_EQ(outcome.code, 2) << line;
+    EXPECT_THAT(outcome.errors, HasSubstr("would replace the input")) << line;
+  }
+  EXPECT_EQ(folder.read("in.poly"), small_plate);
+  EXPECT_EQ(folder.read("out.node"), nodes);
+  const std::string both = folder.path("both");
+  EXPECT_THAT(run("export " + base + " --svg " + both + " --vtk " + both).errors,
+              HasSubstr("another format goes there too"));
+}
+
+TEST(Program, KeepsAPictureApartFromSentences) {
+  const ScratchFolder folder;
+  const std::string input = folder.write("in.poly", small_plate);
+  const Outcome outcome = run("analyse " + input + " --radio-range 5 -o -");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.output, testing::EndsWith("</svg>\n"));
+  EXPECT_THAT(outcome.errors, HasSubstr("relays"));
+  EXPECT_EQ(run("analyse " + input + " --radio-range 5 --json -o -").code, 2);
+}
+
 TEST(Program, NamesTheViolation) {
   const ScratchFolder folder;
   const std::string input = folder.write("in.poly", small_plate);
