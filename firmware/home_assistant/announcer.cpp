@@ -90,7 +90,7 @@ void Announcer::begin_round(port::Instant now) {
 Announcer::Outcome Announcer::look_at(std::size_t slot) {
   Announced& announced = announced_[slot];
   const NodeRecord& node = nodes_.records()[slot];
-  const bool is_own = node.is_known() && !node.is_foreign();
+  const bool is_own = node.is_known() && !node.is_foreign() && !node.has_asked_to_leave();
   if (!announced.serial.is_none() && (!is_own || node.serial != announced.serial)) {
     const Outcome outcome = take_back(announced);
     if (outcome == Outcome::no_room) return outcome;
@@ -100,7 +100,8 @@ Announcer::Outcome Announcer::look_at(std::size_t slot) {
 
 // One that is known in another record is announced from there, or by another gateway.
 Announcer::Outcome Announcer::take_back(Announced& announced) {
-  const bool is_gone = nodes_.find(announced.serial) == nullptr;
+  const NodeRecord* const node = nodes_.find(announced.serial);
+  const bool is_gone = node == nullptr || node->has_asked_to_leave();
   if (is_gone && !send(announced.serial, {})) return Outcome::no_room;
   announced = {};
   return is_gone ? Outcome::sent : Outcome::nothing;

@@ -184,5 +184,34 @@ TEST(Discovery, TheMessageHasWhatTheNodeHas) {
             std::string::npos);
 }
 
+// Though it goes on answering.
+TEST(AnnouncingNodes, OneThatHasLeftIsTakenBack) {
+  Rig rig;
+  rig.put_square();
+  rig.run(1s);
+  rig.settings.mqtt =
+      MqttSettings{.broker = {}, .site = "old.yard", .name = "north", .home_assistant = "ha"};
+  RecordingBroker broker;
+  Announcer announcer(rig.settings, "1.2", rig.gateway->nodes(), rig.gateway->readings(), broker);
+  const auto run = [&] {
+    for (int i = 0; i < 300; ++i) {
+      rig.run(10ms);
+      announcer.step(rig.clock.now(), {.has_told_all = true});
+    }
+  };
+  broker.connect(rig.clock.now());
+  run();
+  EXPECT_EQ(broker.sent.size(), 4u);
+  rig.put(3, 100, 100, node_status::fix_valid | node_status::leaving);
+  run();
+  ASSERT_EQ(broker.sent.size(), 5u);
+  EXPECT_EQ(broker.sent.back().topic, topic_of(1003));
+  EXPECT_EQ(broker.sent.back().payload, "");
+  rig.put(3, 100, 100);
+  run();
+  ASSERT_EQ(broker.sent.size(), 6u);
+  EXPECT_NE(broker.sent.back().payload, "") << "it is back";
+}
+
 }  // namespace
 }  // namespace etcm::firmware
