@@ -110,8 +110,11 @@ std::string FleetSite::difference(const FleetMember& member) const {
   const SiteDocument* const site = member.site();
   if (!own_ || site == nullptr || is_own(member.site_version())) return "";
   const std::string& path = settings_->site.path;
+  const bool is_of_settings = path.empty() && !settings_->features.empty();
   return site->name() + " holds here too, and differs from this gateway's own, " +
-         (path.empty() ? settings_->site.source : path) +
+         (is_of_settings ? "the [[feature]] of " + settings_->features.front().source
+          : path.empty() ? settings_->site.source
+                         : path) +
          "; take that out here, or copy the one of '" + site->gateway +
          "'; or change it and reload, and it holds for all, if etcm.acl lets '" +
          settings_->mqtt->name + "' write etcm/v1/" + settings_->mqtt->site + "/site";

@@ -147,6 +147,18 @@ TEST_F(FleetSiteGateway, OfTwoFilesOneHoldsForBothAndTheOtherIsNamed) {
   EXPECT_EQ(loser.fleet().site_trouble, "");
 }
 
+TEST_F(FleetSiteGateway, FeaturesInTwoSettingsAreNamedByTheirLine) {
+  east_.rig.settings.features = {{.from = Serial{1}, .to = Serial{2}, .source = "east.toml:7"}};
+  west_.rig.settings.features = {{.from = Serial{3}, .to = Serial{4}, .source = "west.toml:9"}};
+  run_all();
+  const bool is_wests = sent().gateway == "west";
+  const std::string trouble = (is_wests ? east_ : west_).fleet().site_trouble;
+  EXPECT_NE(trouble.find(std::string("own, the [[feature]] of ") +
+                         (is_wests ? "east.toml:7" : "west.toml:9") + "; take that out here"),
+            std::string::npos)
+      << trouble;
+}
+
 TEST_F(FleetSiteGateway, TheSameFileInTwoIsNoQuarrel) {
   draw_site(east_.rig.settings, {10, 50}, {90, 51});
   run_all();
