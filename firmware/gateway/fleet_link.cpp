@@ -14,6 +14,22 @@ namespace {
 
 using namespace std::chrono_literals;
 
+// As the log has it.
+const char* why_left(LeftReason reason) {
+  switch (reason) {
+    case LeftReason::none:
+    case LeftReason::silent:
+      break;
+    case LeftReason::asked:
+      return "on its own request";
+    case LeftReason::removed:
+      return "it was taken out";
+    case LeftReason::gateway_gone:
+      return "its gateway has gone";
+  }
+  return "silent";
+}
+
 // In this run or an earlier one. Else the fleet alone has told of it.
 bool was_heard_here(const NodeRecord& node) {
   return !node.unit_index.is_none() || !node.last_unit.is_none();
@@ -249,8 +265,7 @@ void FleetLink::on_node_gone(Serial serial, LeftReason reason, port::Instant now
   const bool is_missed = reason == LeftReason::silent || reason == LeftReason::gateway_gone;
   node->stale = true;
   if (node->is_placed()) {
-    placement_.leave(*node, reason == LeftReason::gateway_gone ? "its gateway has gone" : "silent",
-                     generation_);
+    placement_.leave(*node, why_left(reason), generation_);
   } else {
     placement_.clear_rejection(*node);
   }

@@ -129,6 +129,9 @@ TEST_F(FleetGateway, ANodeThatAsksToLeaveHasLeftEverywhere) {
   run_both(3s);
   EXPECT_EQ(east_.find(1), nullptr);
   EXPECT_EQ(west_.mesh_hash(), east_.mesh_hash());
+  for (const Member* const member : {&west_, &east_}) {
+    EXPECT_EQ(member->rig.log.count("left (on its own request)"), 1u) << member->name();
+  }
 }
 
 TEST_F(FleetGateway, ANodeThatGoesToAnotherGatewayIsOneNodeAllTheTime) {
