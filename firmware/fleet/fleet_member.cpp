@@ -76,27 +76,28 @@ FleetAgreement FleetMember::agreement() const { return state_->agreement(); }
 
 FleetStatus FleetMember::status() const {
   const State& state = *state_;
-  FleetStatus status{.is_connected = state.is_connected,
-                     .is_settled = state.is_settled,
-                     .since = state.since,
-                     .has_name_conflict = state.has_conflict,
-                     .is_read_only = state.is_read_only,
-                     .epoch = state.header.run.epoch,
-                     .node_count = state.merged.count(),
-                     .waiting_count = state.out.waiting_count(state.stepped_at),
-                     .merged_hash = state.merged.hash(),
-                     .is_refused = state.is_refused,
-                     .is_header_taken = state.is_header_taken,
-                     .has_told_all = state.has_told_all,
-                     .other_refused_count = state.other_refused_count,
-                     .lacks_room = state.lacks_room,
-                     .rejected_count = state.rejected_count,
-                     .sent_count = state.out.sent_count(),
-                     .site = state.site.version,
-                     .is_site_known = !state.site.held || state.site.is_fleets,
-                     .site_trouble = state.site.trouble,
-                     .is_site_refused = !state.site.is_fleets && state.site.held &&
-                                        state.site.denied == state.site.version};
+  FleetStatus status{
+      .is_connected = state.is_connected,
+      .is_settled = state.is_settled,
+      .since = state.since,
+      .has_name_conflict = state.has_conflict,
+      .is_read_only = state.is_read_only,
+      .epoch = state.header.run.epoch,
+      .node_count = state.merged.count(),
+      .waiting_count = state.out.waiting_count(state.stepped_at),
+      .merged_hash = state.merged.hash(),
+      .is_refused = state.is_refused,
+      .is_header_taken = state.is_header_taken,
+      .has_told_all = state.has_told_all,
+      .other_refused_count = state.other_refused_count,
+      .lacks_room = state.lacks_room,
+      .rejected_count = state.rejected_count,
+      .sent_count = state.out.sent_count(),
+      .site = state.site.version,
+      .is_site_known = !state.site.held || state.site.is_fleets,
+      .site_trouble = state.site.trouble.empty() ? state.site.unsound : state.site.trouble,
+      .is_site_refused =
+          !state.site.is_fleets && state.site.held && state.site.denied == state.site.version};
   for_each_node([&](const FleetRecord& record, bool is_stale) {
     if (is_stale) ++status.stale_count;
     if (state.owns(record)) ++status.own_count;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "firmware/fleet/fleet_state.h"
+#include "firmware/fleet/fleet_topics.h"
 #include "firmware/fleet/site_codec.h"
 
 namespace etcm::firmware {
@@ -36,6 +37,7 @@ bool FleetMember::State::is_site_of_here() const {
 // Whoever had it in a file, from now on it is the fleet's.
 void FleetMember::State::note_site_taken() {
   site.trouble.clear();
+  site.unsound.clear();
   site.passed_over.reset();
   if (!std::exchange(site.is_fleets, true)) has_news_to_save = true;
 }
@@ -128,8 +130,14 @@ void FleetMember::State::consider_site(SiteDocument document, port::Instant now)
   mark_header();
 }
 
+// Nobody says whether the broker still has it.
+void FleetMember::State::forget_unsound_site(port::Instant now) {
+  if (now - site.unsound_at >= settings.report_max) site.unsound.clear();
+}
+
 void FleetMember::State::take_site(std::string_view payload, port::Instant now) {
   site.on_broker = {};
+  site.unsound.clear();
   if (payload.empty()) return tell_site(now);
   std::string wrong;
   auto document = decode_site(payload, wrong);
@@ -139,11 +147,14 @@ void FleetMember::State::take_site(std::string_view payload, port::Instant now) 
   }
   if (!document) {
     ++rejected_count;
-    site.trouble = "the site on the broker is not sound: " + wrong;
-    log.write(port::Level::error, "fleet: " + site.trouble +
-                                      "; the old one stays; look who may write etcm/v1/" +
-                                      settings.site + "/site");
-    if (site.version.number > 0) out.mark(site_key, now + settings.report_min);
+    const std::string topic = topic_text(settings.site, {.kind = TopicKind::site});
+    const bool holds = site.version.number > 0;
+    site.unsound = "the site on the broker is not sound: " + wrong +
+                   (holds ? "; the old one stays" : "") + "; look who may write " + topic +
+                   (holds ? "" : ", and empty it: mosquitto_pub -r -n -t " + topic);
+    site.unsound_at = now;
+    if (holds) out.mark(site_key, now + settings.report_min);
+    log.write(port::Level::error, "fleet: " + site.unsound);
     return;
   }
   site.on_broker = document->version();

@@ -183,6 +183,7 @@ struct FleetMember::State {
   void mark_site(port::Instant now);
   bool is_site_of_here() const;
   void note_site_refused();
+  void forget_unsound_site(port::Instant now);
 
   // --- fleet_sending.cpp: what goes out, and whether the broker still has it.
   port::Instant settles_at() const;
@@ -275,6 +276,8 @@ struct FleetMember::State {
     port::Duration mend_pause{};
     bool is_settled = false;  // what the broker had before this run is known
     std::string trouble{};    // with what came last, for a person; or empty
+    std::string unsound{};    // what is on the broker, where that is none; or empty
+    port::Instant unsound_at{};
   };
   Site site{};
 

@@ -183,6 +183,7 @@ void FleetMember::State::tick(port::Instant now) {
   judge_twins(now);
   remove_unheard(now);
   find_clashes(now);
+  forget_unsound_site(now);
   if (merged.count() < settings.nodes_max && now >= room_lacks_until) lacks_room = false;
   if (!is_connected || !is_settled || is_read_only) return;
   mark_periodic(now);

@@ -274,10 +274,28 @@ TEST_F(FleetSiteTest, WhatIsNotSoundIsNamedAndReplaced) {
   EXPECT_EQ(member->status().rejected_count, std::size(sly));
   EXPECT_EQ(count_lines("the site on the broker is not sound: "), std::size(sly));
   EXPECT_EQ(member->status().site_trouble,
-            "the site on the broker is not sound: number is far beyond the last one");
+            "the site on the broker is not sound: number is far beyond the last one; the old one "
+            "stays; look who may write etcm/v1/yard/site");
   pass(6s);
   EXPECT_EQ(broker.count("yard/site"), 2u);
   say_site(numbered(1, 5, "a"));
+  EXPECT_EQ(member->status().site_trouble, "");
+}
+
+// Nothing of a fleet without a site takes its place.
+TEST_F(FleetSiteTest, WhatIsNotSoundIsForgottenWhereThereIsNone) {
+  connect();
+  settle();
+  say("site", "{\"hello\":1}");
+  const std::string trouble = member->status().site_trouble;
+  EXPECT_NE(trouble.find("is not sound"), std::string::npos) << trouble;
+  EXPECT_NE(trouble.find("mosquitto_pub -r -n -t etcm/v1/yard/site"), std::string::npos) << trouble;
+  say("site", "");
+  EXPECT_EQ(member->status().site_trouble, "");
+  say("site", "{\"hello\":1}");
+  pass(settings_.report_max - 10s);
+  EXPECT_EQ(member->status().site_trouble, trouble) << "it may be there still";
+  pass(20s);
   EXPECT_EQ(member->status().site_trouble, "");
 }
 
