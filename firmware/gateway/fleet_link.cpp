@@ -76,6 +76,14 @@ void FleetLink::restore(std::span<const std::byte> saved, port::Instant now) {
   member_.for_each_node([&](const FleetRecord& record, bool is_stale) {
     if (!member_.is_own(record)) on_node(record, is_stale, now);
   });
+  // The mesh that was saved had more of the others' nodes than there is room for now.
+  for (NodeRecord& node : nodes_.records()) {
+    const bool is_nobodys = node.is_known() && !node.is_foreign() && !was_heard_here(node) &&
+                            member_.find(node.serial) == nullptr;
+    if (!is_nobodys) continue;
+    if (node.is_placed()) placement_.leave(node, "there is no room for it any more", generation_);
+    if (!node.is_placed()) nodes_.release(node);
+  }
 }
 
 bool FleetLink::claim(NodeRecord& node, const NodeReading& reading, port::Instant now) {

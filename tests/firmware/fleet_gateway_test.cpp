@@ -134,6 +134,22 @@ TEST_F(FleetGateway, ANodeThatAsksToLeaveHasLeftEverywhere) {
   }
 }
 
+// The others hear them: nobody is to look for them, or to dismiss them.
+TEST_F(FleetGateway, NodesOfOthersWithoutRoomAfterARestartAreNotMissing) {
+  Member office(hub_, "office");
+  for (std::uint8_t unit = 1; unit <= 20; ++unit)
+    west_.put(100u + unit, unit, 9 * unit, unit * unit);
+  run({&west_, &east_, &office}, 5s);
+  ASSERT_GE(office.rig.gateway->node_count(), 20u);
+  office.rig.settings.mesh.vertices_max = 12;
+  const std::unique_ptr<Member> again = office.restarted(hub_, 77);
+  run({&west_, &east_, again.get()}, 20s);
+  EXPECT_LE(again->rig.gateway->node_count(), 12u);
+  EXPECT_EQ(again->rig.gateway->snapshot().missing_count, 0u);
+  EXPECT_EQ(again->rig.log.count("is missing"), 0u);
+  EXPECT_GE(again->rig.log.count("vertices_max"), 1u);
+}
+
 TEST_F(FleetGateway, ANodeThatGoesToAnotherGatewayIsOneNodeAllTheTime) {
   settle();
   west_.rig.bus.silence(1);
