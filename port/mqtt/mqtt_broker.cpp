@@ -106,9 +106,11 @@ std::string MqttBroker::why_lost() {
   if (has_refused_) return why + " after it has refused a message";
   // Some brokers say nothing to a client whose name another one takes.
   may_be_taken_over_ = cuts_++ > 0 && now_ - up_since_ < good_session;
-  return may_be_taken_over_ ? why + ", again and again; another client may have come as '" +
-                                  names_.client_id + "': give each gateway a name of its own"
-                            : why;
+  return may_be_taken_over_
+             ? why + ", again and again; another client may have come as '" + names_.client_id +
+                   "' (give each gateway a name of its own), or the broker takes nothing of what "
+                   "it is told (look at its log and its access list)"
+             : why;
 }
 
 // Where its place was taken, or may have been. False: it has no other id to go on by.
