@@ -108,8 +108,8 @@ std::string MqttBroker::why_lost() {
   may_be_taken_over_ = cuts_++ > 0 && now_ - up_since_ < good_session;
   return may_be_taken_over_
              ? why + ", again and again; another client may have come as '" + names_.client_id +
-                   "' (give each gateway a name of its own), or the broker takes nothing of what "
-                   "it is told (look at its log and its access list)"
+                   "': give each gateway a name of its own; or the broker lets it tell nothing: "
+                   "look at its log and its access list"
              : why;
 }
 

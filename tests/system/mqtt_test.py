@@ -173,7 +173,7 @@ class Members(MqttCase):
         second = self.start_member("north", program="other")
         second.wait_for_line(f"connected as {SITE}:north")
         first.wait_for_line(rf"another client (may have|has) come as '{SITE}:north'.* give each "
-                            r"gateway a name of its own; trying again")
+                            r"gateway a name of its own.*; trying again")
 
     def test_who_takes_the_place_of_another_has_it_for_a_moment(self):
         gateway = self.start_member("north")
