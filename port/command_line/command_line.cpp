@@ -25,7 +25,9 @@ void keep_unknown_words(CLI::App& app) {
 // What is wrong with the line; empty: nothing. Who mistypes an option is told of that word, and not
 // that the right one is missing.
 std::string mistake_of(const CLI::App& app, const CLI::ParseError* error) {
-  const std::vector<std::string> unknown = app.remaining(true);
+  std::vector<std::string> unknown = app.remaining(true);
+  // It says that no option follows, and CLI11 gathers it too.
+  std::erase(unknown, "--");
   const bool is_missing =
       error != nullptr && error->get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError);
   if (!unknown.empty() && (error == nullptr || is_missing)) {

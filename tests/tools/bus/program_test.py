@@ -271,6 +271,11 @@ class Write(BusCase):
                                 str(len(values)), self.device).stdout
                 self.assertEqual(read.split()[1::2], values)
 
+    def test_no_option_follows_two_hyphens(self):
+        self.bus("write", "-a", "2", "-t", "4:i16", "-r", "5", "--", self.device, "-1", "-20")
+        self.assertEqual(self.bus("read", "-a", "2", "-t", "4:i16", "-r", "5", "-c", "2",
+                                  self.device).stdout.split(), ["5", "-1", "6", "-20"])
+
     def test_what_mbpoll_reads_is_what_was_written(self):
         self.bus("write", "-a", "2", "-r", "0", "-t", "4:hex", self.device, "0x1234", "0xBEEF")
         done = subprocess.run(["mbpoll", "-m", "tcp", "-p", self.device.split(":")[1], "-a", "2",
