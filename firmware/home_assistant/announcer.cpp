@@ -54,7 +54,11 @@ void Announcer::step(port::Instant now, const FleetStanding& fleet) {
     is_under_way_ = false;
     due_ = now + repeat_interval;
   }
-  if (!broker_.is_connected() || !fleet.has_told_all || now < due_) return;
+  if (!broker_.is_connected() || now < due_) return;
+  if (!fleet.has_told_all) {
+    due_ = now + round_pause;
+    return;
+  }
   if (!is_under_way_) begin_round(now);
   int sent = 0;
   for (int looks = 0; looks < announced_looks_max && sent < messages_max; ++looks) {

@@ -78,6 +78,7 @@ TEST_F(Announcing, NothingGoesBeforeWhatTheFleetIsTold) {
   broker_.connect(rig_.clock.now());
   run(5s);
   EXPECT_EQ(take(), Topics{});
+  EXPECT_GT(announcer_->next_deadline(), rig_.clock.now()) << "it spins";
   fleet_.has_told_all = true;
   run(2s);
   EXPECT_EQ(take(), (Topics{topic_of(1002), topic_of(77)}));
