@@ -466,7 +466,8 @@ constexpr KeyTable tables[] = {
      is_set<&Settings::http>, emplace<&Settings::http>},
     {"files", TableKind::optional, "none written",
      "`NAME.node`, `NAME.ele`, `NAME.svg`, and `NAME.geojson` where devices measure; replaced "
-     "together",
+     "one right after the other, each whole: of one mesh are `.node` and `.ele` whose first lines "
+     "are the same",
      file_keys, nullptr, is_set<&Settings::files>, emplace<&Settings::files>},
     {"state", TableKind::optional, "none kept", "what [outlives a restart](#a-restart)", state_keys,
      nullptr, is_set<&Settings::state>, emplace<&Settings::state>},

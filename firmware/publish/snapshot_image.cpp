@@ -49,6 +49,7 @@ std::shared_ptr<const files::MeshImage> SnapshotImager::make(const Snapshot& sna
                                                              const SitePlane& plane) {
   image_->name = snapshot.names->site();
   image_->metres_per_unit = metres_per_unit(plane);
+  image_->mesh_hash = snapshot.mesh_hash;
   image_->vertices.clear();
   image_->triangles.clear();
   image_->edges.clear();

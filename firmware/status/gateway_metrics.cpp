@@ -220,11 +220,13 @@ constexpr MetricFamily gateway_families[] = {
                  [](const MetricContext& context, std::uint32_t, TextWriter& piece) {
                    plain(context, context.snapshot().waiting_count, piece);
                  }},
-    MetricFamily{"etcm_long_links", "gauge", "Edges longer than the radio range, if one is set.",
-                 MetricScope::gateway,
-                 [](const MetricContext& context, std::uint32_t, TextWriter& piece) {
-                   plain(context, context.snapshot().analysis.long_link_count, piece);
-                 }},
+    MetricFamily{
+        "etcm_long_links", "gauge",
+        "Links to a neighbour, without relays, longer than the radio range, if one is set.",
+        MetricScope::gateway,
+        [](const MetricContext& context, std::uint32_t, TextWriter& piece) {
+          plain(context, context.snapshot().analysis.long_link_count, piece);
+        }},
     MetricFamily{"etcm_coverage_holes", "gauge",
                  "Worst places out of the sensing range, if one is set.", MetricScope::gateway,
                  [](const MetricContext& context, std::uint32_t, TextWriter& piece) {

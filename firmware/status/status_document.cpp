@@ -181,6 +181,7 @@ void StatusDocument::write_counts(TextWriter& piece) const {
         << ",\"mesh_longest_us\":" << times.longest / 1us
         << ",\"radio_range\":" << snapshot.analysis.radio_range
         << ",\"parts\":" << snapshot.analysis.parts_with_relays
+        << ",\"parts_alone\":" << snapshot.analysis.parts_alone
         << ",\"long_links\":" << snapshot.analysis.long_link_count
         << ",\"relays\":" << snapshot.analysis.relay_count
         << ",\"sensing_range\":" << snapshot.analysis.sensing_range

@@ -185,7 +185,9 @@ std::uint32_t MeshImage::unresolved_count() const {
 }
 
 MeshImage image_of(const Mesh& mesh, Exterior exterior, std::span<const Point> holes) {
-  return Imager(mesh, exterior, holes).take();
+  MeshImage image = Imager(mesh, exterior, holes).take();
+  image.mesh_hash = mesh.hash();
+  return image;
 }
 
 void carry_through(const ConstraintGraph& graph, const Placement& placement, MeshImage& image) {

@@ -10,7 +10,14 @@ namespace {
 void write_header(TextSink& out, const MeshImage& image) {
   out << "# etcm: " << image.node_count << " nodes, Steiner vertices: " << image.steiner_count();
   if (image.steiner_count() > 0) out << " (marker " << image.vertices.back().marker << ")";
-  out << ", " << image.triangles.size() << " triangles\n";
+  out << ", " << image.triangles.size() << " triangles";
+  if (image.mesh_hash != 0) {
+    out << ", mesh ";
+    for (int shift = 60; shift >= 0; shift -= 4) {
+      out << "0123456789abcdef"[image.mesh_hash >> shift & 0xf];
+    }
+  }
+  out << '\n';
   if (!image.unit_note.empty()) out << "# " << image.unit_note << "\n";
 }
 

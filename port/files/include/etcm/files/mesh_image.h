@@ -58,8 +58,9 @@ struct ImageValue {
 // Indices run from 0. Equal meshes give equal images, whatever the history of the mesh: nodes stand
 // in the order of their ids, Steiner vertices along the features, triangles and edges sorted.
 struct MeshImage {
-  std::string name{};          // what people call it, or empty: UTF-8 without control characters
-  double metres_per_unit = 0;  // of the grid; 0: nobody has said
+  std::string name{};           // what people call it, or empty: UTF-8 without control characters
+  double metres_per_unit = 0;   // of the grid; 0: nobody has said
+  std::uint64_t mesh_hash = 0;  // of the mesh that it is of; 0: of one that was read from files
   int index_base = 1;
   std::vector<ImageVertex> vertices;  // nodes, then Steiner vertices
   std::uint32_t node_count = 0;
