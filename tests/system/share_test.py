@@ -98,9 +98,13 @@ class Share(ShareCase):
             self.assertEqual(answer.registers, [0, serial])
         # A unit that is not there, a register that is not, and a write.
         self.assertEqual(client.read_input_registers(0, 3, slave=5).exception_code, 0x0B)
-        self.assertEqual(client.read_input_registers(5000, 2, slave=1).exception_code, 2)
-        self.assertEqual(client.write_register(200, 1, slave=1).exception_code, 1)
         # An answer that a busy machine holds up for longer than the gateway waits is asked for again.
+        for _ in range(4):
+            code = client.read_input_registers(5000, 2, slave=1).exception_code
+            if code == 2:
+                break
+        self.assertEqual(code, 2)
+        self.assertEqual(client.write_register(200, 1, slave=1).exception_code, 1)
         for _ in range(4):
             found = self.scan()
             if len(found) == 3:
