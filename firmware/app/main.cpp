@@ -133,8 +133,9 @@ int main(int argc, char** argv) {
   if (register_map) std::fputs(firmware::describe_mesh_registers().c_str(), stdout);
   if (settings_file) std::fputs(firmware::print_settings().c_str(), stdout);
   if (settings_table) std::fputs(firmware::describe_settings().c_str(), stdout);
-  if (register_map || settings_file || settings_table)
+  if (register_map || settings_file || settings_table) {
     return command_line::finish(app, EXIT_SUCCESS);
+  }
   if (config.empty()) {
     return command_line::complain(
         app, command_line::exit_bad_usage,

@@ -1,9 +1,8 @@
 // etcm export OUT --geojson|--vtk|--svg FILE
-#include <algorithm>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "command.h"
 #include "etcm/files/exchange.h"
@@ -15,8 +14,6 @@
 namespace etcm::cli {
 
 namespace {
-
-constexpr std::ptrdiff_t mesh_files = 4;
 
 struct ExportOptions {
   std::string base;
@@ -30,19 +27,16 @@ int run_export(const ExportOptions& options) {
   if (options.geojson.empty() && options.vtk.empty() && options.svg.empty()) {
     throw UsageError("export: give --geojson, --vtk or --svg with a file name (- is stdout)");
   }
-  std::vector<std::string> taken;
-  for (const char* extension : {".node", ".ele", ".edge", ".poly"}) {
-    taken.push_back(options.base + extension);
-  }
+  const std::string inputs[] = {options.base + ".node", options.base + ".ele",
+                                options.base + ".edge", options.base + ".poly"};
+  std::set<std::string> outputs;
   for (const auto& [option, path] :
        {std::pair{"--geojson", options.geojson}, {"--vtk", options.vtk}, {"--svg", options.svg}}) {
-    refuse_replacing(option, path, taken);
-    if (path.empty()) continue;
-    if (std::find(taken.begin() + mesh_files, taken.end(), path) != taken.end()) {
+    refuse_replacing(option, path, inputs);
+    if (!path.empty() && !outputs.insert(path).second) {
       throw UsageError(std::string(option) + " " + path +
                        ": another format goes there too; give each a file of its own");
     }
-    taken.push_back(path);
   }
   const files::MeshImage image = files::read_mesh(options.base);
   files::FileSet files;
