@@ -40,9 +40,7 @@ void FleetMember::step(port::Instant now) {
     state.next_tick = now + std::min(settings.period / 8, settings.settle);
   }
   state.send(now);
-  if (state.is_header_taken && !state.has_told_all) {
-    state.has_told_all = state.out.waiting_count(now) == 0;
-  }
+  if (state.is_header_taken && state.out.next_due() > now) state.has_told_all = true;
   state.tell_peers(now);
 }
 

@@ -91,7 +91,7 @@ struct FleetStatus {
   std::uint64_t merged_hash = 0;    // of the serials and places of all nodes that are there
   bool is_refused = false;          // the broker did not take its last header
   bool is_header_taken = false;     // it took one since it is connected
-  bool has_told_all = false;        // and since then nothing was left to be told, once
+  bool has_told_all = false;        // and since then it had sent all that was due, once
   // Messages that others send through its broker, and that were refused, ever.
   std::uint64_t other_refused_count = 0;
   bool lacks_room = false;           // for nodes of the site, beyond nodes_max

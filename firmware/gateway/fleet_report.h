@@ -81,7 +81,7 @@ struct FleetReport {
   bool is_connected = false;
   bool is_settled = false;    // what the broker had kept has come
   bool is_told = false;       // since then the broker has taken what this gateway says of itself
-  bool has_told_all = false;  // and all else, once
+  bool has_told_all = false;  // and it had sent all else that was due, once
   std::uint64_t other_refused_count = 0;  // messages of others through its broker, ever
   bool is_silent = false;  // another gateway of its name goes on, and this one tells nothing
   port::Instant connected_or_not_since{};
