@@ -187,6 +187,30 @@ TEST(SavedMesh, ForgedInTwoWordsIsAWholeMeshOrNone) {
   }
 }
 
+// Checksum and hash are right, but a segment goes on beyond a node on its line, where another one
+// begins.
+TEST(SavedMesh, ForgedWithASegmentThatJumpsOverANodeIsDamaged) {
+  for (const std::string_view digits :
+       {"6574636d73617665010000000400000002000000030000000000000002000000fbf10a214048f70e"
+        "02000001010000010400000104000001feffff00fbffff000300000002000000ffffffff00000000"
+        "0300000001000000ffffffff01000000b67e0081f461238e",
+        "6574636d73617665010000000600000005000000050000000000000004000000db1f989788e225a1"
+        "ffffff00feffff00fbffff00fcffff00fcffff0002000001ffffff0001000001ffffff00fcffff00"
+        "0500000004000000ffffffff000000800500000001000000ffffffff01000000ffffffffffffffff"
+        "ffffffffffffffff0200000005000000ffffffff030000000300000001000000ffffffff04000080"
+        "1dcf351f63463571",
+        "6574636d73617665010000000c000000050000000600000001000000030000004b6113f1edb0ec8c"
+        "04000001fcffff0003000001ffffff00fcffff00ffffff0004000001fbffff000400000105000001"
+        "0200000101000001ffffffffffffffff010000803c3c3c0cffffffffffffffffffffffffffffffff"
+        "ffffffffffffffffffffffffffffffffffffffffffffffff0200000004000000ffffffff01000000"
+        "0400000005000000ffffffff02000000ffffffffffffffffffffffffffffffff0300000006000000"
+        "ffffffff04000000d16e59afecf231cd"}) {
+    const auto mesh = empty_mesh(60, 20);
+    EXPECT_EQ((*mesh)->load(bytes_of(digits)), Status::damaged);
+    EXPECT_EQ((*mesh)->node_count(), 0u);
+  }
+}
+
 TEST(SavedMesh, NeedsRoom) {
   const auto mesh = small();
   const Bytes bytes = saved(**mesh);

@@ -110,6 +110,8 @@ Status constrain_segment(MeshState& m, SegmentId s) noexcept {
     if (!m.work.spend(subsegment.steps)) return Status::work_limit;
     const SegmentId other = met_by(m, s, subsegment);
     if (!other.is_none()) return reject_meeting(m, s, other);
+    // A segment ends at each node that it meets; in forged bytes it may go on.
+    if (subsegment.tail != end && m.is_node(subsegment.tail)) return Status::damaged;
     if (!can_be_edge(m, subsegment)) return Status::mesh_unresolved;
     if (!constrain_subsegment(m, subsegment)) return Status::work_limit;
     v = subsegment.tail;

@@ -19,7 +19,8 @@ Status lay_segments(Change& change, PendingSegments& pending) noexcept;
 Status lay_segment(Change& change, SegmentId s) noexcept;
 
 // Marks the subsegments of a segment that is linked and whose Steiner vertices all stand. Errors:
-// work_limit, mesh_unresolved where one cannot be an edge, and those of reject_meeting().
+// work_limit, mesh_unresolved where one cannot be an edge, damaged where a node stands between its
+// ends, and those of reject_meeting().
 Status constrain_segment(MeshState& m, SegmentId s) noexcept;
 
 }  // namespace etcm::internal
