@@ -40,14 +40,6 @@ class BusReload {
   bool must_wait() const { return must_wait_; }
   const std::vector<std::string>& changed() const { return changed_; }
 
-  // In another plane the nodes that there are stand elsewhere.
-  void take_over_places() {
-    for (NodeSettings& node : current_.nodes) {
-      const NodeSettings* const then = same_node(node);
-      if (then != nullptr) node.position = then->position;
-    }
-  }
-
   void take_over() {
     for (std::size_t i = 0; i < current_.buses.size(); ++i) {
       BusSettings& bus = current_.buses[i];
@@ -191,20 +183,18 @@ class BusReload {
     }
   }
 
-  // As it is written in the file of `next`; null where it is not.
-  const NodeSettings* same_node(NodeSettings now) const {
+  // Whether it is written in the file of `next` as it is.
+  bool is_kept(NodeSettings now) const {
     const auto keys = key_table("node").keys;
-    const auto found = std::find_if(next_.nodes.begin(), next_.nodes.end(), [&](NodeSettings then) {
+    return std::any_of(next_.nodes.begin(), next_.nodes.end(), [&](NodeSettings then) {
       return std::all_of(keys.begin(), keys.end(),
                          [&](const Key& key) { return is_same_value(key.type, &now, &then); });
     });
-    return found != next_.nodes.end() ? &*found : nullptr;
   }
 
   // Surveyed places and serials that there are stay; by a serial of its own a device that is asked
   // already would become another node.
   bool keeps_nodes() const {
-    const auto is_kept = [&](const NodeSettings& now) { return same_node(now) != nullptr; };
     const auto is_welcome = [&](const NodeSettings& then) {
       const auto bus = std::find_if(current_.buses.begin(), current_.buses.end(),
                                     [&](const BusSettings& on) { return on.name == then.bus; });
@@ -212,7 +202,8 @@ class BusReload {
       return !then.serial || bus == current_.buses.end() || !asks(*bus, unit) ||
              node_at(current_, *bus, unit) != nullptr;
     };
-    return std::all_of(current_.nodes.begin(), current_.nodes.end(), is_kept) &&
+    return std::all_of(current_.nodes.begin(), current_.nodes.end(),
+                       [&](const NodeSettings& now) { return is_kept(now); }) &&
            std::all_of(next_.nodes.begin(), next_.nodes.end(), is_welcome);
   }
 
@@ -228,7 +219,6 @@ void take_over_buses(Settings& current, Settings& next, std::vector<std::string>
   BusReload reload(current, next);
   reload.compare();
   if (!reload.must_wait()) return reload.take_over();
-  reload.take_over_places();
   fixed.insert(fixed.end(), reload.changed().begin(), reload.changed().end());
 }
 

@@ -11,8 +11,7 @@ namespace etcm::firmware {
 // Makes `current` like `next`, all of it or nothing: where something has to wait for a restart,
 // that is added to `fixed`, as it is written in the file, and so is all else that differs. New
 // buses stand behind those there are; units, devices and profiles that there are stay what they
-// are; no more of them are added than settings.room has room for. Places of surveyed nodes are
-// those of the new plane either way.
+// are; no more of them are added than settings.room has room for.
 void take_over_buses(Settings& current, Settings& next, std::vector<std::string>& fixed);
 
 }  // namespace etcm::firmware

@@ -9,6 +9,7 @@
 #include "firmware/config/bus_reload.h"
 #include "firmware/config/configuration.h"
 #include "firmware/config/settings_keys.h"
+#include "firmware/config/site_projection.h"
 #include "firmware/config/unit_count.h"
 #include "firmware/logging/counted.h"
 
@@ -54,6 +55,18 @@ std::string refusal_of(const std::vector<std::string>& mistakes) {
   return text + "; the old one holds until that is corrected and reloaded";
 }
 
+// The plane changes at once, and what a [[node]] says may wait for the restart: until then its
+// device stands where it did, in the new plane.
+void place_waiting_nodes(const std::string& path, Settings& settings,
+                         std::vector<std::string>& mistakes) {
+  std::vector<std::string> beyond;
+  place_nodes(settings, beyond);
+  if (beyond.empty()) return;
+  mistakes.push_back(path +
+                     ": a [[node]] that waits for a restart has no place in the new plane of the "
+                     "site; restart the gateway, or leave [site] as it is until then");
+}
+
 }  // namespace
 
 std::vector<std::string> take_over(Settings& settings, const Settings& next) {
@@ -94,6 +107,12 @@ std::shared_ptr<const Settings> reload(const std::string& path, const Settings& 
   } catch (const std::exception& error) {
     mistakes.push_back(path + ": " + error.what());
   }
+  auto settings = std::make_shared<Settings>(current);
+  std::vector<std::string> fixed;
+  if (mistakes.empty()) {
+    fixed = take_over(*settings, next);
+    place_waiting_nodes(path, *settings, mistakes);
+  }
   refusal = refusal_of(mistakes);
   if (!mistakes.empty()) {
     tell(mistakes, "mistakes", port::Level::error, path, log);
@@ -103,8 +122,6 @@ std::shared_ptr<const Settings> reload(const std::string& path, const Settings& 
     return nullptr;
   }
   tell(next.warnings, "warnings", port::Level::warning, path, log);
-  auto settings = std::make_shared<Settings>(current);
-  std::vector<std::string> fixed = take_over(*settings, next);
   for (const std::string& key : fixed) {
     log.write(port::Level::warning, path + ": needs a restart: " + key);
   }

@@ -111,7 +111,7 @@ class WebServer::Callbacks {
       }
       return MHD_queue_response(connection, MHD_HTTP_METHOD_NOT_ALLOWED, response.get());
     }
-    return answer_by_site(server, *client, connection, path);
+    return answer_by_site(server, *client, connection, path, verb == MHD_HTTP_METHOD_HEAD);
   }
 
   static void connection_changed(void* self, MHD_Connection* connection, void** context,
@@ -197,7 +197,7 @@ class WebServer::Callbacks {
   }
 
   static MHD_Result answer_by_site(WebServer& server, Client& client, MHD_Connection* connection,
-                                   const char* path) {
+                                   const char* path, bool is_head) {
     const WebAnswer answer = server.site_.begin(place_of(server, client), path);
     client.is_reading = true;
     if (answer.status >= 400) ++server.counters_.rejected;
@@ -216,6 +216,10 @@ class WebServer::Callbacks {
     }
     // From here on the response ends the reading when it goes, whatever happens.
     if (!add_common_headers(response.get()) ||
+        // In chunks libmicrohttpd would send the last one of a content that is not there.
+        (is_head && !is_known &&
+         MHD_set_response_options(response.get(), MHD_RF_HTTP_VERSION_1_0_ONLY, MHD_RO_END) !=
+             MHD_YES) ||
         (answer.version != 0 &&
          MHD_add_response_header(response.get(), MHD_HTTP_HEADER_ETAG, tag.data()) != MHD_YES) ||
         MHD_add_response_header(response.get(), MHD_HTTP_HEADER_CONTENT_TYPE, answer.media_type) !=

@@ -242,15 +242,44 @@ TEST_F(Reload, ADeviceThatIsAskedKeepsItsSerial) {
 }
 
 // The plane changes at once, whatever waits.
-TEST_F(Reload, SurveyedNodesStandInTheNewPlaneWhereBusesWaitToo) {
-  Settings current = settings_, next = settings_;
-  current.nodes = next.nodes = {{.bus = "a", .address = 1, .x = 5, .y = 6, .position = {{5, 6}}}};
-  next.nodes[0].position = {{50, 60}};
-  next.buses[0].units = {{.first = 3, .last = 3}};
-  EXPECT_EQ(take_over(current, next), std::vector<std::string>{"[[bus]] units of '127.0.0.1:502'"});
-  EXPECT_EQ(current.buses[0].units[0].first, 1);
-  ASSERT_TRUE(current.nodes[0].position);
-  EXPECT_EQ(current.nodes[0].position->x, 50);
+TEST_F(Reload, SurveyedNodesStandInTheNewPlaneWhereTheyWait) {
+  const auto file = [](const std::string& plane, const std::string& units,
+                       const std::string& places) {
+    return "[mesh]\nvertices_max = 50\n[site]\ncrs = \"plane\"\n" + plane +
+           "[[profile]]\nname = \"thermometer\"\n[[profile.reading]]\nname = \"air\"\n"
+           "unit = \"Cel\"\nvalue = {register = 1, type = \"i16\"}\n"
+           "[[bus]]\ntcp = \"127.0.0.1:502\"\n[[bus.device]]\nunits = \"" +
+           units + "\"\nprofile = \"thermometer\"\n" + places;
+  };
+  const auto node = [](int unit, int x) {
+    return "[[node]]\nunit = " + std::to_string(unit) + "\nx = \"" + std::to_string(x) +
+           "\"\ny = \"0\"\n";
+  };
+  const auto x_of = [&](std::size_t i) {
+    EXPECT_TRUE(settings_.nodes.at(i).position);
+    return settings_.nodes.at(i).position.value_or(Position{}).x;
+  };
+  std::vector<std::string> mistakes;
+  settings_ = read_configuration(
+      folder_.write("site.toml", file("unit = \"0.1\"\n", "1-2", node(1, 10) + node(2, 30))),
+      nullptr, mistakes);
+  ASSERT_TRUE(mistakes.empty()) << mistakes.front();
+  ASSERT_EQ(x_of(1), 300);
+
+  ASSERT_TRUE(reload_with(file("unit = \"1\"\n", "1-2", node(1, 10) + node(2, 35))));
+  EXPECT_EQ(waiting_, std::vector<std::string>{"[[node]]"});
+  EXPECT_EQ(x_of(0), 10);
+  EXPECT_EQ(x_of(1), 30) << "where it stood, in the new plane";
+
+  const std::string moved = "unit = \"1\"\norigin = [\"5\", \"0\"]\n";
+  ASSERT_TRUE(reload_with(file(moved, "1", node(1, 10))));
+  EXPECT_EQ(x_of(0), 5);
+  EXPECT_EQ(x_of(1), 25) << "the one that is taken out";
+
+  const std::string far = "unit = \"1\"\norigin = [\"16777240\", \"0\"]\n";
+  EXPECT_FALSE(reload_with(file(far, "1", node(1, 33554440))));
+  EXPECT_EQ(log_.count("has no place in the new plane"), 1u);
+  EXPECT_EQ(x_of(1), 25) << "nothing was taken over";
 }
 
 TEST_F(Reload, UnitsAndBusesThatAreAddedAreAskedAndTheOthersGoOn) {
