@@ -169,10 +169,11 @@ void Control::dismiss(Serial serial, TextWriter& answer) {
     answer << "ok\n" << gateway_.nodes().called(serial) << " is no longer missed\n";
   } else if (const NodeRecord* const node = gateway_.nodes().find(serial)) {
     answer << "error " << gateway_.nodes().called(serial)
-           << (node->is_missing ? " holds a feature that the mesh cannot have without it; take the "
-                                  "feature out of the site file, and reload\n"
-                                : " answers, so there is nothing to dismiss; sudo etcm-gateway ctl "
-                                  "list shows who is missing\n");
+           << (node->is_missing
+                   ? " holds a feature that the mesh cannot have without it; take the "
+                     "feature out of the site file, and reload\n"
+                   : " is not missing, so there is nothing to dismiss; sudo etcm-gateway ctl "
+                     "list shows who is missing\n");
   } else {
     answer << "error node " << serial.value
            << " is not known here: it was dismissed already, or never here; sudo etcm-gateway ctl "

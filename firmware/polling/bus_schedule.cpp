@@ -19,6 +19,9 @@ constexpr std::uint32_t doublings_max = 16;
 // the line for as long as a converter is patient.
 constexpr std::int64_t retry_parts = 32;
 constexpr std::int64_t converter_parts = 100;
+// One that was there may be back in a moment, and is looked for more than once before it is waited
+// for its share.
+constexpr port::Duration lost_time_saved = std::chrono::minutes(2);
 // A unit that is only looked for, was found, and has not answered so often is looked for again.
 constexpr std::uint32_t failures_of_the_lost = 8;
 
@@ -57,7 +60,8 @@ BusSchedule::BusSchedule(const PollSettings& poll, const BusSettings& settings,
       exchange_floor_(exchange_floor_of(settings)),
       cost_max_(cost_max_of(settings)),
       units_(addresses),
-      retry_share_(retry_parts) {}
+      retry_share_(retry_parts),
+      lost_share_(retry_parts, lost_time_saved) {}
 
 void BusSchedule::add_unit(ModbusAddress address, bool is_listed) {
   units_[address.value] = {.timeout = timeout_of(settings_, address),
@@ -98,11 +102,19 @@ std::optional<BusSchedule::Question> BusSchedule::next_question(port::Instant no
   }
   const std::optional<Reason> reason = next_reason(now);
   if (!reason) return std::nullopt;
-  Turns& turns = turns_of(*reason);
-  std::pop_heap(turns.begin(), turns.end(), Later{});
-  const Turn turn = turns.back();
-  turns.pop_back();
+  const Turn turn = take(*reason, now);
   return Question{.address = turn.address, .reason = *reason, .due = turn.due};
+}
+
+BusSchedule::Turn BusSchedule::take(Reason reason, port::Instant now) {
+  Turns& turns = turns_of(reason);
+  const std::size_t at =
+      reason == Reason::repeat || reason == Reason::retry ? first_of_failing(turns, now).at : 0;
+  const Turn turn = turns[at];
+  turns[at] = turns.back();
+  turns.pop_back();
+  std::make_heap(turns.begin(), turns.end(), Later{});
+  return turn;
 }
 
 std::uint32_t BusSchedule::half_of_the_requests() const {
@@ -134,7 +146,8 @@ std::optional<BusSchedule::Reason> BusSchedule::next_reason(port::Instant now) c
     return turn <= now ? std::optional(in_turn) : std::nullopt;
   }
   const port::Instant repeat = repeat_start(now);
-  const port::Instant retry = retry_start(now);
+  const Candidate lost = first_of_failing(retries_, now);
+  const port::Instant retry = lost.start;
   if (std::min({turn, repeat, retry}) > now) return std::nullopt;
   const Reason failing = repeat <= retry ? Reason::repeat : Reason::retry;
   if (!takes_one()) return turn <= std::min(repeat, retry) ? in_turn : failing;
@@ -143,7 +156,7 @@ std::optional<BusSchedule::Reason> BusSchedule::next_reason(port::Instant now) c
   // A retry of a busy line has its share of the time, however long the others have waited; but
   // where they will soon have been asked it comes after them, unless it is called for.
   const bool is_first =
-      retry <= now && (retries_.front().due == port::Instant{} || now - retry >= poll_.interval);
+      retry <= now && (retries_[lost.at].due == port::Instant{} || now - retry >= poll_.interval);
   return is_first ? Reason::retry : in_turn;
 }
 
@@ -200,26 +213,34 @@ port::Instant BusSchedule::start_beside(port::Instant due, port::Instant free_at
   return is_idle ? due : std::max(due, free_at);
 }
 
-// When the first of these may be asked, as far as that is known now.
-port::Instant BusSchedule::start_of_failing(const Turns& turns, const TimeShare& share,
-                                            port::Instant now) const {
-  if (turns.empty() || unsure_under_way_ >= half_of_the_requests()) return port::never;
-  const port::Instant due = turns.front().due;
-  if (!takes_one()) return due;
-  return start_beside(due, share.free_at(), retry_cost(units_[turns.front().address.value]), now);
+// Which of these may be asked first, as far as that is known now. One that costs little does not
+// wait behind another that costs more than the line has time for.
+BusSchedule::Candidate BusSchedule::first_of_failing(const Turns& turns, port::Instant now) const {
+  if (turns.empty() || unsure_under_way_ >= half_of_the_requests()) return {};
+  if (!takes_one()) return {.at = 0, .start = turns.front().due};
+  Candidate first;
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    const UnitSchedule& unit = units_[turns[i].address.value];
+    const port::Instant start =
+        start_beside(turns[i].due, share_of(unit).free_at(), retry_cost(unit), now);
+    const bool is_before =
+        start < first.start || (start == first.start && turns[i].due < turns[first.at].due);
+    if (is_before) first = {.at = i, .start = start};
+  }
+  return first;
 }
 
-const TimeShare& BusSchedule::share_of_repeats() const {
-  const bool is_first = !repeats_.empty() && !units_[repeats_.front().address.value].has_answered;
-  return is_first ? first_repeat_share_ : repeat_share_;
+const TimeShare& BusSchedule::share_of(const UnitSchedule& unit) const {
+  if (is_repeated(unit)) return unit.has_answered ? repeat_share_ : first_repeat_share_;
+  return unit.has_answered ? lost_share_ : retry_share_;
 }
 
 port::Instant BusSchedule::repeat_start(port::Instant now) const {
-  return start_of_failing(repeats_, share_of_repeats(), now);
+  return first_of_failing(repeats_, now).start;
 }
 
 port::Instant BusSchedule::retry_start(port::Instant now) const {
-  return start_of_failing(retries_, retry_share_, now);
+  return first_of_failing(retries_, now).start;
 }
 
 port::Instant BusSchedule::discovery_start(port::Instant now) const {
@@ -278,19 +299,19 @@ void BusSchedule::note_cost(ModbusAddress address, const port::BusAnswer& answer
       [[fallthrough]];
     case Reason::turn:
       // A unit that was never there is asked again in the time of those that fail.
-      if (!is_ok && !unit.has_answered) charge_retry(cost, now);
+      if (!is_ok && !unit.has_answered) charge_retry(unit, cost, now);
       return;
     case Reason::repeat:
       --unsure_under_way_;
       // One that loses every other answer has the time of the lost ones from this share too.
       if (unit.has_answered) return repeat_share_.charge(cost + missed_cost, now);
       first_repeat_share_.charge(cost, now);
-      if (!is_ok) charge_retry(cost, now);
+      if (!is_ok) charge_retry(unit, cost, now);
       return;
     case Reason::retry:
       --unsure_under_way_;
       // One that answers takes no more than those that are there.
-      if (!is_ok) charge_retry(cost, now);
+      if (!is_ok) charge_retry(unit, cost, now);
       return;
     case Reason::discovery:
       discovery_under_way_ = false;
@@ -327,7 +348,8 @@ void BusSchedule::bring_back_all(port::Instant now) {
     }
     std::make_heap(turns->begin(), turns->end(), Later{});
   }
-  for (TimeShare* const share : {&repeat_share_, &first_repeat_share_, &retry_share_}) {
+  for (TimeShare* const share :
+       {&repeat_share_, &first_repeat_share_, &retry_share_, &lost_share_}) {
     share->open(now);
   }
 }
@@ -381,9 +403,9 @@ port::Instant BusSchedule::due_after(const UnitSchedule& unit, port::Duration pa
   return (is_on_time ? unit.due : unit.asked_at) + pause;
 }
 
-void BusSchedule::charge_retry(port::Duration cost, port::Instant now) {
-  retry_share_.charge(bus_.is_one_line() ? cost * (converter_parts - 1) / (retry_parts - 1) : cost,
-                      now);
+void BusSchedule::charge_retry(const UnitSchedule& unit, port::Duration cost, port::Instant now) {
+  TimeShare& share = unit.has_answered ? lost_share_ : retry_share_;
+  share.charge(bus_.is_one_line() ? cost * (converter_parts - 1) / (retry_parts - 1) : cost, now);
 }
 
 port::Duration BusSchedule::pause_of(ModbusAddress address, bool is_miss) const {
@@ -446,7 +468,8 @@ void BusSchedule::call_for(ModbusAddress address, port::Instant now) {
 }
 
 void BusSchedule::ask_at_once(ModbusAddress address, port::Instant now) {
-  for (TimeShare* const share : {&repeat_share_, &first_repeat_share_, &retry_share_}) {
+  for (TimeShare* const share :
+       {&repeat_share_, &first_repeat_share_, &retry_share_, &lost_share_}) {
     share->open(now);
   }
   bring_forward(address, port::Instant{});

@@ -167,13 +167,11 @@ class BusSchedule {
   port::Duration pause_of(ModbusAddress address, bool is_miss) const;
   port::Duration discovery_pause(port::Duration cost) const;
   port::Instant due_after(const UnitSchedule& unit, port::Duration pause) const;
-  void charge_retry(port::Duration cost, port::Instant now);
+  void charge_retry(const UnitSchedule& unit, port::Duration cost, port::Instant now);
 
-  const TimeShare& share_of_repeats() const;
+  const TimeShare& share_of(const UnitSchedule& unit) const;
   port::Instant start_beside(port::Instant due, port::Instant free_at, port::Duration cost,
                              port::Instant now) const;
-  port::Instant start_of_failing(const Turns& turns, const TimeShare& share,
-                                 port::Instant now) const;
   port::Instant repeat_start(port::Instant now) const;
   port::Instant retry_start(port::Instant now) const;
   std::uint32_t half_of_the_requests() const;
@@ -181,6 +179,14 @@ class BusSchedule {
   port::Instant due_in_turn() const;
   std::optional<Reason> next_reason(port::Instant now) const;
   ModbusAddress next_undiscovered();
+
+  // One of those that failed, and when it may be asked.
+  struct Candidate {
+    std::size_t at = 0;  // among its turns
+    port::Instant start = port::never;
+  };
+  Candidate first_of_failing(const Turns& turns, port::Instant now) const;
+  Turn take(Reason reason, port::Instant now);
 
   Turns& turns_of(Reason reason);
   std::array<Turns*, 4> all_turns() { return {&turns_, &firsts_, &repeats_, &retries_}; }
@@ -209,8 +215,9 @@ class BusSchedule {
   // At others' cost, where the bus takes one request at a time.
   TimeShare repeat_share_{32, std::chrono::minutes(2)};
   TimeShare first_repeat_share_{12};  // of units that have never answered
-  TimeShare retry_share_;
-  TimeShare call_share_{32};  // of units that are called for
+  TimeShare retry_share_;             // of the others that have never answered
+  TimeShare lost_share_;              // and of those that have
+  TimeShare call_share_{32};          // of units that are called for
   TimeShare request_share_{16};
   // Of what share.percent makes of a cost; that is saved up, so it counts whole.
   TimeShare client_share_{2, std::chrono::seconds(4)};

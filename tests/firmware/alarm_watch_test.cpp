@@ -146,9 +146,10 @@ TEST_F(AlarmWatchTest, AMissingNodeIsOneUntilItIsDismissed) {
   EXPECT_EQ(tell("dismiss 1001"),
             "error node 1001 is not known here: it was dismissed already, or never here; sudo "
             "etcm-gateway ctl list shows who is missing\n");
-  EXPECT_EQ(tell("dismiss 1002"),
-            "error node 1002 answers, so there is nothing to dismiss; sudo etcm-gateway ctl list "
-            "shows who is missing\n");
+  EXPECT_EQ(
+      tell("dismiss 1002"),
+      "error node 1002 is not missing, so there is nothing to dismiss; sudo etcm-gateway ctl list "
+      "shows who is missing\n");
   run(1s);
   EXPECT_EQ(wrong(), Lines{});
   EXPECT_EQ(rig_.server.header("missing_count"), 0u);
@@ -485,7 +486,7 @@ TEST_F(AlarmWatchOfACrossing, ANodeThatAnswersIsNotDismissedByItsName) {
   rig_.put_square();
   run(1s);
   EXPECT_EQ(tell("dismiss pump house"),
-            "error node 1003 'pump house' answers, so there is nothing to dismiss; sudo "
+            "error node 1003 'pump house' is not missing, so there is nothing to dismiss; sudo "
             "etcm-gateway ctl list shows who is missing\n");
 }
 

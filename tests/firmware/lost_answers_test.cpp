@@ -142,5 +142,105 @@ TEST(AnswersThatMeet, DoNotMeetInEveryRoundWhereNobodyIsHeard) {
   EXPECT_GE(distances.size(), 50u);
 }
 
+// A line, and what a question to each unit takes of its time.
+class SomeLine {
+ public:
+  struct Unit {
+    port::Duration takes{};
+    port::Duration silence{};  // after a wait in vain
+    bool answers = true;
+    std::uint32_t asked = 0;
+  };
+
+  SomeLine(const BusSettings& settings, bool is_behind_a_converter, std::uint8_t count)
+      : schedule_(poll(), settings, is_behind_a_converter ? converter_ : line_) {
+    for (std::uint8_t unit = 1; unit <= count; ++unit) {
+      schedule_.add_unit(ModbusAddress{unit}, true);
+      units[unit] = {.takes = 30ms};
+    }
+  }
+
+  void run(port::Duration time) {
+    for (const port::Instant end = now_ + time; now_ < end;) {
+      const auto question = schedule_.next_question(now_);
+      if (!question) {
+        now_ += 10ms;
+        continue;
+      }
+      Unit& unit = units.at(question->address.value);
+      schedule_.ask(*question, now_);
+      ++unit.asked;
+      now_ += unit.takes;
+      port::BusAnswer answer;
+      if (!unit.answers) {
+        answer.result = port::BusResult::timeout;
+        answer.silence = unit.silence;
+      }
+      schedule_.note_cost(question->address, answer, now_);
+      if (unit.answers) schedule_.note_success(question->address, now_);
+      if (!unit.answers) schedule_.note_failure(question->address, true, now_);
+      now_ += answer.silence;
+    }
+  }
+  bool is_sound(std::uint8_t unit) const { return schedule_.is_sound(ModbusAddress{unit}); }
+
+  std::map<std::uint8_t, Unit> units;
+
+ private:
+  struct Converter final : ScriptedBus {
+    bool is_one_line() const override { return true; }
+  };
+  static PollSettings poll() {
+    PollSettings settings;
+    settings.interval = 1s;
+    settings.absent_interval = 10s;
+    return settings;
+  }
+
+  ScriptedBus line_;
+  Converter converter_;
+  BusSchedule schedule_;
+  port::Instant now_{1h};
+};
+
+// One that never answers in time keeps the line for longer than there is between two polls.
+TEST(OneThatWasSilent, DoesNotWaitBehindAnotherThatCostsMore) {
+  BusSettings settings;
+  settings.link = port::SerialLine{.path = "", .baud = 19200};
+  settings.outstanding_max = 1;
+  settings.timeout = 250ms;
+  SomeLine line(settings, false, 5);
+  for (std::uint8_t slow = 3; slow <= 5; ++slow) {
+    line.units[slow] = {.takes = 250ms, .silence = 1100ms, .answers = false};
+  }
+  line.run(20s);
+  line.units[2] = {.takes = 250ms, .answers = false};
+  line.run(4s);
+  ASSERT_FALSE(line.is_sound(2));
+  line.units[2] = {.takes = 30ms};
+  line.run(10s);
+  EXPECT_TRUE(line.is_sound(2));
+  const std::uint32_t slow_before = line.units[3].asked;
+  line.run(5min);
+  EXPECT_GT(line.units[3].asked, slow_before);
+}
+
+// What those cost that were never there is none of its own.
+TEST(OneThatWasSilent, DoesNotPayForThoseThatWereNeverThere) {
+  BusSettings settings;
+  settings.timeout = 1s;
+  SomeLine line(settings, true, 22);
+  for (std::uint8_t absent = 21; absent <= 22; ++absent) {
+    line.units[absent] = {.takes = 1s, .answers = false};
+  }
+  line.run(30s);
+  line.units[5] = {.takes = 1s, .answers = false};
+  line.run(4s);
+  ASSERT_FALSE(line.is_sound(5));
+  line.units[5] = {.takes = 30ms};
+  line.run(10s);
+  EXPECT_TRUE(line.is_sound(5));
+}
+
 }  // namespace
 }  // namespace etcm::firmware

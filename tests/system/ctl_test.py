@@ -83,7 +83,7 @@ class OnTheMachine(GatewayCase):
 
     def test_what_cannot_be_done_is_said(self):
         self.start_with_two_silent()
-        self.assertIn("node 3 answers, so there is nothing to dismiss", self.refused("dismiss", "3"))
+        self.assertIn("node 3 is not missing, so there is nothing to dismiss", self.refused("dismiss", "3"))
         self.assertIn("no gateway that has gone is called 'north'", self.refused("dismiss", "north"))
         self.assertIn("no alarm that is on has the number 77", self.refused("acknowledge", "77"))
         self.assertIn("is called '1 2'", self.refused("dismiss", "1 2"))

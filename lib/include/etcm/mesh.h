@@ -200,9 +200,9 @@ class Mesh {
   // times, and five with fewer than a hundred nodes (docs/one-mesh.md). Between groups the mesh is
   // whole: work_limit leaves what has been done, and the next call goes on, where its limit is
   // enough for one group: error_detail().feature is one of the first that was not. Named twice in a
-  // row, with no change in between, its group takes more than that limit, and no number of calls
-  // gets beyond it. None is named before it is known where the groups begin, which takes sixteen
-  // calls at most: none seventeen times in a row says the same.
+  // row, with no change in between, the limit is too little for its group but for rare cases, in
+  // which some calls more end: give a larger one. None is named before it is known where the groups
+  // begin, which takes sixteen calls or so: none seventeen times in a row asks for the same.
   // Errors: mesh_unresolved, and the room-and-bounds codes: build() would answer the same, or the
   // mesh has no room for the old and the new vertices of a group at once.
   Status canonicalize(Work limit = Work::unlimited()) noexcept;

@@ -138,7 +138,7 @@ bool looks_around_only(SplitPolicy policy) noexcept {
   return Status::ok;
 }
 
-// `s` begins the group that had no room for the work: who is told of it twice in a row needs more.
+// `s` begins the group that had no room for the work.
 Status tell_of_group(MeshState& m, SegmentId s, Status status) noexcept {
   if (status == Status::work_limit) m.error_detail.feature = internal::feature_of(m, s);
   return status;

@@ -245,10 +245,10 @@ ETCM_MUST_USE etcm_status_t etcm_restore(etcm_mesh_t* mesh, const etcm_position_
 // features, bit for bit. Costs what the changes since can have had an influence on. With
 // ETCM_WORK_LIMIT what is done stays, and the next call goes on where the limit is enough for one
 // group of features: etcm_error_detail() names a feature of the first for which it was not. Where
-// two calls in a row name the same, that group takes more than the limit, and no number of calls
-// ends it: with long features one group is often all of them. ETCM_NONE is named before it is known
-// where the groups begin, which takes sixteen calls at most: seventeen times in a row it says the
-// same. Errors: the room-and-bounds statuses.
+// two calls in a row name the same, the limit is too little for that group but for rare cases, in
+// which some calls more end: give a larger one. With long features one group is often all of them.
+// ETCM_NONE is named before it is known where the groups begin, which takes sixteen calls or so:
+// seventeen times in a row it asks for the same. Errors: the room-and-bounds statuses.
 ETCM_MUST_USE etcm_status_t etcm_canonicalize(etcm_mesh_t* mesh, uint64_t limit);
 // Whether it is known to be that mesh.
 bool etcm_is_canonical(const etcm_mesh_t* mesh);
