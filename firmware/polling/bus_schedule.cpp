@@ -404,8 +404,9 @@ port::Instant BusSchedule::due_after(const UnitSchedule& unit, port::Duration pa
 }
 
 void BusSchedule::charge_retry(const UnitSchedule& unit, port::Duration cost, port::Instant now) {
-  TimeShare& share = unit.has_answered ? lost_share_ : retry_share_;
-  share.charge(bus_.is_one_line() ? cost * (converter_parts - 1) / (retry_parts - 1) : cost, now);
+  if (unit.has_answered) return lost_share_.charge(cost, now);
+  retry_share_.charge(bus_.is_one_line() ? cost * (converter_parts - 1) / (retry_parts - 1) : cost,
+                      now);
 }
 
 port::Duration BusSchedule::pause_of(ModbusAddress address, bool is_miss) const {

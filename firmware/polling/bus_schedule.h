@@ -23,8 +23,9 @@ namespace etcm::firmware {
 // costs the others is bounded too: where a bus takes several requests at a time, such units never
 // have more than half of them; where it takes one, they have the time that no other unit needs, and
 // 1/32 of the rest, of a line behind a converter 1/100: there a question in vain costs whatever
-// time the converter takes. A torn read is repeated at once. While a bus has lost its link, its
-// units are not asked and do not count as failing.
+// time the converter takes. Those that have answered have 1/32 of their own, and what was not used
+// of it in two minutes may be used at once: they may be back in a moment. A torn read is repeated
+// at once. While a bus has lost its link, its units are not asked and do not count as failing.
 //
 // Once one has answered, units that nobody has heard yet share that half: those that are not there
 // must not keep the others waiting.

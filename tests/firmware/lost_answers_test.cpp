@@ -234,7 +234,7 @@ TEST(OneThatWasSilent, DoesNotPayForThoseThatWereNeverThere) {
     line.units[absent] = {.takes = 1s, .answers = false};
   }
   line.run(30s);
-  line.units[5] = {.takes = 1s, .answers = false};
+  line.units[5] = {.takes = 1s, .silence = 750ms, .answers = false};
   line.run(4s);
   ASSERT_FALSE(line.is_sound(5));
   line.units[5] = {.takes = 30ms};
