@@ -108,12 +108,16 @@ std::optional<BusSchedule::Question> BusSchedule::next_question(port::Instant no
 
 BusSchedule::Turn BusSchedule::take(Reason reason, port::Instant now) {
   Turns& turns = turns_of(reason);
-  const std::size_t at =
-      reason == Reason::repeat || reason == Reason::retry ? first_of_failing(turns, now).at : 0;
-  const Turn turn = turns[at];
-  turns[at] = turns.back();
+  const bool is_failing = reason == Reason::repeat || reason == Reason::retry;
+  const std::size_t at = is_failing ? first_of_failing(turns, now).at : 0;
+  if (at == 0) {
+    std::pop_heap(turns.begin(), turns.end(), Later{});
+  } else {
+    std::swap(turns[at], turns.back());
+  }
+  const Turn turn = turns.back();
   turns.pop_back();
-  std::make_heap(turns.begin(), turns.end(), Later{});
+  if (at != 0) std::make_heap(turns.begin(), turns.end(), Later{});
   return turn;
 }
 
