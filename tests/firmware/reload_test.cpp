@@ -273,6 +273,8 @@ TEST_F(Reload, SurveyedNodesStandInTheNewPlaneWhereTheyWait) {
 
   const std::string moved = "unit = \"1\"\norigin = [\"5\", \"0\"]\n";
   ASSERT_TRUE(reload_with(file(moved, "1", node(1, 10))));
+  EXPECT_EQ(waiting_.size(), 2u) << "units, and [[node]]";
+  EXPECT_EQ(settings_.buses[0].devices[0].units[0].last, 2) << "the bus waits too";
   EXPECT_EQ(x_of(0), 5);
   EXPECT_EQ(x_of(1), 25) << "the one that is taken out";
 
