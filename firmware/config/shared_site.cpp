@@ -16,19 +16,6 @@ namespace etcm::firmware {
 
 namespace {
 
-DocumentPlane plane_of(const SiteSettings& site) {
-  if (site.center) {
-    return {.is_about_place = true,
-            .unit = site.unit_length,
-            .x = site.center->longitude,
-            .y = site.center->latitude};
-  }
-  return {.crs = site.projection != nullptr ? site.projected_crs : "",
-          .unit = site.unit_length,
-          .x = site.origin.x,
-          .y = site.origin.y};
-}
-
 // As it is written in [site].
 std::string plane_text(const DocumentPlane& plane) {
   std::string text = "unit = \"" + nano_text(plane.unit) + "\", origin = [\"" + nano_text(plane.x) +
@@ -58,24 +45,16 @@ std::string take_plane(const DocumentPlane& plane, port::ProjectionSource* proje
            "; set these in [site] as they are there, or take them out where this gateway has no "
            "site file";
   }
-  std::shared_ptr<const port::Projection> projection;
-  std::string why = "this gateway was built without PROJ";
-  if (plane.is_about_place && projections != nullptr) {
-    projection = projections->about({.longitude = plane.x, .latitude = plane.y}, why);
-  } else if (!plane.crs.empty() && projections != nullptr) {
-    projection = projections->of_crs(plane.crs, why);
-  }
-  const bool is_on_earth = plane.is_about_place || !plane.crs.empty();
-  if (is_on_earth && projection == nullptr) {
-    return "its plane, " + plane_text(plane) + ", cannot be had: " + why;
-  }
-  if (projection != nullptr && projection->counts_in_degrees()) {
+  std::string why;
+  const std::optional<SitePlane> taken = site_plane_of(plane, projections, why);
+  if (!taken) return "its plane, " + plane_text(plane) + ", cannot be had: " + why;
+  if (taken->projection != nullptr && taken->projection->counts_in_degrees()) {
     return "its plane, " + plane.crs +
            ", counts in degrees; name a projected one at the "
            "gateway that has the site file";
   }
   site.unit_length = plane.unit;
-  site.projection = std::move(projection);
+  site.projection = taken->projection;
   site.projected_crs = plane.crs;
   site.center.reset();
   site.has_origin_in_degrees = plane.is_about_place;
@@ -117,6 +96,36 @@ bool are_rings(std::span<const DomainEdge> edges) {
 }
 
 }  // namespace
+
+DocumentPlane plane_of(const SiteSettings& site) {
+  if (site.center) {
+    return {.is_about_place = true,
+            .unit = site.unit_length,
+            .x = site.center->longitude,
+            .y = site.center->latitude};
+  }
+  return {.crs = site.projection != nullptr ? site.projected_crs : "",
+          .unit = site.unit_length,
+          .x = site.origin.x,
+          .y = site.origin.y};
+}
+
+std::optional<SitePlane> site_plane_of(const DocumentPlane& plane,
+                                       port::ProjectionSource* projections, std::string& why) {
+  std::shared_ptr<const port::Projection> projection;
+  why = "this gateway was built without PROJ";
+  if (plane.is_about_place && projections != nullptr) {
+    projection = projections->about({.longitude = plane.x, .latitude = plane.y}, why);
+  } else if (!plane.crs.empty() && projections != nullptr) {
+    projection = projections->of_crs(plane.crs, why);
+  }
+  const bool is_on_earth = plane.is_about_place || !plane.crs.empty();
+  if (is_on_earth && projection == nullptr) return std::nullopt;
+  return SitePlane{.unit_length = plane.unit,
+                   .origin_x = plane.is_about_place ? 0 : plane.x,
+                   .origin_y = plane.is_about_place ? 0 : plane.y,
+                   .projection = std::move(projection)};
+}
 
 bool has_own_site(const Settings& settings) {
   return !settings.site.path.empty() || !settings.features.empty() || !settings.anchors.empty();

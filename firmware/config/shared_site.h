@@ -14,6 +14,12 @@ namespace etcm::firmware {
 // The settings have a site file, features or anchors.
 bool has_own_site(const Settings& settings);
 
+// Its plane. Where on the earth that is says `crs`, or the place it is about.
+DocumentPlane plane_of(const SiteSettings& site);
+// The other way. None, and why, where its projection cannot be had.
+std::optional<SitePlane> site_plane_of(const DocumentPlane& plane,
+                                       port::ProjectionSource* projections, std::string& why);
+
 // Without number and gateway. Names are cut to site_name_max bytes.
 SiteDocument document_of(const Settings& settings);
 

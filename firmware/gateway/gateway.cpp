@@ -7,6 +7,8 @@
 
 #include "etcm/audit.h"
 #include "firmware/config/fleet_settings.h"
+#include "firmware/config/shared_site.h"
+#include "firmware/gateway/plane_change.h"
 #include "firmware/logging/counted.h"
 #include "firmware/publish/mesh_registers.h"
 #include "firmware/site/site_plane.h"
@@ -76,12 +78,24 @@ Gateway::Gateway(std::shared_ptr<const Settings> settings, Mesh& mesh, const Gat
 
 void Gateway::restore(port::Instant now) {
   if (!state_saver_) return;
-  const std::optional<SavedState> saved = state_saver_->load();
+  std::optional<SavedState> saved = state_saver_->load();
   if (!saved) return;
   generation_ = saved->next_generation - 1;
   // Before the nodes: the mesh was one of that site.
   auto settings = fleet_ ? fleet_->restore_site(saved->fleet) : nullptr;
   if (settings != nullptr) take_site(std::move(settings), now);
+  if (saved->plane && *saved->plane != plane_of(settings_->site)) {
+    std::string why;
+    const auto before = site_plane_of(*saved->plane, ports_.projections, why);
+    const std::size_t left_out = follow_plane(settings_->site.plane(), before ? &*before : nullptr,
+                                              {.devices = devices_, .poller = poller_}, *saved);
+    if (left_out > 0) {
+      ports_.log.write(port::Level::warning,
+                       to_string(Counted{left_out, "device has", "devices have"}) +
+                           " no place in the plane of the site until heard" +
+                           (before ? "" : ": the plane of before cannot be had: " + why));
+    }
+  }
   const bool is_shared = fleet_ && settings_->mqtt->share == FleetShare::site;
   const bool is_same =
       state_transfer_.restore(*saved, time_since(*saved), is_shared, generation_ + 1, now);
@@ -164,7 +178,7 @@ void Gateway::sweep(port::Instant now) {
 void Gateway::update_settings(std::shared_ptr<const Settings> settings,
                               std::span<const PolledBus> added, port::Instant now) {
   const bool is_faster = settings->poll.interval < settings_->poll.interval;
-  settings_ = std::move(settings);
+  const auto before = std::exchange(settings_, std::move(settings));
   if (fleet_) {
     fleet_->update_settings(settings_, now);
     if (auto shared = fleet_->take_settings()) settings_ = std::move(shared);
@@ -185,6 +199,8 @@ void Gateway::update_settings(std::shared_ptr<const Settings> settings,
   assigner_.update_settings(poll);
   distributor_.update_settings(poll);
   placement_.update_site(*settings_, generation_ + 1);
+  follow_plane(settings_->site, before->site, {.devices = devices_, .poller = poller_}, nodes_,
+               placement_, generation_ + 1);
   unheard_ends_.take_site(now);
   snapshots_.update_site(*settings_);
   if (file_publisher_) file_publisher_->update_settings(*settings_->files);
@@ -238,10 +254,12 @@ void Gateway::reserve_quarantine() {
 }
 
 void Gateway::take_site(std::shared_ptr<const Settings> settings, port::Instant now) {
-  settings_ = std::move(settings);
+  const auto before = std::exchange(settings_, std::move(settings));
   devices_.update_settings(*settings_);
   take_names();
   placement_.update_site(*settings_, generation_ + 1);
+  follow_plane(settings_->site, before->site, {.devices = devices_, .poller = poller_}, nodes_,
+               placement_, generation_ + 1);
   unheard_ends_.take_site(now);
   snapshots_.update_site(*settings_);
   reserve_quarantine();
@@ -318,6 +336,7 @@ void Gateway::save_state(port::Instant now) {
     writer.add(readings().quantities[i]);
   }
   sensors_.for_each_learned(now, [&](const LearnedSensor& sensor) { writer.add(sensor); });
+  writer.add(plane_of(settings_->site));
   if (fleet_) writer.add_fleet(fleet_->save());
   writer.set_edition(learned_edition_);
   state_saver_->save(now);

@@ -39,6 +39,7 @@ constexpr std::uint32_t first_version_with_silences = 5;
 constexpr std::uint32_t flag_canonical = 1;
 constexpr std::uint32_t flag_fleet = 2;
 constexpr std::uint32_t flag_last = 4;
+constexpr std::uint32_t flag_plane = 8;
 // How many kinds of records a form has.
 constexpr std::size_t kinds_of(std::uint32_t version) {
   return version == 1 ? missing : version == 2 ? quantities : kinds;
@@ -51,7 +52,10 @@ constexpr std::size_t steiner_size = 20;
 constexpr std::size_t quantity_size_least = 2;
 constexpr std::size_t quantity_size_max = quantity_size_least + reading_name_max + reading_unit_max;
 constexpr std::size_t sensor_size = 124;
+constexpr std::size_t crs_size_max = 255;
+constexpr std::size_t plane_size_max = 26 + crs_size_max;
 constexpr std::uint8_t flag_silent = 1;
+constexpr std::uint8_t flag_about_place = 1;
 constexpr std::uint8_t flag_position = 1;
 constexpr std::uint8_t flag_disagrees = 1;
 constexpr std::uint8_t flag_slow_change = 2;
@@ -116,6 +120,16 @@ LearnedSensor take_sensor(port::ByteReader& reader) {
   return sensor;
 }
 
+DocumentPlane take_plane(port::ByteReader& reader) {
+  DocumentPlane plane;
+  plane.is_about_place = (reader.take<std::uint8_t>() & flag_about_place) != 0;
+  plane.crs = take_short_text(reader);
+  plane.unit = reader.take<std::int64_t>();
+  plane.x = reader.take<std::int64_t>();
+  plane.y = reader.take<std::int64_t>();
+  return plane;
+}
+
 template <class Value, class Key>
 bool has_twins(const std::vector<Value>& values, Key key) {
   using KeyValue = decltype(key(values.front()));
@@ -140,6 +154,7 @@ std::string judge(const SavedState& state) {
   if (has_twins(known, [](const SavedNode& node) { return node.serial; })) {
     return "two nodes have one serial";
   }
+  if (state.plane && state.plane->unit <= 0) return "its plane has no unit";
   const std::size_t ends = state.nodes.size() + state.anchors.size();
   for (const SavedFeature& feature : state.features) {
     if (feature.from >= ends || feature.to >= ends) return "a feature ends at no node";
@@ -227,6 +242,7 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
     state.quantities.push_back(std::move(quantity));
   });
   each(sensors, sensor_size, [&] { state.sensors.push_back(take_sensor(reader)); });
+  if ((state_flags & flag_plane) != 0) state.plane = take_plane(reader);
   if (reader.is_cut_off()) return "it is cut off";
   if ((state_flags & flag_fleet) != 0) {
     const std::span<const std::byte> fleet = reader.take_bytes(reader.left());
@@ -237,7 +253,7 @@ std::string decode_state(std::span<const std::byte> bytes, SavedState& state) {
 }
 
 std::size_t saved_state_size_max(const Settings& settings) {
-  std::size_t size = head_size;
+  std::size_t size = head_size + plane_size_max;
   for (const BusSettings& bus : settings.buses) size += 1 + saved_bus_name(bus.name).size();
   const std::size_t buses_room = std::max<std::size_t>(settings.room.buses, settings.buses.size());
   size += (buses_room - settings.buses.size()) * (1 + saved_bus_name_max);
@@ -268,7 +284,7 @@ void StateWriter::begin(std::uint32_t generation, std::uint32_t next_generation,
                         std::uint64_t mesh_hash, std::int64_t time_of_day_s) {
   bytes_.clear();
   content_ = 0;
-  is_canonical_ = is_last_ = has_fleet_ = false;
+  is_canonical_ = is_last_ = has_plane_ = has_fleet_ = false;
   std::fill(std::begin(counts_), std::end(counts_), 0u);
   port::put_number(bytes_, saved_state_version);
   port::put_number(bytes_, generation);
@@ -360,6 +376,18 @@ void StateWriter::add(const LearnedSensor& sensor) {
   port::put_number(bytes_, static_cast<std::uint16_t>(sensor.wander_count));
 }
 
+void StateWriter::add(const DocumentPlane& plane) {
+  const std::string_view crs = plane.crs;
+  if (crs.size() > crs_size_max) return;
+  has_plane_ = true;
+  put_content(plane.is_about_place ? flag_about_place : std::uint8_t{0});
+  put_content(static_cast<std::uint8_t>(crs.size()));
+  for (const char c : crs) put_content(static_cast<std::uint8_t>(c));
+  put_content(plane.unit);
+  put_content(plane.x);
+  put_content(plane.y);
+}
+
 void StateWriter::add_fleet(std::span<const std::byte> fleet) {
   has_fleet_ = true;
   bytes_.insert(bytes_.end(), fleet.begin(), fleet.end());
@@ -372,7 +400,7 @@ std::span<const std::byte> StateWriter::finish() {
   };
   for (std::size_t kind = 0; kind < kinds; ++kind) set(counts_at + 4 * kind, counts_[kind]);
   set(flags_at, (is_canonical_ ? flag_canonical : 0) | (has_fleet_ ? flag_fleet : 0) |
-                    (is_last_ ? flag_last : 0));
+                    (is_last_ ? flag_last : 0) | (has_plane_ ? flag_plane : 0));
   return bytes_;
 }
 

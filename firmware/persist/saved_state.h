@@ -3,15 +3,15 @@
 // is the store's business.
 //
 // All numbers are little-endian, and everything follows the one before without gaps:
-//   u32 version of this form, 5
+//   u32 version of this form, 6
 //   u32 generation, u32 the first one that a restart may give out
 //   u64 mesh hash
 //   u32 counts of buses, nodes, anchors, features, Steiner vertices, missing nodes, quantities,
 //       sensors
 //   i64 time of day when it was saved, in s since 1970 (UTC); 0: it was not known
 //   u32 flags (1: the mesh is the one that build() makes of the nodes, anchors and features, so no
-//       Steiner vertices follow; 2: what FleetMember::save() gave follows all records, up to the
-//       end; 4: the gateway ended with it, so nobody answered later)
+//       Steiner vertices follow; 2: what FleetMember::save() gave follows all else, up to the end;
+//       4: the gateway ended with it, so nobody answered later; 8: the plane follows all records)
 //   bus:     u8 length, name (at most 255 bytes of it)
 //   node:    u32 serial, i32 x, i32 y, u32 age of the position in ms, u16 bus, u8 unit, u8 flags
 //            (1: it was silent), u32 silence in s
@@ -26,13 +26,17 @@
 //            followed, slow change, slow residual, residual, roughness, step, wander, rise, fall,
 //            u16 samples of the residual, of the roughness, the step, the wander
 //            (records/learned_sensor.h)
-// Forms 1 to 4 are read too: none has the silence of a node that is not missing. Forms 1 to 3 have
-// no flags of the state, and each has all Steiner vertices; forms 1 and 2 have no quantities,
-// sensors, their counts and the time, and form 1 no missing nodes either.
+//   plane:   u8 flags (1: metres about a place, whose degrees x and y are), u8 length, coordinate
+//            system, i64 unit, x, y, as in fleet/site_document.h
+// Forms 1 to 5 are read too: none has the plane, and forms 1 to 4 have not the silence of a node
+// that is not missing. Forms 1 to 3 have no flags of the state, and each has all Steiner vertices;
+// forms 1 and 2 have no quantities, sensors, their counts and the time, and form 1 no missing nodes
+// either.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -40,12 +44,13 @@
 
 #include "etcm/mesh.h"
 #include "firmware/config/settings.h"
+#include "firmware/fleet/site_document.h"
 #include "firmware/polling/quantity.h"
 #include "firmware/records/learned_sensor.h"
 
 namespace etcm::firmware {
 
-inline constexpr std::uint32_t saved_state_version = 5;
+inline constexpr std::uint32_t saved_state_version = 6;
 // The bus of a node that answers nowhere at the moment.
 inline constexpr std::uint16_t no_saved_bus = 0xffff;
 
@@ -91,6 +96,7 @@ struct SavedState {
   std::int64_t saved_at_s = 0;  // time of day; 0: not known
   std::vector<Quantity> quantities{};
   std::vector<LearnedSensor> sensors{};  // of these quantities
+  std::optional<DocumentPlane> plane{};  // what positions count in; none: nobody has said
   std::vector<std::byte> fleet{};        // what FleetMember::save() gave; or empty
 };
 
@@ -124,6 +130,9 @@ class StateWriter {
   void add(const SavedMissing& missing);
   void add(const Quantity& quantity);
   void add(const LearnedSensor& sensor);
+  // What positions count in; after all of the above. Not where its coordinate system has too long a
+  // name: then nobody has said.
+  void add(const DocumentPlane& plane);
   // What FleetMember::save() gives; the last of all.
   void add_fleet(std::span<const std::byte> fleet);
   // What is learned changes all the time: it is content when this number is another one.
@@ -147,6 +156,7 @@ class StateWriter {
   std::uint32_t counts_[8] = {};
   bool is_canonical_ = false;
   bool is_last_ = false;
+  bool has_plane_ = false;
   bool has_fleet_ = false;
   std::uint64_t content_ = 0;
 };

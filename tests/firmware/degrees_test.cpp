@@ -14,6 +14,8 @@
 #include "firmware/alarms/alarm_watch.h"
 #include "firmware/config/configuration.h"
 #include "firmware/config/reload.h"
+#include "firmware/config/shared_site.h"
+#include "firmware/gateway/plane_change.h"
 #include "firmware/mesh/length_text.h"
 #include "firmware/publish/snapshot_image.h"
 #include "page_reader.h"
@@ -386,6 +388,27 @@ TEST_F(Degrees, ComeBackToTheSameUnit) {
       }
     }
   }
+}
+
+// What a device that is silent meanwhile does; also from a state that names the plane alone.
+TEST_F(Degrees, StayTheSameInAnotherPlane) {
+  const std::string rover = "[[bus.device]]\nunits = \"7\"\nprofile = \"rover\"\n";
+  const Settings before = read("[site]\norigin = [\"10.4\", \"63.4\"]\n", rover);
+  const Settings after = read("[site]\norigin = [\"10.41\", \"63.4\"]\nunit = \"0.1\"\n", rover);
+  ASSERT_EQ(mistakes(), "");
+  std::string why;
+  const auto saved = site_plane_of(plane_of(before.site), projections_, why);
+  ASSERT_TRUE(saved) << why;
+  for (const Position there : {Position{0, 0}, Position{-1234, 777}, Position{5000, -4000}}) {
+    const auto degrees = earth_point(before.site.plane(), to_point(there));
+    const auto place = position_in(after.site.plane(), before.site.plane(), there);
+    ASSERT_TRUE(degrees && place);
+    EXPECT_EQ(place, nearest_position(after.site.plane(), *degrees));
+    EXPECT_EQ(position_in(after.site.plane(), *saved, there), place);
+    EXPECT_EQ(position_in(before.site.plane(), after.site.plane(), *place), there);
+  }
+  EXPECT_FALSE(site_plane_of(plane_of(before.site), nullptr, why));
+  EXPECT_NE(why.find("without PROJ"), std::string::npos) << why;
 }
 
 // What the page of a gateway gives out.

@@ -261,7 +261,7 @@ TEST(SavedStateForm, IsTheOneItsHeaderDescribes) {
   EXPECT_EQ(bytes.size(),
             64u + 5 + 5 + 3 * 24 + 8 + 8 + 20 + 2 * 24 + quantities_size + sensor_size_saved);
   const auto at = [&](std::size_t i) { return std::to_integer<unsigned>(bytes[i]); };
-  EXPECT_EQ(at(0), 5u);
+  EXPECT_EQ(at(0), 6u);
   EXPECT_EQ(at(4), 41u);
   EXPECT_EQ(at(8), 99u);
   EXPECT_EQ(at(12), 0xefu);
@@ -286,6 +286,37 @@ TEST(SavedStateForm, IsTheOneItsHeaderDescribes) {
   EXPECT_EQ(at(bytes.size() - 2), 1439u & 0xff);
 }
 
+TEST(SavedStateForm, SaysWhatItsPositionsCountIn) {
+  const DocumentPlane about{.is_about_place = true, .unit = 100, .x = -9'876'543'210, .y = 7};
+  const DocumentPlane drawn{.crs = std::string(255, 'c'), .unit = 1, .x = 3, .y = -4};
+  const std::vector<std::byte> fleet(3, std::byte{7});
+  for (const DocumentPlane& plane : {about, drawn}) {
+    StateWriter writer(1000);
+    writer.begin(41, 99, 7, saved_at_s);
+    write_all(writer);
+    writer.add(plane);
+    writer.add_fleet(fleet);
+    const auto bytes = writer.finish();
+    SavedState state;
+    ASSERT_EQ(decode_state(bytes, state), "");
+    EXPECT_EQ(state.plane, plane);
+    EXPECT_EQ(state.fleet, fleet);
+    EXPECT_EQ(decode_state(bytes.first(bytes.size() - fleet.size() - 1), state), "it is cut off");
+  }
+  SavedState state;
+  ASSERT_EQ(decode_state(example(), state), "");
+  EXPECT_EQ(state.plane, std::nullopt);
+
+  StateWriter writer(1000);
+  writer.begin(41, 99, 7, saved_at_s);
+  writer.add(DocumentPlane{.crs = std::string(256, 'c'), .unit = 1});
+  ASSERT_EQ(decode_state(writer.finish(), state), "");
+  EXPECT_EQ(state.plane, std::nullopt) << "its name is too long to be kept";
+  writer.begin(41, 99, 7, saved_at_s);
+  writer.add(DocumentPlane{.unit = 0});
+  EXPECT_EQ(decode_state(writer.finish(), state), "its plane has no unit");
+}
+
 TEST(SavedStateForm, RefusesWhatIsCutOffOrTooLong) {
   const auto bytes = example();
   SavedState state;
@@ -300,10 +331,10 @@ TEST(SavedStateForm, RefusesWhatIsCutOffOrTooLong) {
 TEST(SavedStateForm, RefusesOtherVersions) {
   auto bytes = example();
   SavedState state;
-  bytes[0] = std::byte{6};
-  EXPECT_EQ(decode_state(bytes, state), "it is from a newer gateway (form 6, this one knows 5)");
+  bytes[0] = std::byte{7};
+  EXPECT_EQ(decode_state(bytes, state), "it is from a newer gateway (form 7, this one knows 6)");
   bytes[0] = std::byte{0};
-  EXPECT_EQ(decode_state(bytes, state), "it is from an older gateway (form 0, this one knows 5)");
+  EXPECT_EQ(decode_state(bytes, state), "it is from an older gateway (form 0, this one knows 6)");
 }
 
 TEST(SavedStateForm, TakesNoMemoryForCountsThatCannotBe) {
@@ -589,7 +620,7 @@ TEST_F(StateSaverTest, LoadsTheLastElseThePrevious) {
   EXPECT_EQ(log_.lines,
             (std::vector<std::string>{
                 "state: the last copy is not used, it is from a newer gateway (form 9, this one "
-                "knows 5); it is kept as /state/aside-1",
+                "knows 6); it is kept as /state/aside-1",
                 "state: takes the copy before the last"}));
   EXPECT_EQ(store_.aside.size(), 1u);
 }

@@ -49,6 +49,7 @@ std::vector<std::byte> written(const SavedState& state) {
   for (const SavedMissing& missing : state.missing) writer.add(missing);
   for (const Quantity& quantity : state.quantities) writer.add(quantity);
   for (const LearnedSensor& sensor : state.sensors) writer.add(sensor);
+  if (state.plane) writer.add(*state.plane);
   if (!state.fleet.empty()) writer.add_fleet(state.fleet);
   const auto bytes = writer.finish();
   return {bytes.begin(), bytes.end()};
