@@ -1,7 +1,7 @@
 // Mesh::load() of any bytes: nothing in them is believed, so whatever they are, the mesh is whole
-// or empty. One byte says how much room there is and whether the checksum is made right, and the
-// hash of the mesh too; one the limit.
-#include <algorithm>
+// or empty. One byte says how much room there is, whether the bytes are those of a small mesh in
+// which some words are changed, and whether the checksum is made right, and the hash of the mesh
+// too; one the limit.
 #include <optional>
 #include <vector>
 
@@ -59,6 +59,47 @@ void make_hash_right(std::span<std::byte> saved, Mesh& mesh) {
   make_checksum_right(saved);
 }
 
+// Some places of two rows, so that nodes are on one line, and features between them that the mesh
+// takes; as save() writes it.
+std::vector<std::byte> small_mesh(Input& input) {
+  inputs::OwnedMesh mesh({.vertices_max = 20, .features_max = 10});
+  std::vector<Position> nodes;
+  const std::uint8_t places = input.byte();
+  for (std::int32_t i = 0; i < 8; ++i) {
+    if ((places >> i & 1) != 0) nodes.push_back({.x = i / 2, .y = i % 2});
+  }
+  require(mesh->build(nodes, {}) == Status::ok, "build() of nodes alone");
+  for (std::uint32_t i = input.below(6); i > 0 && nodes.size() > 1; --i) {
+    const auto end = [&] {
+      const auto count = static_cast<std::uint32_t>(nodes.size());
+      return VertexId{static_cast<IdValue>(1 + input.below(count))};
+    };
+    FeatureId feature;
+    const VertexId from = end(), to = end();
+    static_cast<void>(mesh->add_feature({from, to}, feature));
+  }
+  std::vector<std::byte> saved(mesh->saved_bytes());
+  require(mesh->save(saved) == Status::ok, "save()");
+  return saved;
+}
+
+// A word or two of its segments become other ids, or none; at times one of its vertices.
+void change_words(std::vector<std::byte>& saved, Input& input) {
+  const std::uint32_t vertex_end = word_at(saved, 12), segment_end = word_at(saved, 16);
+  const std::size_t vertices_at = saved_head_bytes;
+  const std::size_t segments_at = vertices_at + saved_vertex_bytes * (vertex_end - 1);
+  for (std::uint32_t i = 1 + input.below(2); i > 0; --i) {
+    const std::uint8_t kind = input.byte();
+    const bool is_vertex = kind >= 224 || segment_end == 0;
+    const std::uint32_t words = is_vertex ? 2 * (vertex_end - 1) : 4 * segment_end;
+    if (words == 0) return;
+    const std::size_t at = (is_vertex ? vertices_at : segments_at) + 4 * input.below(words);
+    std::uint32_t word = kind % 4 != 0 ? input.below(vertex_end) : saved_nobody;
+    if (is_vertex) word = word_at(saved, at) + input.below(3) - 1;
+    for (std::size_t b = 0; b < 4; ++b) saved[at + b] = static_cast<std::byte>(word >> (8 * b));
+  }
+}
+
 // It goes on as any other mesh does.
 void live_on(Mesh& mesh, Input& input) {
   ask_everything(mesh, input);
@@ -80,10 +121,16 @@ std::uint64_t hash_overheard(const Mesh& mesh, const MeshState& state, WorkMeter
 void run(std::span<const std::uint8_t> bytes) {
   Input input(bytes);
   const std::uint8_t choice = input.byte(), limit = input.byte();
+  std::vector<std::byte> saved;
+  if (choice >= 128) {
+    saved = small_mesh(input);
+    change_words(saved, input);
+  }
   const std::span<const std::uint8_t> given = input.rest();
-  std::vector<std::byte> saved(given.size());
-  std::transform(given.begin(), given.end(), saved.begin(),
-                 [](auto byte) { return std::byte{byte}; });
+  if (choice < 128) {
+    const auto bytes_given = std::as_bytes(given);
+    saved.assign(bytes_given.begin(), bytes_given.end());
+  }
   if (choice % 4 != 0) make_checksum_right(saved);
   inputs::OwnedMesh mesh({.vertices_max = choice < 32 ? 20u : 600u,
                           .features_max = choice < 64 ? 10u : 300u,
