@@ -200,7 +200,7 @@ void Gateway::update_settings(std::shared_ptr<const Settings> settings,
   distributor_.update_settings(poll);
   placement_.update_site(*settings_, generation_ + 1);
   follow_plane(settings_->site, before->site, {.devices = devices_, .poller = poller_}, nodes_,
-               placement_, generation_ + 1);
+               placement_, generation_ + 1, ports_.log);
   unheard_ends_.take_site(now);
   snapshots_.update_site(*settings_);
   if (file_publisher_) file_publisher_->update_settings(*settings_->files);
@@ -259,7 +259,7 @@ void Gateway::take_site(std::shared_ptr<const Settings> settings, port::Instant 
   take_names();
   placement_.update_site(*settings_, generation_ + 1);
   follow_plane(settings_->site, before->site, {.devices = devices_, .poller = poller_}, nodes_,
-               placement_, generation_ + 1);
+               placement_, generation_ + 1, ports_.log);
   unheard_ends_.take_site(now);
   snapshots_.update_site(*settings_);
   reserve_quarantine();

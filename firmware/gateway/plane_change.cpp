@@ -1,8 +1,10 @@
 #include "firmware/gateway/plane_change.h"
 
+#include <string>
 #include <vector>
 
 #include "firmware/config/shared_site.h"
+#include "firmware/logging/counted.h"
 
 namespace etcm::firmware {
 
@@ -39,7 +41,8 @@ std::optional<Position> position_in(const SitePlane& to, const SitePlane& from, 
 }
 
 void follow_plane(const SiteSettings& to, const SiteSettings& from, const AskedDevices& asked,
-                  NodeTable& nodes, NodePlacement& placement, std::uint32_t generation) {
+                  NodeTable& nodes, NodePlacement& placement, std::uint32_t generation,
+                  port::Log& log) {
   if (plane_of(to) == plane_of(from)) return;
   std::vector<NodeRecord*> moved;
   for (NodeRecord& node : nodes.records()) {
@@ -53,6 +56,13 @@ void follow_plane(const SiteSettings& to, const SiteSettings& from, const AskedD
     }
     node.positioned_at = {};
     if (node.is_placed()) placement.leave(node, "beyond the plane of the site", generation);
+  }
+  // Else what follows would read as if they had been carried away.
+  if (!moved.empty()) {
+    log.write(port::Level::info,
+              "the site has another plane: " +
+                  to_string(Counted{moved.size(), "device stands", "devices stand"}) +
+                  " where before, which is another place in units of the mesh");
   }
   // All places are known by now, so that who is displaced by another one goes where it belongs.
   for (NodeRecord* const node : moved) {

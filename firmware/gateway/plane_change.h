@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "etcm/port/log.h"
 #include "firmware/config/settings.h"
 #include "firmware/mesh/node_placement.h"
 #include "firmware/persist/saved_state.h"
@@ -30,7 +31,8 @@ struct AskedDevices {
 // Moves them in the mesh; who has no place in the new plane is not in it until it answers. Does
 // nothing where the plane is the same.
 void follow_plane(const SiteSettings& to, const SiteSettings& from, const AskedDevices& asked,
-                  NodeTable& nodes, NodePlacement& placement, std::uint32_t generation);
+                  NodeTable& nodes, NodePlacement& placement, std::uint32_t generation,
+                  port::Log& log);
 
 // Moves them in what was saved. Those that have no place in the new plane are left out, and
 // counted; of who is missing only the position. Where there are any, what else the mesh had is left

@@ -79,6 +79,7 @@ TEST_F(PlaneChange, ASilentDeviceStandsWhereItDidAfterAReload) {
   rig_.run(500ms);
   reload(rig_, "unit = \"0.5\"\norigin = [\"10\", \"0\"]\n");
   rig_.run(300ms);
+  EXPECT_EQ(rig_.log.count("the site has another plane: 2 devices stand where before"), 1u);
   EXPECT_EQ(nodes(rig_), (Places{{9, {50, 60}}, {1002, {180, -20}}, {1003, {-20, 400}}}));
 }
 
