@@ -44,6 +44,7 @@ y = { register = 11, type = "i16" }
     rig.settings = read_configuration(folder_.write("site.toml", text(plane)), nullptr, mistakes);
     ASSERT_TRUE(mistakes.empty()) << mistakes.front();
     rig.settings.state = StateSettings{.folder = "/state", .interval = 1s};
+    rig.settings.files = FileSettings{.folder = "", .name = "", .interval = 500ms};
     rig.store = &store_;
     rig.start_with({&bus_});
     rig.gateway->restore(rig.clock.now());
