@@ -84,18 +84,8 @@ void Gateway::restore(port::Instant now) {
   // Before the nodes: the mesh was one of that site.
   auto settings = fleet_ ? fleet_->restore_site(saved->fleet) : nullptr;
   if (settings != nullptr) take_site(std::move(settings), now);
-  if (saved->plane && *saved->plane != plane_of(settings_->site)) {
-    std::string why;
-    const auto before = site_plane_of(*saved->plane, ports_.projections, why);
-    const std::size_t left_out = follow_plane(settings_->site.plane(), before ? &*before : nullptr,
-                                              {.devices = devices_, .poller = poller_}, *saved);
-    if (left_out > 0) {
-      ports_.log.write(port::Level::warning,
-                       to_string(Counted{left_out, "device has", "devices have"}) +
-                           " no place in the plane of the site until heard" +
-                           (before ? "" : ": the plane of before cannot be had: " + why));
-    }
-  }
+  follow_plane(settings_->site, ports_.projections, {.devices = devices_, .poller = poller_},
+               *saved, ports_.log);
   const bool is_shared = fleet_ && settings_->mqtt->share == FleetShare::site;
   const bool is_same =
       state_transfer_.restore(*saved, time_since(*saved), is_shared, generation_ + 1, now);

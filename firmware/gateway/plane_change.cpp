@@ -5,6 +5,7 @@
 
 #include "firmware/config/shared_site.h"
 #include "firmware/logging/counted.h"
+#include "firmware/persist/saved_unit.h"
 
 namespace etcm::firmware {
 
@@ -13,15 +14,6 @@ namespace {
 bool is_device(const AskedDevices& asked, UnitIndex unit) {
   if (unit.is_none()) return false;
   return asked.devices.at(asked.poller.bus_of(unit), asked.poller.address_of(unit)) != nullptr;
-}
-
-bool is_device(const AskedDevices& asked, const SavedState& saved, const SavedNode& node) {
-  if (node.bus == no_saved_bus) return false;
-  for (BusIndex bus{0}; bus.value < asked.poller.bus_count(); ++bus.value) {
-    if (saved_bus_name(asked.poller.bus(bus).name) != saved.buses[node.bus]) continue;
-    return asked.devices.at(bus, ModbusAddress{node.address}) != nullptr;
-  }
-  return false;
 }
 
 }  // namespace
@@ -44,12 +36,13 @@ void follow_plane(const SiteSettings& to, const SiteSettings& from, const AskedD
                   NodeTable& nodes, NodePlacement& placement, std::uint32_t generation,
                   port::Log& log) {
   if (plane_of(to) == plane_of(from)) return;
+  const SitePlane plane = to.plane(), before = from.plane();
   std::vector<NodeRecord*> moved;
   for (NodeRecord& node : nodes.records()) {
     // What another gateway hears, that one tells.
     if (!node.is_known() || node.is_foreign() || !node.has_position()) continue;
     if (!is_device(asked, node.is_missing ? node.last_unit : node.unit_index)) continue;
-    if (const auto place = position_in(to.plane(), from.plane(), node.position)) {
+    if (const auto place = position_in(plane, before, node.position)) {
       node.position = *place;
       moved.push_back(&node);
       continue;
@@ -74,29 +67,40 @@ void follow_plane(const SiteSettings& to, const SiteSettings& from, const AskedD
   }
 }
 
-std::size_t follow_plane(const SitePlane& to, const SitePlane* from, const AskedDevices& asked,
-                         SavedState& saved) {
+void follow_plane(const SiteSettings& to, port::ProjectionSource* projections,
+                  const AskedDevices& asked, SavedState& saved, port::Log& log) {
+  if (!saved.plane || *saved.plane == plane_of(to)) return;
+  std::string why;
+  const SitePlane plane = to.plane();
+  const std::optional<SitePlane> before = site_plane_of(*saved.plane, projections, why);
+  const auto is_saved_device = [&](const SavedNode& node) {
+    return is_device(asked, saved_unit(asked.poller, saved, node));
+  };
   const auto loses_place = [&](SavedNode& node) {
-    const auto place = from != nullptr ? position_in(to, *from, node.position) : std::nullopt;
+    const auto place = before ? position_in(plane, *before, node.position) : std::nullopt;
     node.position = place.value_or(Position{});
     return !place;
   };
   for (SavedMissing& each : saved.missing) {
-    if (!each.has_position || !is_device(asked, saved, each.node)) continue;
+    if (!each.has_position || !is_saved_device(each.node)) continue;
     each.has_position = !loses_place(each.node);
   }
   bool has_devices = false;
   const std::size_t left_out = std::erase_if(saved.nodes, [&](SavedNode& node) {
-    if (!is_device(asked, saved, node)) return false;
+    if (!is_saved_device(node)) return false;
     has_devices = true;
     return loses_place(node);
   });
-  if (!has_devices) return 0;
+  if (!has_devices) return;
   saved.anchors.clear();
   saved.features.clear();
   saved.steiner.clear();
   saved.is_canonical = true;
-  return left_out;
+  if (left_out == 0) return;
+  log.write(port::Level::warning,
+            to_string(Counted{left_out, "device has", "devices have"}) +
+                " no place in the plane of the site until heard" +
+                (before ? "" : ": the plane of before cannot be had: " + why));
 }
 
 }  // namespace etcm::firmware

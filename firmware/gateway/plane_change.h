@@ -2,7 +2,6 @@
 // they answer. A node of our own counts in units of the mesh, whatever the plane.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -34,11 +33,11 @@ void follow_plane(const SiteSettings& to, const SiteSettings& from, const AskedD
                   NodeTable& nodes, NodePlacement& placement, std::uint32_t generation,
                   port::Log& log);
 
-// Moves them in what was saved. Those that have no place in the new plane are left out, and
-// counted; of who is missing only the position. Where there are any, what else the mesh had is left
-// out: it is made anew. `from`: null where nobody knows that plane any more, so that none has a
-// place.
-std::size_t follow_plane(const SitePlane& to, const SitePlane* from, const AskedDevices& asked,
-                         SavedState& saved);
+// Moves them in what was saved; those that have no place in the new plane are left out, and the log
+// tells how many; of who is missing only the position. What else the mesh had is left out then: it
+// is made anew. Where nobody knows that plane any more, as without `projections`, none has a place.
+// Does nothing where the plane is the same, or was not saved.
+void follow_plane(const SiteSettings& to, port::ProjectionSource* projections,
+                  const AskedDevices& asked, SavedState& saved, port::Log& log);
 
 }  // namespace etcm::firmware

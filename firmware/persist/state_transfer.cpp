@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <limits>
 #include <span>
-#include <string>
 #include <utility>
 
 #include "firmware/persist/mesh_restorer.h"
+#include "firmware/persist/saved_unit.h"
 
 namespace etcm::firmware {
 
@@ -22,17 +22,6 @@ std::uint32_t age_in_ms(port::Duration age) {
 std::uint32_t silence_in_s(port::Duration silence) {
   return static_cast<std::uint32_t>(
       std::clamp<std::int64_t>(silence / 1s, 0, std::numeric_limits<std::uint32_t>::max()));
-}
-
-// The unit that a node answered at; none where it is asked no more.
-UnitIndex find_unit(const Poller& poller, const std::string& bus, ModbusAddress address) {
-  for (UnitIndex unit{0}; unit.value < poller.unit_count(); ++unit.value) {
-    if (poller.address_of(unit) == address &&
-        saved_bus_name(poller.bus(poller.bus_of(unit)).name) == bus) {
-      return unit;
-    }
-  }
-  return UnitIndex::none();
 }
 
 }  // namespace
@@ -155,7 +144,7 @@ NodeRecord* StateTransfer::restore_node(const SavedState& saved, const SavedNode
   if (node.is_silent || saved.is_last) {
     record->heard_at = saved_at - std::chrono::seconds(node.silence_s);
   }
-  const UnitIndex unit = find_unit(poller_, saved.buses[node.bus], ModbusAddress{node.address});
+  const UnitIndex unit = saved_unit(poller_, saved, node);
   if (!unit.is_none() && nodes_.at(unit) == nullptr) nodes_.assign_unit(*record, unit);
   return record;
 }
@@ -171,9 +160,7 @@ void StateTransfer::restore_missing(const SavedState& saved, const SavedMissing&
     record->position = missing.node.position;
     record->positioned_at = saved_at - std::chrono::milliseconds(missing.node.age_ms);
   }
-  if (missing.node.bus == no_saved_bus) return;
-  const UnitIndex unit =
-      find_unit(poller_, saved.buses[missing.node.bus], ModbusAddress{missing.node.address});
+  const UnitIndex unit = saved_unit(poller_, saved, missing.node);
   if (unit.is_none()) return;
   record->last_unit = unit;
   nodes_.note_gone(unit, record->heard_at);

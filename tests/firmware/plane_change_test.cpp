@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <string>
@@ -49,6 +50,13 @@ y = { register = 11, type = "i16" }
     rig.start_with({&bus_});
     rig.gateway->restore(rig.clock.now());
   }
+  // A life of the rig that has been saved; these are silent from then on.
+  void live_and_end(const std::string& plane, std::initializer_list<int> silent) {
+    start_saving(rig_, plane);
+    rig_.run(3s);
+    rig_.gateway->finish(rig_.clock.now());
+    for (const int unit : silent) bus_.silence(static_cast<std::uint8_t>(unit));
+  }
   void reload(Rig& rig, const std::string& plane) {
     std::vector<std::string> mistakes;
     const Settings next =
@@ -85,11 +93,7 @@ TEST_F(PlaneChange, ASilentDeviceStandsWhereItDidAfterAReload) {
 }
 
 TEST_F(PlaneChange, ASilentDeviceStandsWhereItDidAfterARestart) {
-  start_saving(rig_, "unit = \"1\"\n");
-  rig_.run(3s);
-  rig_.gateway->finish(rig_.clock.now());
-  bus_.silence(1);
-  bus_.silence(3);
+  live_and_end("unit = \"1\"\n", {1, 3});
   Rig after;
   start_saving(after, "unit = \"0.5\"\norigin = [\"10\", \"0\"]\n");
   EXPECT_EQ(nodes(after), (Places{{9, {50, 60}}, {1002, {180, -20}}, {1003, {-20, 400}}}));
@@ -119,11 +123,7 @@ TEST_F(PlaneChange, OneThatIsMissingComesToNoFalsePlace) {
 }
 
 TEST_F(PlaneChange, WhatLiesBeyondTheNewPlaneHasNoPlaceUntilItIsHeard) {
-  start_saving(rig_, "unit = \"1\"\n");
-  rig_.run(3s);
-  rig_.gateway->finish(rig_.clock.now());
-  bus_.silence(2);
-  bus_.silence(3);
+  live_and_end("unit = \"1\"\n", {2, 3});
   const std::string far = "unit = \"0.00001\"\norigin = [\"100\", \"0\"]\n";
   Rig after;
   start_saving(after, far);
@@ -145,11 +145,8 @@ TEST_F(PlaneChange, WhatLiesBeyondTheNewPlaneHasNoPlaceUntilItIsHeard) {
 }
 
 TEST_F(PlaneChange, TheSamePlaneKeepsTheMesh) {
-  start_saving(rig_, "unit = \"0.5\"\norigin = [\"10\", \"0\"]\n");
-  rig_.run(3s);
+  live_and_end("unit = \"0.5\"\norigin = [\"10\", \"0\"]\n", {1, 2, 3});
   const Places there = nodes(rig_);
-  rig_.gateway->finish(rig_.clock.now());
-  for (std::uint8_t unit = 1; unit <= 3; ++unit) bus_.silence(unit);
   Rig after;
   start_saving(after, "origin = [\"10\", \"0\"]\nunit = \"0.5\"\n");
   EXPECT_EQ(nodes(after), there);

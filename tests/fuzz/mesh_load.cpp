@@ -35,6 +35,10 @@ std::uint32_t word_at(std::span<const std::byte> bytes, std::size_t at) {
   return word;
 }
 
+void put(std::span<std::byte> bytes, std::size_t at, std::uint64_t value, std::size_t size) {
+  for (std::size_t i = 0; i < size; ++i) bytes[at + i] = static_cast<std::byte>(value >> (8 * i));
+}
+
 // As somebody would who forges a mesh.
 void make_checksum_right(std::span<std::byte> saved) {
   if (saved.size() < saved_head_bytes || word_at(saved, 12) == 0) return;
@@ -43,9 +47,7 @@ void make_checksum_right(std::span<std::byte> saved) {
   const auto before = static_cast<std::size_t>(whole) - saved_tail_bytes;
   Checksum sum;
   sum.add(saved.data(), before);
-  for (std::size_t i = 0; i < saved_tail_bytes; ++i) {
-    saved[before + i] = static_cast<std::byte>(sum.value() >> (8 * i));
-  }
+  put(saved, before, sum.value(), saved_tail_bytes);
 }
 
 // The same of a forger who has read how a mesh is hashed; nothing where load() does not come so
@@ -55,7 +57,7 @@ void make_hash_right(std::span<std::byte> saved, Mesh& mesh) {
   static_cast<void>(mesh.load(saved));
   mesh.clear();
   if (!overheard) return;
-  for (std::size_t i = 0; i < 8; ++i) saved[32 + i] = static_cast<std::byte>(*overheard >> (8 * i));
+  put(saved, 32, *overheard, 8);
   make_checksum_right(saved);
 }
 
@@ -96,7 +98,7 @@ void change_words(std::vector<std::byte>& saved, Input& input) {
     const std::size_t at = (is_vertex ? vertices_at : segments_at) + 4 * input.below(words);
     std::uint32_t word = kind % 4 != 0 ? input.below(vertex_end) : saved_nobody;
     if (is_vertex) word = word_at(saved, at) + input.below(3) - 1;
-    for (std::size_t b = 0; b < 4; ++b) saved[at + b] = static_cast<std::byte>(word >> (8 * b));
+    put(saved, at, word, 4);
   }
 }
 
