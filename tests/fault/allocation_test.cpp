@@ -74,7 +74,8 @@ TEST(Allocation, IsAbsentFromEveryCall) {
   EXPECT_EQ(allocations, 0u);
   EXPECT_TRUE(sound);
   EXPECT_NE(read, 0u);
-  for (const std::size_t good : {0, 1, 2, 3, 6, 7, 8}) EXPECT_EQ(answers[good], Status::ok) << good;
+  for (const std::size_t good : {0u, 1u, 2u, 3u, 6u, 7u, 8u})
+    EXPECT_EQ(answers[good], Status::ok) << good;
   EXPECT_EQ(answers[9], Status::bad_coordinate);
 }
 

@@ -277,7 +277,7 @@ TEST(OneSite, WhatMeetsIsWhatTheMeshRefuses) {
     Mesh mesh;
     ASSERT_EQ(mesh.open(memory, config), Status::ok);
     VertexId id[4];
-    for (int i = 0; i < 4; ++i) {
+    for (std::size_t i = 0; i < 4; ++i) {
       if (mesh.join(ends[i], id[i]) == Status::duplicate_vertex) id[i] = mesh.error_detail().vertex;
     }
     FeatureId feature;

@@ -109,7 +109,7 @@ TEST_F(FleetOwnerTest, AVersionThatTheBrokerHasWithAnotherPlaceIsRaised) {
     say_node("a", record_of(serial, x, "a", 1, 1));
   }
   pass(10s);
-  for (const std::uint32_t serial : {7, 8}) {
+  for (const std::uint32_t serial : {7u, 8u}) {
     EXPECT_EQ(published(serial).node.position->x, 100);
     EXPECT_TRUE(published(serial).sequence > 1 || published(serial).incarnation > 1) << serial;
   }

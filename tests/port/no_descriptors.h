@@ -8,16 +8,13 @@
 #include <algorithm>
 
 #include "posix/event_loop.h"
+#include "support/sanitized.h"
 
 namespace etcm::port {
 
 // A sanitizer that meets a type for the first time looks at it through a pipe, and takes the type
 // for a wrong one where it gets none: such a test is for the other builds.
-#ifdef __SANITIZE_ADDRESS__
-inline constexpr bool needs_descriptors_itself = true;
-#else
-inline constexpr bool needs_descriptors_itself = false;
-#endif
+inline constexpr bool needs_descriptors_itself = test::is_address_sanitized;
 
 // Until the limit is lifted this process can open nothing.
 class NoDescriptors {

@@ -201,7 +201,7 @@ class PowerCut : public testing::Test {
     const ScratchFolder disk;
     std::filesystem::create_directory(disk.path("s"));
     for (const auto& [name, file] : names) {
-      const auto has = [&](const Contents& of) {
+      const auto has = [&file = file](const Contents& of) {
         const auto found = of.find(file);
         return found == of.end() ? std::string() : found->second;
       };

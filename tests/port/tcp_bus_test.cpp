@@ -478,7 +478,8 @@ TEST_F(Bus, ARequestOfAClientHasItsAnswerAsItCame) {
       {{17}, {17, 3, 'E', 0xff, '!'}},    {{4, 0, 0, 0, 2}, {0x84, 2}},
       {{4, 0, 0, 0, 2}, {4, 2, 0, 1}},  // of another length: garbled
   };
-  for (const auto& [pdu, answered] : rows) {
+  for (const auto& row : rows) {
+    const Bytes &pdu = row.first, &answered = row.second;
     EXPECT_TRUE(bus_->is_up());
     bus_->start_request({.address = 7, .pdu = pdu, .timeout = 50ms, .ticket = 5}, now_);
     Bytes bytes;

@@ -210,7 +210,7 @@ std::unique_ptr<OwnedMesh> site_after(int moves, std::uint64_t seed) {
   const auto anywhere = [&] {
     return Position{random.between(0, site_side), random.between(0, site_side)};
   };
-  const auto any_node = [&] { return vertex_of(random.between(0, nodes - 1)); };
+  const auto any_node = [&] { return vertex_of(random.index(nodes)); };
   auto mesh = empty_mesh();
   VertexId node;
   while ((*mesh)->node_count() < nodes) static_cast<void>((*mesh)->join(anywhere(), node));

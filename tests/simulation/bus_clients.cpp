@@ -101,8 +101,8 @@ std::string BusClients::look_at(std::span<const std::uint8_t> pdu) const {
   // has answered already: nobody waits for that any more.
   if (first > 2 || first + count < 4 || is_doubled(under_way_.unit)) return {};
   const std::size_t at = 2 + 2 * (2u - first);
-  const std::uint32_t serial =
-      std::uint32_t{pdu[at]} << 24 | pdu[at + 1] << 16 | pdu[at + 2] << 8 | pdu[at + 3];
+  const std::uint32_t serial = std::uint32_t{pdu[at]} << 24 | std::uint32_t{pdu[at + 1]} << 16 |
+                               std::uint32_t{pdu[at + 2]} << 8 | pdu[at + 3];
   const bool is_of_unit = std::ranges::any_of(devices_, [&](const Device* device) {
     return device->serial == serial && device->unit == under_way_.unit;
   });

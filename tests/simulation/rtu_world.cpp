@@ -148,7 +148,9 @@ void RtuWorld::show_harm(Sending& sending, std::span<std::uint8_t> piece) {
     const std::span frame = rest.first(size);
     if (checksum(frame) != 0) continue;
     // What one has sent as it is may have such a frame in the middle too.
-    const bool is_sent = !sending.is_spoilt && !std::ranges::search(sending.bytes, frame).empty();
+    const bool is_sent =
+        !sending.is_spoilt && std::search(sending.bytes.begin(), sending.bytes.end(), frame.begin(),
+                                          frame.end()) != sending.bytes.end();
     if (is_sent) continue;
     const std::size_t behind = rest.size() - size;
     piece[piece.size() - 1 - behind] ^= 1;
@@ -185,7 +187,9 @@ Instant RtuWorld::next() const {
 }
 
 Duration RtuWorld::on_the_network() {
-  return network_max_ > Duration{} ? random_.below(network_max_ / 1ms) * 1ms : Duration{};
+  return network_max_ > Duration{}
+             ? random_.below(static_cast<std::uint64_t>(network_max_ / 1ms)) * 1ms
+             : Duration{};
 }
 
 }  // namespace etcm::simulation

@@ -2,6 +2,8 @@
 // under AddressSanitizer, where it takes ten times.
 #pragma once
 
+#include "support/sanitized.h"
+
 namespace etcm::test {
 
 // Of what is random or exhaustive, one part in so many. All of it is done on the machine that
@@ -11,11 +13,7 @@ namespace etcm::test {
 inline constexpr int thinning_if_slow = 10;
 inline constexpr bool is_emulated = true;
 #else
-#ifdef __SANITIZE_ADDRESS__
-inline constexpr int thinning_if_slow = 3;
-#else
-inline constexpr int thinning_if_slow = 1;
-#endif
+inline constexpr int thinning_if_slow = is_address_sanitized ? 3 : 1;
 inline constexpr bool is_emulated = false;
 #endif
 

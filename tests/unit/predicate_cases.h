@@ -8,6 +8,7 @@
 
 #include "etcm/types.h"
 #include "support/emulated.h"
+#include "support/sanitized.h"
 
 namespace etcm::test {
 
@@ -17,11 +18,7 @@ inline constexpr std::int64_t coordinate_max = std::int64_t{1} << 52;
 
 // AddressSanitizer makes the oracle's allocations fiftyfold slower, and has nothing to find in more
 // of the same arithmetic.
-#ifdef __SANITIZE_ADDRESS__
-inline constexpr int thinning = 20;
-#else
-inline constexpr int thinning = thinning_if_slow;
-#endif
+inline constexpr int thinning = is_address_sanitized ? 20 : thinning_if_slow;
 
 class Random {
  public:

@@ -105,7 +105,7 @@ class Court {
     }
     for (std::uint64_t i = 0; i < 3; ++i) try_limit(end_ - 1 + i);
     std::sort(tried.begin(), tried.end(),
-              [this](const Run& a, const Run& b) { return nearness_of(a) > nearness_of(b); });
+              [](const Run& a, const Run& b) { return nearness_of(a) > nearness_of(b); });
     for (std::size_t i = 0; i < std::min<std::size_t>(3, tried.size()); ++i) look_below(tried[i]);
   }
 
