@@ -108,7 +108,7 @@ TEST(HardestWork, StaysWithinTheLimit) {
   std::ifstream file(ETCM_HARDEST_WORK);
   std::size_t count = 0;
   for (std::string text; std::getline(file, text); ++count) {
-    if (is_emulated && count % thinning_if_slow != 0) continue;
+    if (count % thinning_if_slow != 0) continue;
     expect_within_limits(stage, text);
   }
   EXPECT_GT(count, 100u) << ETCM_HARDEST_WORK;
