@@ -13,7 +13,7 @@ namespace etcm::test {
 inline constexpr int thinning_if_slow = 10;
 inline constexpr bool is_emulated = true;
 #else
-inline constexpr int thinning_if_slow = is_address_sanitized ? 6 : 1;
+inline constexpr int thinning_if_slow = is_address_sanitized ? 3 : 1;
 inline constexpr bool is_emulated = false;
 #endif
 
