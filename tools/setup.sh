@@ -7,8 +7,8 @@
 #                                 progress and the time; if it fails, shows what failed and ends
 #   etcm_log LABEL                the file with the output of the step of that label
 #   etcm_packages GROUP...        the names of the packages of these groups
-#   etcm_build_all PRESET [OPTION...]  configures and builds everything that the preset and the
-#                                 options have
+#   etcm_build_all PRESET [OPTION...] [-- TARGET...]  configures with everything that the preset and
+#                                 the options have, and builds it, or these targets of it
 #   etcm_build PRESET TARGET...   configures and builds these programs; asks for no package that only
 #                                 tests or measurements need
 
@@ -107,11 +107,16 @@ etcm_step() {
 }
 
 etcm_build_all() {
-  local preset=$1
+  local preset=$1 options=() targets=()
   shift
+  while (($# > 0)) && [[ $1 != -- ]]; do
+    options+=("$1")
+    shift
+  done
+  (($# < 2)) || targets=(--target "${@:2}")
   cd "$etcm_root"
-  etcm_step "$preset: configure" cmake --preset "$preset" -DETCM_BUILD_TESTS=ON "$@"
-  etcm_step "$preset: build" cmake --build --preset "$preset"
+  etcm_step "$preset: configure" cmake --preset "$preset" -DETCM_BUILD_TESTS=ON "${options[@]}"
+  etcm_step "$preset: build" cmake --build --preset "$preset" "${targets[@]}"
 }
 
 etcm_build() {

@@ -59,7 +59,7 @@ constexpr MeshConfig small_room{.vertices_max = 60, .features_max = 24};
 constexpr int features_most = 3;
 // Going over all graphs takes an emulator minutes, whichever of them are looked at: of sets of
 // nodes it has one in so many.
-constexpr unsigned sets_thinned = is_emulated ? 4 : 1;
+constexpr unsigned sets_thinned = is_slow ? 4 : 1;
 constexpr unsigned thinned = thinning_if_slow * sets_thinned;
 
 class SmallChanges : public testing::TestWithParam<World> {

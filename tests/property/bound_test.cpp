@@ -109,7 +109,7 @@ std::unique_ptr<OwnedMesh> mesh_of_nodes(const Graph& graph) {
 
 TEST(Bound, IsWhatTheNodesSay) {
   std::uint32_t sum = 0;
-  for (std::uint64_t seed = 1; seed <= (is_emulated ? 10u : 300u); ++seed) {
+  for (std::uint64_t seed = 1; seed <= (is_slow ? 10u : 300u); ++seed) {
     inputs::Random random(seed);
     const Graph graph = graph_of_some_family(random);
     const auto nodes = mesh_of_nodes(graph);
@@ -122,13 +122,13 @@ TEST(Bound, IsWhatTheNodesSay) {
       sum += least;
     }
   }
-  EXPECT_GT(sum, is_emulated ? 10u : 2000u);
+  EXPECT_GT(sum, is_slow ? 10u : 2000u);
 }
 
 TEST(Bound, IsNeverAboveTheMesh) {
   for (const inputs::CorpusEntry& entry : inputs::corpus()) {
     const Graph& graph = entry.graph;
-    if (graph.nodes.size() > (is_emulated ? 100u : 1000u)) continue;
+    if (graph.nodes.size() > (is_slow ? 100u : 1000u)) continue;
     const auto nodes = mesh_of_nodes(graph);
     const auto mesh = std::make_unique<OwnedMesh>(inputs::config_for(graph, 20'000));
     ASSERT_EQ((*mesh)->build(graph.nodes, graph.features), Status::ok) << graph.name;
@@ -140,7 +140,7 @@ TEST(Bound, IsNeverAboveTheMesh) {
 
 TEST(Bound, IsReachedByAFeatureThatIsAlone) {
   std::uint32_t sum = 0;
-  for (std::uint64_t seed = 1; seed <= (is_emulated ? 5u : 100u); ++seed) {
+  for (std::uint64_t seed = 1; seed <= (is_slow ? 5u : 100u); ++seed) {
     Graph graph = inputs::random_graph(200 + 2 * static_cast<std::size_t>(seed),
                                        inputs::FeatureLength::any, seed);
     graph.features.resize(1);
@@ -148,7 +148,7 @@ TEST(Bound, IsReachedByAFeatureThatIsAlone) {
     EXPECT_EQ((*built(graph))->steiner_count(), least) << graph.name;
     sum += least;
   }
-  EXPECT_GT(sum, is_emulated ? 20u : 400u);
+  EXPECT_GT(sum, is_slow ? 20u : 400u);
 }
 
 TEST(Bound, IsReachedByFeaturesFarFromEachOther) {

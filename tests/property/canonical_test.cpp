@@ -22,12 +22,12 @@ std::uint64_t hash_of_build(const Mesh& mesh) {
 
 TEST(Canonical, IsWhatBuildMakesAfterAnyChange) {
   std::uint64_t compared = 0;
-  for (std::uint64_t seed = 1; seed <= (is_emulated ? 6u : 60u); ++seed) {
+  for (std::uint64_t seed = 1; seed <= (is_slow ? 6u : 60u); ++seed) {
     CanonicalLife life(seed);
     ASSERT_TRUE(life.live(60)) << "seed " << seed << ", " << life.name();
     compared += life.compared();
   }
-  EXPECT_GT(compared, is_emulated ? 100u : 1000u);
+  EXPECT_GT(compared, is_slow ? 100u : 1000u);
 }
 
 // Where many features meet, not each that begins or ends there is looked at for one that comes or
@@ -36,7 +36,7 @@ TEST(Canonical, IsWhatBuildMakesWhereFeaturesComeAndGoAtANodeOfMany) {
   constexpr std::int32_t side = 1000;
   // The first two show what it would be to look at none of them, or at half.
   std::vector<std::uint64_t> seeds{106, 835};
-  for (std::uint64_t seed = 1; seed <= (is_emulated ? 4u : 40u); ++seed) seeds.push_back(seed);
+  for (std::uint64_t seed = 1; seed <= (is_slow ? 4u : 40u); ++seed) seeds.push_back(seed);
   for (const std::uint64_t seed : seeds) {
     inputs::Random random(seed);
     const auto spokes = static_cast<std::size_t>(10 + seed % 20);
@@ -78,7 +78,7 @@ TEST(Canonical, ForgetsAThousandMovesOfOneNode) {
   VertexId wanderer;
   ASSERT_EQ((*mesh)->join({-40, -40}, wanderer), Status::ok);
   inputs::Random random(1);
-  for (int i = 0; i < (is_emulated ? 100 : 1000); ++i) {
+  for (int i = 0; i < (is_slow ? 100 : 1000); ++i) {
     static_cast<void>((*mesh)->move(wanderer, {random.between(0, 1000), random.between(0, 1000)}));
   }
   ASSERT_EQ((*mesh)->leave(wanderer), Status::ok);

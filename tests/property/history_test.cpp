@@ -46,7 +46,7 @@ class Lives : public testing::TestWithParam<Life> {
 };
 
 TEST_P(Lives, StaySound) {
-  for (std::uint64_t seed = 1; seed <= (is_emulated ? 1u : 3u); ++seed) {
+  for (std::uint64_t seed = 1; seed <= (is_slow ? 1u : 3u); ++seed) {
     OwnedMesh mesh(config());
     ASSERT_EQ(mesh.opened(), Status::ok);
     History history(*mesh, GetParam().side, GetParam().crowd, seed);
@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(
 // All leave, few return, all leave again; and whatever stands, each question has its answer.
 TEST(EventfulHistory, IsAnalysedAtEachStep) {
   std::size_t times_empty = 0;
-  for (std::uint64_t seed = 1; seed <= (is_emulated ? 3u : 20u); ++seed) {
+  for (std::uint64_t seed = 1; seed <= (is_slow ? 3u : 20u); ++seed) {
     const auto mesh = empty_mesh(300, 60);
     History history(**mesh, seed % 2 == 0 ? 6 : 1000, static_cast<std::size_t>(seed % 13), seed,
                     Course::eventful);
@@ -104,14 +104,14 @@ TEST(EventfulHistory, IsAnalysedAtEachStep) {
     ASSERT_TRUE(history.agrees()) << "seed " << seed;
     times_empty += history.times_empty();
   }
-  EXPECT_GT(times_empty, is_emulated ? 3u : 20u);
+  EXPECT_GT(times_empty, is_slow ? 3u : 20u);
 }
 
 // Whatever a mesh starts from, build() that gave up for any reason, restore() or rebuild(): each
 // change succeeds whole or changes nothing.
 TEST(EventfulHistory, StaysSoundFromAnyStart) {
   std::size_t times_incomplete = 0, refused = 0;
-  for (std::uint64_t seed = 1; seed <= (is_emulated ? 300u : 6000u); ++seed) {
+  for (std::uint64_t seed = 1; seed <= (is_slow ? 300u : 6000u); ++seed) {
     inputs::Random random(seed);
     MeshConfig config{.vertices_max = 300, .features_max = 60};
     const auto few = [&random] { return static_cast<std::uint32_t>(1 + random.below(3)); };
@@ -131,14 +131,14 @@ TEST(EventfulHistory, StaysSoundFromAnyStart) {
     times_incomplete += history.times_incomplete();
     refused += history.refused_for_room();
   }
-  EXPECT_GT(times_incomplete, is_emulated ? 10u : 400u);
-  EXPECT_GT(refused, is_emulated ? 20u : 400u);
+  EXPECT_GT(times_incomplete, is_slow ? 10u : 400u);
+  EXPECT_GT(refused, is_slow ? 20u : 400u);
 }
 
 // What a mesh holds after a long life is little more than what it needs.
 TEST(History, LeavesFewSteinerVerticesBehind) {
   double log_sum = 0;
-  constexpr int lives = is_emulated ? 3 : 10;
+  constexpr int lives = is_slow ? 3 : 10;
   for (std::uint64_t seed = 1; seed <= lives; ++seed) {
     const auto mesh = empty_mesh(8000, 1000);
     History history(**mesh, 1000, 200, seed);

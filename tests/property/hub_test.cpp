@@ -18,7 +18,7 @@ namespace etcm::test {
 namespace {
 
 constexpr std::int32_t radius = 1'000'000;
-constexpr std::size_t around = is_emulated ? 60 : 700;
+constexpr std::size_t around = is_slow ? 60 : 700;
 
 std::uint32_t degree_of(const Mesh& mesh, VertexId v) { return mesh.neighbours(v, {}); }
 

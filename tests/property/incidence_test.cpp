@@ -102,7 +102,7 @@ TEST(Incidence, TellsEndsFromWhatRunsThrough) {
 }
 
 TEST(Incidence, IsThatOfTheChains) {
-  constexpr std::size_t nodes_most = is_emulated ? 100 : 1000;
+  constexpr std::size_t nodes_most = is_slow ? 100 : 1000;
   for (const inputs::CorpusEntry& entry : inputs::corpus()) {
     if (entry.graph.nodes.size() > nodes_most || entry.family == "nearly collinear") continue;
     SCOPED_TRACE(entry.graph.name);
@@ -117,7 +117,7 @@ TEST(Incidence, IsThatOfTheChains) {
 TEST(Incidence, IsThatOfTheChainsWhileAMeshChanges) {
   const auto mesh = empty_mesh(400, 60);
   History history(**mesh, 20, 40, 23, Course::eventful);
-  for (int step = 0; step < (is_emulated ? 60 : 600); ++step) {
+  for (int step = 0; step < (is_slow ? 60 : 600); ++step) {
     ASSERT_TRUE(history.step());
     expect_right_incidence(**mesh);
   }

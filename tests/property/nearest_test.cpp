@@ -170,13 +170,13 @@ TEST(NearestNodes, PassOverSteinerVertices) {
 
 // A vertex with many neighbours, most of which have it as their nearest.
 TEST(NearestNodes, AroundAHub) {
-  Graph graph = inputs::circle(is_emulated ? 200 : 2000, 1'000'000, 0, 4);
+  Graph graph = inputs::circle(is_slow ? 200 : 2000, 1'000'000, 0, 4);
   graph.nodes.push_back({1, 1});
   expect_right(**built(graph), 11, 10);
 }
 
 TEST(NearestNodes, AreFoundInAnyMesh) {
-  constexpr std::size_t nodes_most = is_emulated ? 100 : 600;
+  constexpr std::size_t nodes_most = is_slow ? 100 : 600;
   for (const inputs::CorpusEntry& entry : inputs::corpus()) {
     if (entry.graph.nodes.size() > nodes_most || entry.family == "nearly collinear") continue;
     SCOPED_TRACE(entry.graph.name);
@@ -191,7 +191,7 @@ TEST(NearestNodes, AreFoundInAnyMesh) {
 TEST(NearestNodes, AreFoundWhileAMeshChanges) {
   const auto mesh = empty_mesh(400, 60);
   History history(**mesh, 60, 40, 17, Course::eventful);
-  for (std::uint64_t step = 0; step < (is_emulated ? 60 : 600); ++step) {
+  for (std::uint64_t step = 0; step < (is_slow ? 60 : 600); ++step) {
     ASSERT_TRUE(history.step());
     expect_right(**mesh, step, 1);
   }

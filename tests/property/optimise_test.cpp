@@ -23,7 +23,7 @@ std::unique_ptr<OwnedMesh> open_for(const Graph& graph, SplitPolicy policy = spl
 
 TEST(Optimise, NeedsNoMoreAndGivesTheSameMeshInAnyOrder) {
   std::uint32_t fewer = 0;
-  for (std::uint64_t seed = 1; seed <= (is_emulated ? 10u : 120u); ++seed) {
+  for (std::uint64_t seed = 1; seed <= (is_slow ? 10u : 120u); ++seed) {
     inputs::Random random(seed);
     const Graph graph = graph_of_some_family(random);
     const SplitPolicy policy = random.below(5) == 0 ? split_paper : split_default;
@@ -49,11 +49,11 @@ TEST(Optimise, NeedsNoMoreAndGivesTheSameMeshInAnyOrder) {
     ASSERT_EQ((*mesh)->canonicalize(), Status::ok);
     ASSERT_EQ((*mesh)->hash(), hash) << seed << ", " << graph.name;
   }
-  EXPECT_GT(fewer, is_emulated ? 5u : 100u);
+  EXPECT_GT(fewer, is_slow ? 5u : 100u);
 }
 
 TEST(Optimise, DoesNotDependOnWhatWasBefore) {
-  for (std::uint64_t seed = 1; seed <= (is_emulated ? 2u : 20u); ++seed) {
+  for (std::uint64_t seed = 1; seed <= (is_slow ? 2u : 20u); ++seed) {
     const Graph graph = inputs::random_graph(120, inputs::FeatureLength::any, seed);
     const auto fresh = built(graph), old = grown(shuffled(graph, seed));
     ASSERT_EQ((*old)->canonicalize(), Status::ok);
@@ -85,7 +85,7 @@ TEST(Optimise, IsNotThereForAMeshThatIsNotWhole) {
 TEST(Optimise, NeedsRoomForNineteenVerticesMoreAndIsWithoutEffectInLess) {
   constexpr std::uint32_t room_of_a_trial = 19;
   std::uint32_t as_good = 0, worse = 0;
-  for (std::uint64_t seed = 1; seed <= (is_emulated ? 1u : 8u); ++seed) {
+  for (std::uint64_t seed = 1; seed <= (is_slow ? 1u : 8u); ++seed) {
     const Graph graph = inputs::random_graph(200, inputs::FeatureLength::any, seed);
     const auto roomy = built(graph);
     const std::uint32_t before = (*roomy)->steiner_count();
@@ -114,7 +114,7 @@ TEST(Optimise, NeedsRoomForNineteenVerticesMoreAndIsWithoutEffectInLess) {
     }
   }
   EXPECT_GT(as_good, 0u);
-  if (!is_emulated) {
+  if (!is_slow) {
     EXPECT_GT(worse, 0u) << "or less would do";
   }
 }

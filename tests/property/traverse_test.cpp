@@ -85,7 +85,7 @@ TEST(Traverse, GoesOverAllThatStands) {
 TEST(Traverse, LeavesOutWhatHasLeft) {
   const auto mesh = empty_mesh(400, 60);
   History history(**mesh, 20, 40, 29, Course::eventful);
-  for (int step = 0; step < (is_emulated ? 60 : 600); ++step) {
+  for (int step = 0; step < (is_slow ? 60 : 600); ++step) {
     ASSERT_TRUE(history.step());
     expect_right_ranges(**mesh);
   }

@@ -30,7 +30,7 @@ struct Task {
 void PrintTo(const Task& task, std::ostream* out) { *out << task.name; }
 
 // What a power of two is added to, so that not all limits are alike.
-constexpr std::size_t scale = is_emulated ? 1 : 4;
+constexpr std::size_t scale = is_slow ? 1 : 4;
 
 // Node 1 in the midst of a circle: each of the others is a neighbour of it.
 Graph hub() {

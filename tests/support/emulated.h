@@ -1,5 +1,5 @@
-// How much of a long test to do under an emulator, where everything takes thirty times as long, and
-// under AddressSanitizer, where it takes ten times.
+// How much of a long test to do where everything takes ten to thirty times as long: under an
+// emulator and under AddressSanitizer.
 #pragma once
 
 #include "support/sanitized.h"
@@ -7,14 +7,14 @@
 namespace etcm::test {
 
 // Of what is random or exhaustive, one part in so many. All of it is done on the machine that
-// builds, on the same source; and that the other machine's meshes are the same, bit for bit, is
+// builds, on the same source; and that another machine's meshes are the same, bit for bit, is
 // asked of the whole corpus (property/corpus_same_bits_as_host).
 #ifdef ETCM_EMULATED
-inline constexpr int thinning_if_slow = 10;
 inline constexpr bool is_emulated = true;
 #else
-inline constexpr int thinning_if_slow = is_address_sanitized ? 3 : 1;
 inline constexpr bool is_emulated = false;
 #endif
+inline constexpr bool is_slow = is_emulated || is_address_sanitized;
+inline constexpr int thinning_if_slow = is_slow ? 10 : 1;
 
 }  // namespace etcm::test

@@ -14,7 +14,7 @@ namespace etcm::test {
 namespace {
 
 // Of small calls each limit.
-constexpr std::uint64_t limits_most = is_emulated ? 24 : 512;
+constexpr std::uint64_t limits_most = is_slow ? 24 : 512;
 
 void expect_within_limits(Stage& stage, const std::string& text) {
   const std::optional<WorkCase> of = case_from(text);

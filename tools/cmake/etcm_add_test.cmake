@@ -22,7 +22,7 @@ function(etcm_add_test name)
   endif()
   if(CMAKE_CROSSCOMPILING_EMULATOR)
     math(EXPR arg_TIMEOUT "10 * ${arg_TIMEOUT}")
-  elseif(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+  elseif(ETCM_SANITIZED)
     math(EXPR arg_TIMEOUT "3 * ${arg_TIMEOUT}")
   endif()
   get_filename_component(folder "${CMAKE_CURRENT_SOURCE_DIR}" NAME)
@@ -45,7 +45,7 @@ function(etcm_add_test name)
     # GoogleTest's headers take longer to compile than most tests.
     UNITY_BUILD ON
   )
-  if(CMAKE_CROSSCOMPILING_EMULATOR OR CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+  if(CMAKE_CROSSCOMPILING_EMULATOR OR ETCM_SANITIZED)
     # Of the longest program each part runs for a minute or two.
     set(parts 4)
     math(EXPR last_part "${parts} - 1")

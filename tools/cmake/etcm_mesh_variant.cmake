@@ -1,10 +1,11 @@
-# etcm_mesh_variant(NAME [ID_BITS 16|32] [FORCE_LIMBS] [UNCHECKED] [ANALYSIS] [OPTIONS option...])
+# etcm_mesh_variant(NAME [ID_BITS 16|32] [FORCE_LIMBS] [UNCHECKED] [ANALYSIS] [JOINED]
+#                   [OPTIONS option...])
 #
 # The library once more, compiled in another way than this build's own: an object library of the
 # same sources with the same flags, and OPTIONS after them; UNCHECKED without checks of arguments;
-# with ANALYSIS those of etcm_analysis too. For tests.
+# with ANALYSIS those of etcm_analysis too; JOINED into one source, which is sooner compiled. For tests.
 function(etcm_mesh_variant name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "FORCE_LIMBS;UNCHECKED;ANALYSIS" "ID_BITS" "OPTIONS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "FORCE_LIMBS;UNCHECKED;ANALYSIS;JOINED" "ID_BITS" "OPTIONS")
   if(NOT arg_ID_BITS)
     set(arg_ID_BITS ${ETCM_ID_BITS})
   endif()
@@ -18,7 +19,7 @@ function(etcm_mesh_variant name)
   list(TRANSFORM sources PREPEND "${folder}/")
 
   add_library(${name} OBJECT ${sources})
-  set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ${arg_JOINED} UNITY_BUILD_BATCH_SIZE 0)
   target_compile_features(${name} PUBLIC cxx_std_20)
   target_include_directories(${name} PUBLIC "${folder}/include" PRIVATE "${folder}/src")
   target_compile_definitions(${name} PUBLIC ETCM_ID_BITS=${arg_ID_BITS}
@@ -26,5 +27,8 @@ function(etcm_mesh_variant name)
     $<$<BOOL:${ETCM_VERIFY}>:ETCM_VERIFY>
     $<$<BOOL:${arg_FORCE_LIMBS}>:ETCM_FORCE_LIMBS>)
   target_compile_options(${name} PRIVATE ${options} ${arg_OPTIONS})
-  target_link_libraries(${name} PRIVATE etcm_warnings)
+  # Where they are joined, names shadow each other that never meet in the library.
+  if(NOT arg_JOINED)
+    target_link_libraries(${name} PRIVATE etcm_warnings)
+  endif()
 endfunction()
