@@ -15,11 +15,13 @@
 etcm_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 etcm_log_dir=$etcm_root/build/log
 
-# Presets share most of what they compile, and so do clones.
-if command -v ccache >/dev/null; then
+# From one run to the next little changes, and clones share what they compile.
+etcm_cache_objects() {
+  command -v ccache >/dev/null || return 0
   export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
   export CCACHE_BASEDIR=$etcm_root CCACHE_NOHASHDIR=1
-fi
+}
+etcm_cache_objects
 
 etcm_fail() {
   printf '%s: %s\n' "$(basename "$0")" "$1" >&2
@@ -60,6 +62,7 @@ etcm_require() {
   etcm_step "package lists" "${as_root[@]}" apt-get -q update
   etcm_step "install ${#missing[@]} packages" "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
     apt-get -q install -y --no-install-recommends "${missing[@]}"
+  etcm_cache_objects
 }
 
 # The last "12/345" of a log: Ninja and CTest both write it.
