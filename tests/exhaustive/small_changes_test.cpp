@@ -57,8 +57,8 @@ void PrintTo(const World& world, std::ostream* out) { *out << world.name; }
 
 constexpr MeshConfig small_room{.vertices_max = 60, .features_max = 24};
 constexpr int features_most = 3;
-// Going over all graphs takes an emulator minutes, whichever of them are looked at: of sets of
-// nodes it has one in so many.
+// Going over all graphs takes minutes where it is slow, whichever of them are looked at: of sets of
+// nodes there is one in so many then.
 constexpr unsigned sets_thinned = is_slow ? 4 : 1;
 constexpr unsigned thinned = thinning_if_slow * sets_thinned;
 

@@ -6,9 +6,9 @@
 
 namespace etcm::test {
 
-// Of what is random or exhaustive, one part in so many. All of it is done on the machine that
-// builds, on the same source; and that another machine's meshes are the same, bit for bit, is
-// asked of the whole corpus (property/corpus_same_bits_as_host).
+// Of what is random or exhaustive, one part in so many. All of it is done by the preset release, on
+// the same source (tests/README.md says when); and that another machine's meshes are the same, bit
+// for bit, is asked of the whole corpus (property/corpus_same_bits_as_host).
 #ifdef ETCM_EMULATED
 inline constexpr bool is_emulated = true;
 #else
