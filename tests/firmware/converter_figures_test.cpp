@@ -92,7 +92,7 @@ TEST_P(CostOfDeadUnits, IsOnePollInAHundredAndATenthOfTheAge) {
   const auto& [name, behind, warm_up, longest] = GetParam();
   // Four minutes have each kind of question in vain in them; ten show how seldom it is.
   const port::Duration time =
-      test::thinning_if_slow > 1 ? std::min(longest, four_minutes) : longest;
+      test::thinning_if_emulated > 1 ? std::min(longest, four_minutes) : longest;
   const port::Instant from = port::Instant{1h} + warm_up;
   const port::Instant to = from + time;
   ConverterSite site(behind);

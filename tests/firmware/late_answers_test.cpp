@@ -451,7 +451,7 @@ class LateUnits : public testing::TestWithParam<std::tuple<Pattern, int>> {
 
 TEST_P(LateUnits, NeverHaveAnAnswerBelievedThatIsNotToTheQuestion) {
   LateSite site(LateUnits::site(false), latency());
-  site.run(60'000 / test::thinning_if_slow);
+  site.run(60'000 / test::thinning_if_emulated);
   EXPECT_EQ(site.readings[units], 0u);
 }
 
@@ -460,12 +460,12 @@ TEST_P(LateUnits, NorAfterARestart) {
   LateSite site(LateUnits::site(true), latency());
   std::minstd_rand random(7);
   std::uint32_t readings = 0;
-  for (int restart = 0; restart < 400 / test::thinning_if_slow; ++restart) {
+  for (int restart = 0; restart < 400 / test::thinning_if_emulated; ++restart) {
     site.run_for(up_to(20s, random));
     site.restart_after(up_to(500ms, random));
   }
   for (const std::uint32_t count : site.readings) readings += count;
-  EXPECT_GT(readings, 1000u / test::thinning_if_slow);
+  EXPECT_GT(readings, 1000u / test::thinning_if_emulated);
 }
 
 // Then all the time is theirs.
@@ -473,13 +473,13 @@ TEST_P(LateUnits, NorWhereNobodyElseIsOnTheLine) {
   LateUnitsOnABus alone = LateUnits::site(true);
   alone.units = 3;
   LateSite site(alone, latency());
-  site.run(60'000 / test::thinning_if_slow);
+  site.run(60'000 / test::thinning_if_emulated);
 }
 
 TEST_P(LateUnits, NorBetweenErrandsAndWrites) {
   LateSite site(LateUnits::site(true), latency());
-  site.run(60'000 / test::thinning_if_slow);
-  EXPECT_GT(site.requests.answered, 100u / test::thinning_if_slow);
+  site.run(60'000 / test::thinning_if_emulated);
+  EXPECT_GT(site.requests.answered, 100u / test::thinning_if_emulated);
 }
 
 // Whatever the others ask: neither has the other's answers.
@@ -487,8 +487,8 @@ TEST_P(LateUnits, NorBetweenTheRequestsOfThoseWhoShareTheLine) {
   LateUnitsOnABus shared = LateUnits::site(true);
   shared.clients = LateClients::Wish::anything;
   LateSite site(shared, latency());
-  site.run(60'000 / test::thinning_if_slow);
-  EXPECT_GT(site.clients.answered, 100u / test::thinning_if_slow);
+  site.run(60'000 / test::thinning_if_emulated);
+  EXPECT_GT(site.clients.answered, 100u / test::thinning_if_emulated);
 }
 
 // Against a line on which they are not asked at all; those that are in time now and then have some

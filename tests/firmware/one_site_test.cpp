@@ -246,7 +246,7 @@ void settle_down(World& world, inputs::Random& random, const Settings& site, con
 }
 
 TEST(OneSite, AnyHistoryEndsAsIfAllHadComeAtOnce) {
-  for (std::uint64_t seed = 0; seed < 400u / test::thinning_if_slow; ++seed) {
+  for (std::uint64_t seed = 0; seed < 400u / test::thinning_if_emulated; ++seed) {
     inputs::Random random(seed);
     const Settings site = some_site(random);
     const Places places = some_places(random);
@@ -266,7 +266,7 @@ TEST(OneSite, AnyHistoryEndsAsIfAllHadComeAtOnce) {
 
 TEST(OneSite, WhatMeetsIsWhatTheMeshRefuses) {
   inputs::Random random(7);
-  for (int round = 0; round < 20'000 / test::thinning_if_slow; ++round) {
+  for (int round = 0; round < 20'000 / test::thinning_if_emulated; ++round) {
     std::vector<Position> ends;
     for (int i = 0; i < 4; ++i) ends.push_back({random.between(0, 6), random.between(0, 6)});
     if (ends[0] == ends[1] || ends[2] == ends[3]) continue;

@@ -129,7 +129,7 @@ class History {
 TEST(PresenceHistory, OnlyWhoWasSilentForItselfIsEverMissing) {
   std::size_t missing = 0;
   std::size_t silent = 0;
-  for (std::uint32_t seed = 1; seed <= 60u / test::thinning_if_slow; ++seed) {
+  for (std::uint32_t seed = 1; seed <= 60u / test::thinning_if_emulated; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     History history(seed);
     history.run(150);
@@ -139,8 +139,8 @@ TEST(PresenceHistory, OnlyWhoWasSilentForItselfIsEverMissing) {
     if (HasFailure()) return;
   }
   // Else it would have shown nothing.
-  EXPECT_GT(missing, 100u / test::thinning_if_slow);
-  EXPECT_GT(silent, 100u / test::thinning_if_slow);
+  EXPECT_GT(missing, 100u / test::thinning_if_emulated);
+  EXPECT_GT(silent, 100u / test::thinning_if_emulated);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 
 using Random = std::mt19937_64;
 
-constexpr int rounds = 2000 / test::thinning_if_slow;
+constexpr int rounds = 2000 / test::thinning_if_emulated;
 
 // The bytes of a value, the highest first.
 std::vector<std::uint8_t> bytes_of(std::uint64_t value, std::size_t count) {

@@ -16,5 +16,7 @@ inline constexpr bool is_emulated = false;
 #endif
 inline constexpr bool is_slow = is_emulated || is_address_sanitized;
 inline constexpr int thinning_if_slow = is_slow ? 10 : 1;
+// Of the gateway's parts, which CI passes under sanitizers alone, and so all of it there.
+inline constexpr int thinning_if_emulated = is_emulated ? 10 : 1;
 
 }  // namespace etcm::test
