@@ -182,6 +182,7 @@ void BusSchedule::ask(const Question& question, port::Instant now) {
   if (question.due < *begun_at_) unit.due = now;
   unit.reason = question.reason;
   unit.asked_at = now;
+  unit.wanted_at = due_in_turn();
   if (question.reason != Reason::turn && question.reason != Reason::discovery) {
     ++unsure_under_way_;
   }
@@ -288,34 +289,44 @@ port::Duration BusSchedule::cost_of(port::Instant asked_at, const port::BusAnswe
   return std::min(now - asked_at, cost_max_ + bus_.delay_max()) + answer.silence;
 }
 
+// Time that nobody needs is none of a share: many that cost little are asked in it, and would use
+// up the share of one that costs more than there is between two whose turn it is.
+port::Duration BusSchedule::cost_to_others(const UnitSchedule& unit, port::Duration cost) {
+  return std::clamp(unit.asked_at + cost - unit.wanted_at, port::Duration{}, cost);
+}
+
 // What the others had to wait for a unit that failed, or was only looked for, comes off its share.
 void BusSchedule::note_cost(ModbusAddress address, const port::BusAnswer& answer,
                             port::Instant now) {
   UnitSchedule& unit = units_[address.value];
   unit.silence = answer.silence;
   const port::Duration cost = cost_of(unit.asked_at, answer, now);
-  const port::Duration missed_cost = unit.cost;
+  const port::Duration waited = cost_to_others(unit, cost);
+  const port::Duration missed = unit.missed_cost;
   const bool is_ok = answer.result == port::BusResult::ok;
-  if (!is_ok) unit.cost = cost;
+  if (!is_ok) {
+    unit.cost = cost;
+    unit.missed_cost = waited;
+  }
   switch (unit.reason) {
     case Reason::first:
       --unsure_under_way_;
       [[fallthrough]];
     case Reason::turn:
       // A unit that was never there is asked again in the time of those that fail.
-      if (!is_ok && !unit.has_answered) charge_retry(unit, cost, now);
+      if (!is_ok && !unit.has_answered) charge_retry(unit, waited, now);
       return;
     case Reason::repeat:
       --unsure_under_way_;
       // One that loses every other answer has the time of the lost ones from this share too.
-      if (unit.has_answered) return repeat_share_.charge(cost + missed_cost, now);
-      first_repeat_share_.charge(cost, now);
-      if (!is_ok) charge_retry(unit, cost, now);
+      if (unit.has_answered) return repeat_share_.charge(waited + missed, now);
+      first_repeat_share_.charge(waited, now);
+      if (!is_ok) charge_retry(unit, waited, now);
       return;
     case Reason::retry:
       --unsure_under_way_;
       // One that answers takes no more than those that are there.
-      if (!is_ok) charge_retry(unit, cost, now);
+      if (!is_ok) charge_retry(unit, waited, now);
       return;
     case Reason::discovery:
       discovery_under_way_ = false;

@@ -129,8 +129,8 @@ class BusSchedule {
   port::Duration exchange_floor() const { return exchange_floor_; }
   // The most a question costs that is not answered.
   port::Duration cost_max() const { return cost_max_; }
-  // What others had to wait for a question. Where the program stood still meanwhile only what it
-  // takes at the most: else they would go on to wait for hours.
+  // How long a question keeps the line. Where the program stood still meanwhile only what it takes
+  // at the most: else others would go on to wait for hours.
   port::Duration cost_of(port::Instant asked_at, const port::BusAnswer& answer,
                          port::Instant now) const;
 
@@ -147,8 +147,10 @@ class BusSchedule {
     bool is_made_up_for = false;   // and is asked once more for that
     port::Instant due{};           // for the question asked at
     port::Instant asked_at{};
-    port::Duration silence{};  // that its last answer, or the wait for it, cost the others
-    port::Duration cost{};     // of the last question that was not answered, with all that
+    port::Instant wanted_at{};     // when, then, the next was due whose turn it is
+    port::Duration silence{};      // that its last answer, or the wait for it, cost the others
+    port::Duration cost{};         // of the last question that was not answered, with all that
+    port::Duration missed_cost{};  // what of it others had to wait
   };
   struct Turn {
     port::Instant due{};
@@ -165,6 +167,7 @@ class BusSchedule {
   bool takes_one() const { return settings_.outstanding_max == 1 || bus_.is_one_line(); }
   bool is_repeated(const UnitSchedule& unit) const;
   port::Duration retry_cost(const UnitSchedule& unit) const;
+  static port::Duration cost_to_others(const UnitSchedule& unit, port::Duration cost);
   port::Duration pause_of(ModbusAddress address, bool is_miss) const;
   port::Duration discovery_pause(port::Duration cost) const;
   port::Instant due_after(const UnitSchedule& unit, port::Duration pause) const;

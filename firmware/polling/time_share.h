@@ -18,9 +18,9 @@ class TimeShare {
   // From when on a question may be asked.
   port::Instant free_at() const { return used_up_to_ - saved_max_; }
 
-  // One has cost so much.
+  // Others had to wait so long for one.
   void charge(port::Duration cost, port::Instant now) {
-    // Those asked beside the share, in time that is not needed, do not add up.
+    // Those asked without regard to the share do not add up.
     const port::Instant from = std::clamp(used_up_to_, now, now + saved_max_);
     used_up_to_ = std::max(used_up_to_, from + cost * (parts_ - 1));
   }

@@ -149,11 +149,14 @@ class SomeLine {
     port::Duration takes{};
     port::Duration silence{};  // after a wait in vain
     bool answers = true;
+    bool loses_every_other =
+        false;  // of its answers, which are waited for like those of silent units
     std::uint32_t asked = 0;
   };
 
   SomeLine(const BusSettings& settings, bool is_behind_a_converter, std::uint8_t count)
-      : schedule_(poll(), settings, is_behind_a_converter ? converter_ : line_) {
+      : timeout_(settings.timeout),
+        schedule_(poll(), settings, is_behind_a_converter ? converter_ : line_) {
     for (std::uint8_t unit = 1; unit <= count; ++unit) {
       schedule_.add_unit(ModbusAddress{unit}, true);
       units[unit] = {.takes = 30ms};
@@ -169,16 +172,17 @@ class SomeLine {
       }
       Unit& unit = units.at(question->address.value);
       schedule_.ask(*question, now_);
+      const bool is_lost = !unit.answers || (unit.loses_every_other && unit.asked % 2 == 0);
       ++unit.asked;
-      now_ += unit.takes;
+      now_ += is_lost && unit.answers ? timeout_ : unit.takes;
       port::BusAnswer answer;
-      if (!unit.answers) {
+      if (is_lost) {
         answer.result = port::BusResult::timeout;
         answer.silence = unit.silence;
       }
       schedule_.note_cost(question->address, answer, now_);
-      if (unit.answers) schedule_.note_success(question->address, now_);
-      if (!unit.answers) schedule_.note_failure(question->address, true, now_);
+      if (!is_lost) schedule_.note_success(question->address, now_);
+      if (is_lost) schedule_.note_failure(question->address, true, now_);
       now_ += answer.silence;
     }
   }
@@ -197,6 +201,7 @@ class SomeLine {
     return settings;
   }
 
+  port::Duration timeout_;
   ScriptedBus line_;
   Converter converter_;
   BusSchedule schedule_;
@@ -223,6 +228,47 @@ TEST(OneThatWasSilent, DoesNotWaitBehindAnotherThatCostsMore) {
   const std::uint32_t slow_before = line.units[3].asked;
   line.run(5min);
   EXPECT_GT(line.units[3].asked, slow_before);
+}
+
+// What is asked in time that nobody needs is none of the share that the dear one waits for.
+TEST(OneThatWasSilent, ThatCostsMuchDoesNotWaitForEverBehindManyThatCostLittle) {
+  BusSettings settings;
+  settings.link = port::SerialLine{.path = "", .baud = 19200};
+  settings.outstanding_max = 1;
+  settings.timeout = 250ms;
+  SomeLine line(settings, false, 14);
+  line.run(20s);
+  line.units[3] = {.takes = 250ms, .silence = 1100ms, .answers = false};
+  for (std::uint8_t cheap = 4; cheap <= 14; ++cheap) {
+    line.units[cheap] = {.takes = 250ms, .answers = false};
+  }
+  line.run(3min);
+  // Its question keeps the line for 1.35 s, of which they have one part in 32.
+  for (int minute = 0; minute < 10; ++minute) {
+    const std::uint32_t before = line.units[3].asked;
+    const std::uint32_t sound_before = line.units[1].asked;
+    line.run(1min);
+    EXPECT_GE(line.units[3].asked, before + 1) << "in minute " << minute;
+    EXPECT_GE(line.units[1].asked, sound_before + 56) << "in minute " << minute;
+  }
+}
+
+// Nor one that has missed a single answer, behind those that miss one all the time.
+TEST(OneThatWasSilent, IsRepeatedBesideThoseThatLoseEveryOtherAnswer) {
+  BusSettings settings;
+  settings.link = port::SerialLine{.path = "", .baud = 19200};
+  settings.outstanding_max = 1;
+  settings.timeout = 250ms;
+  SomeLine line(settings, false, 5);
+  line.run(20s);
+  for (std::uint8_t unit = 3; unit <= 5; ++unit) line.units[unit].loses_every_other = true;
+  line.run(3min);
+  line.units[1] = {.takes = 250ms, .silence = 1100ms, .answers = false};
+  line.run(1010ms);
+  line.units[1] = {.takes = 30ms};
+  ASSERT_FALSE(line.is_sound(1));
+  line.run(50s);
+  EXPECT_TRUE(line.is_sound(1));
 }
 
 // What those cost that were never there is none of its own.

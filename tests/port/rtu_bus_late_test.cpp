@@ -279,6 +279,18 @@ TEST_F(SerialBus, TheQuietEndsWithTheLateAnswer) {
       << log_.lines.back();
 }
 
+TEST_F(SerialBus, AfterALateAnswerTheLineHasItsSilence) {
+  request(7);
+  EXPECT_EQ(wait_in_vain(), BusResult::timeout);
+  pass(1ms);
+  say(two_registers(7, 1));
+  const Duration silence = frame_silence({.path = {}, .baud = 9600});
+  EXPECT_FALSE(bus().ready());
+  EXPECT_EQ(bus().next_deadline(), now_ + silence);
+  pass(silence);
+  EXPECT_TRUE(bus().ready());
+}
+
 TEST_F(SerialBus, AUnitThatOnceWasSlowGetsALongerQuiet) {
   miss_after_a_slow_answer();
   pass(quiet + 200ms);

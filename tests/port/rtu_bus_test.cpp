@@ -271,6 +271,16 @@ TEST_F(SerialBus, AnUnpluggedPortComesBack) {
   EXPECT_EQ(log_.lines.size(), 3u) << "opened, gone, opened";
 }
 
+// Before anything else says that it has gone.
+TEST_F(SerialBus, APortThatTakesNoRequestHasGone) {
+  become_ready();
+  unplug();
+  bus().start_read({.address = 7, .first = 0, .count = 2, .timeout = answer_timeout}, now_);
+  EXPECT_EQ(result(), BusResult::link_lost);
+  EXPECT_FALSE(bus().ready());
+  EXPECT_NE(log_.lines.back().find("Input/output error"), std::string::npos) << log_.lines.back();
+}
+
 TEST_F(SerialBus, WhatWasAskedWhenAPortWentMayBeAnsweredWhenItIsBack) {
   request(7);
   unplug();

@@ -58,8 +58,9 @@ std::string profile_of(Make make) {
          "value = { register = 23, type = \"u32\" }\n";
 }
 
-Device::Device(std::uint32_t number, std::uint8_t at_unit, Make what, Position place, Instant now)
-    : serial(number), unit(at_unit), make(what), undisturbed_since(now) {
+Device::Device(std::uint32_t number, std::size_t on_bus, std::uint8_t at_unit, Make what,
+               Position place, Instant now)
+    : serial(number), bus(on_bus), unit(at_unit), make(what), undisturbed_since(now) {
   places_.push_back({now, place});
 }
 

@@ -61,7 +61,8 @@ const char* profile_name(Make make);
 
 class Device {
  public:
-  Device(std::uint32_t serial, std::uint8_t unit, Make make, Position place, Instant now);
+  Device(std::uint32_t serial, std::size_t bus, std::uint8_t unit, Make make, Position place,
+         Instant now);
 
   void move(Position place, Instant now);
   // It forgets what it was told, and its counter says that it has booted.
@@ -94,6 +95,7 @@ class Device {
                              inputs::Random& random);
 
   std::uint32_t serial;
+  std::size_t bus;  // its number
   std::uint8_t unit;
   Make make;
   Ailment ailment = Ailment::none;

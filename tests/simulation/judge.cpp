@@ -37,10 +37,12 @@ void Judge::begin(GatewayRun& run, Instant now) {
   began_ = now;
   // What no disk took is not known any more.
   if (site_.disk.is_behind()) generation_ = 0;
-  positioned_at_.clear();
-  missing_.clear();
+  for (auto& [serial, seen] : seen_) {
+    seen.positioned_at = {};
+    seen.missing_from.reset();
+  }
   for (const firmware::NodeRecord& node : run.gateway().nodes().records()) {
-    if (node.is_known()) positioned_at_[node.serial.value] = node.positioned_at;
+    if (node.is_known()) seen_[node.serial.value].positioned_at = node.positioned_at;
   }
 }
 
@@ -100,8 +102,9 @@ std::string Judge::look_for_unknown(GatewayRun& run, Instant now) {
   for (const auto& device : site_.devices) {
     const bool has_told = device->answers > sightings_max && settled_at(*device, run) <= now &&
                           device->answered_at > began_ && !device->is_leaving;
-    if (!has_told || device->is_replaced || site_.is_doubled(*device)) continue;
-    if (run.gateway().nodes().find(firmware::Serial{device->serial}) == nullptr) {
+    if (!has_told || device->is_replaced) continue;
+    const bool is_known = run.gateway().nodes().find(firmware::Serial{device->serial}) != nullptr;
+    if (!is_known && !site_.is_doubled(*device)) {
       return "node " + std::to_string(device->serial) + " answers, and is not known";
     }
   }
@@ -114,21 +117,20 @@ Instant Judge::settled_at(const Device& device, GatewayRun& run) const {
   if (!device.had_twin) return device.undisturbed_since;
   const auto& poll = run.gateway().settings().poll;
   const Duration silence = poll.leave_after + 10s + (sightings + 1) * poll.interval;
-  return silence +
-         std::max(device.undisturbed_since, site_.buses[site_.bus_of(device)].undisturbed_since);
+  return silence + std::max(device.undisturbed_since, site_.buses[device.bus].undisturbed_since);
 }
 
 std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& run, Instant now) {
   const Device* const device = site_.find(node.serial.value);
   if (device == nullptr) return "there is none";
-  const BusWorld& bus = site_.buses[site_.bus_of(*device)];
-  Instant& positioned_at = positioned_at_[node.serial.value];
-  if (positioned_at != node.positioned_at) {
-    positioned_at = node.positioned_at;
+  const BusWorld& bus = site_.buses[device->bus];
+  Seen& seen = seen_[node.serial.value];
+  if (seen.positioned_at != node.positioned_at) {
+    seen.positioned_at = node.positioned_at;
     if (!node.has_position()) return {};
     ++positions;
     positions_of_others += device->make != Make::ours;
-    accepted_at_[node.serial.value] = now;
+    seen.accepted_at = now;
     const Instant asked = bus.asked_at(device->unit, now);
     // On a line without numbers an answer counts in its time alone; behind a converter the gateway
     // learns to wait for longer, and knows to which question it belongs. Where another one answered
@@ -156,7 +158,7 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
     }
   }
   const auto& poll = run.gateway().settings().poll;
-  const Instant accepted_at = accepted_at_[node.serial.value];
+  const Instant accepted_at = seen.accepted_at;
   if (node.is_placed() && !node.stale &&
       now - std::max(accepted_at, fresh_from_) > poll.stale_after + 10s) {
     return "is not stale, and told its position " + std::to_string(seconds_of(now - accepted_at)) +
@@ -165,25 +167,24 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
   const bool is_judged = node.is_missing && !bus.is_out_of_order() &&
                          device->answered_at > began_ && !device->is_leaving &&
                          !site_.is_doubled(*device) && settled_at(*device, run) <= now;
-  if (!node.is_missing) missing_.erase(node.serial.value);
-  const auto [missing, is_news] = node.is_missing
-                                      ? missing_.try_emplace(node.serial.value, device->answers)
-                                      : std::pair(missing_.end(), false);
+  const bool is_news = node.is_missing && !seen.missing_from;
+  if (!node.is_missing) seen.missing_from.reset();
   // Those answers count that come once it is alone, however seldom it answers.
-  if (node.is_missing && !is_judged) missing->second = device->answers;
+  if (is_news || (node.is_missing && !is_judged)) seen.missing_from = device->answers;
   const bool has_answered = is_news ? now - device->answered_at + 100ms < poll.leave_after
-                                    : is_judged && device->answers > missing->second + sightings;
+                                    : is_judged && device->answers > *seen.missing_from + sightings;
   if (is_judged && device->answers > sightings && has_answered) {
     return "is missing, and answered " + std::to_string(seconds_of(now - device->answered_at)) +
            " s ago";
   }
   const Instant since = std::max({device->undisturbed_since, began_, bus.undisturbed_since});
-  const bool is_well = site_.is_asked(*device) && !bus.is_out_of_order() &&
-                       !site_.is_doubled(*device) && !device->is_replaced &&
-                       device->is_plugged_in && !device->is_leaving &&
-                       device->ailment == Ailment::none &&
-                       now - since > site_.found_again_within(site_.bus_of(*device));
-  if (is_well && node.has_position() && now - accepted_at > site_.age_max(site_.bus_of(*device))) {
+  const bool is_old = node.has_position() && now - accepted_at > site_.age_max(device->bus);
+  if (!is_old && !node.stale) return {};
+  const bool is_well =
+      site_.is_asked(*device) && !bus.is_out_of_order() && !site_.is_doubled(*device) &&
+      !device->is_replaced && device->is_plugged_in && !device->is_leaving &&
+      device->ailment == Ailment::none && now - since > site_.found_again_within(device->bus);
+  if (is_well && is_old) {
     return "is well, and told its position " + std::to_string(seconds_of(now - accepted_at)) +
            " s ago";
   }

@@ -1,8 +1,9 @@
 // Holds what a gateway says against what is so.
 #pragma once
 
-#include <map>
+#include <optional>
 #include <string>
+#include <unordered_map>
 
 #include "gateway_run.h"
 #include "others.h"
@@ -43,12 +44,16 @@ class Judge {
   std::string look_at_mesh(GatewayRun& run);
   std::string compare_with_build(GatewayRun& run);
 
+  struct Seen {
+    Instant positioned_at{};
+    Instant accepted_at{};  // a position, as the judge saw it; in any run
+    // Its answers, when it was declared to be missing, or was alone at its unit; none: it is not.
+    std::optional<std::uint32_t> missing_from;
+  };
+
   const SiteWorld& site_;
   const Others* others_ = nullptr;
-  std::map<std::uint32_t, Instant> positioned_at_;  // by serial
-  std::map<std::uint32_t, Instant> accepted_at_;    // a position, as the judge saw it; in any run
-  // Its answers, when it was declared so, or was alone at its unit.
-  std::map<std::uint32_t, std::uint32_t> missing_;
+  std::unordered_map<std::uint32_t, Seen> seen_;  // by serial
   std::uint32_t generation_ = 0;
   bool is_to_look_at_ = false;  // the mesh of that generation
   Instant published_at_{};

@@ -58,7 +58,10 @@ class Life {
     if (newcomers_) rest += newcomers_->heard_within();
     if (outcome_.wrong.empty()) run_until(clock_.now() + rest, false);
     if (outcome_.wrong.empty()) run_->gateway().dismiss_all(clock_.now());
-    if (outcome_.wrong.empty()) run_until(clock_.now() + 1min, false);
+    // Then units of missing nodes are free, for those that wait for one.
+    const bool has_waiting = newcomers_ && newcomers_->has_waiting();
+    const Duration given_within = 1min + (has_waiting ? newcomers_->heard_within() : Duration{});
+    if (outcome_.wrong.empty()) run_until(clock_.now() + given_within, false);
     look_at_rest();
     if (outcome_.wrong.empty()) ebb();
     tell_devices();
@@ -110,7 +113,7 @@ class Life {
     for (const auto& device : site_.devices) {
       if (device->is_replaced) continue;
       std::printf("node %u at unit %u of bus %zu, ailment %d%s%s%s\n", device->serial, device->unit,
-                  site_.bus_of(*device), static_cast<int>(device->ailment),
+                  device->bus, static_cast<int>(device->ailment),
                   device->is_plugged_in ? "" : ", unplugged", device->is_leaving ? ", leaving" : "",
                   site_.is_doubled(*device) ? ", not alone there" : "");
     }
@@ -211,7 +214,7 @@ class Life {
   void happen(Event event) {
     const Instant now = clock_.now();
     Device& device = *any_device();
-    const std::size_t number = site_.bus_of(device);
+    const std::size_t number = device.bus;
     BusWorld& bus = site_.buses[number];
     tell(event, &device, number);
     switch (event) {
@@ -290,7 +293,7 @@ class Life {
     bus.undisturbed_since = std::max(bus.undisturbed_since, clock_.now());
   }
   void disturb_unit(const Device& device) {
-    for (Device* const each : site_.buses[site_.bus_of(device)].devices) {
+    for (Device* const each : site_.buses[device.bus].devices) {
       if (each->unit == device.unit) each->disturb(clock_.now());
     }
   }
@@ -403,7 +406,7 @@ class Life {
       if (site_.file.units(i) < before.units(i)) site_.running.buses = before.buses;
     }
     for (const auto& device : site_.devices) {
-      if (!before.asks(site_.bus_of(*device), device->unit)) device->disturb(now);
+      if (!before.asks(device->bus, device->unit)) device->disturb(now);
     }
     for (BusWorld& bus : site_.buses) disturb(bus);
     judge_.change_settings(now);

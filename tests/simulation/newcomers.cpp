@@ -55,14 +55,14 @@ std::string Newcomers::step(Instant now) {
               " answers";
     }
     given_ += before == newcomers_unit;
-    disturb(site_.bus_of(device), before, now);
-    disturb(site_.bus_of(device), device.unit, now);
+    disturb(device.bus, before, now);
+    disturb(device.bus, device.unit, now);
   }
   return wrong;
 }
 
 const Device* Newcomers::answers_beside(const Device& device, Instant now) const {
-  const BusWorld& bus = site_.buses[site_.bus_of(device)];
+  const BusWorld& bus = site_.buses[device.bus];
   if (bus.is_out_of_order() || bus.undisturbed_since + heard_for > now) return nullptr;
   for (const Device* const other : bus.devices) {
     const bool is_there = other != &device && other->unit == device.unit && !other->is_replaced &&
@@ -89,7 +89,7 @@ void Newcomers::happen(Instant now) {
     device.keeps_unit = !device.keeps_unit;
   } else {
     device.is_replaced = true;
-    disturb(site_.bus_of(device), device.unit, now);
+    disturb(device.bus, device.unit, now);
   }
 }
 
@@ -147,9 +147,14 @@ Duration Newcomers::heard_within() const {
   Duration within = 40min;  // who is parted from another later
   for (const Device* const device : all()) {
     const bool is_waiting = device->unit == newcomers_unit;
-    if (is_waiting) within += site_.buses[site_.bus_of(*device)].line ? 5min : 40min;
+    if (is_waiting) within += site_.buses[device->bus].line ? 5min : 40min;
   }
   return within;
+}
+
+bool Newcomers::has_waiting() const {
+  return std::ranges::any_of(all(),
+                             [](const Device* device) { return device->unit == newcomers_unit; });
 }
 
 std::string Newcomers::look_at_rest() const {

@@ -30,6 +30,7 @@ class Newcomers {
 
   // So long it takes until all who wait have been heard one by one, beside what it takes anyway.
   Duration heard_within() const;
+  bool has_waiting() const;
   std::uint64_t given() const { return given_; }  // units, to nodes
 
  private:

@@ -103,22 +103,14 @@ Position SiteWorld::free_place() {
 
 Device& SiteWorld::add(std::size_t bus, std::uint8_t unit, Instant now) {
   const Make make = unit == 1 ? whole.buses[bus].first_make : Make::ours;
-  devices.push_back(std::make_unique<Device>(next_serial_++, unit, make, free_place(), now));
+  devices.push_back(std::make_unique<Device>(next_serial_++, bus, unit, make, free_place(), now));
   buses[bus].devices.push_back(devices.back().get());
   return *devices.back();
 }
 
-std::size_t SiteWorld::bus_of(const Device& device) const {
-  for (std::size_t number = 0; number < buses.size(); ++number) {
-    const auto& on_it = buses[number].devices;
-    if (std::find(on_it.begin(), on_it.end(), &device) != on_it.end()) return number;
-  }
-  return buses.size();
-}
-
 Device& SiteWorld::replace(Device& device, Instant now) {
   device.is_replaced = true;
-  Device& other = add(bus_of(device), device.unit, now);
+  Device& other = add(device.bus, device.unit, now);
   // No hands are so fast that one tells the first block and the other the second.
   if (other.make != Make::ours) {
     other.silent_until = now + replaced_within;
@@ -128,13 +120,13 @@ Device& SiteWorld::replace(Device& device, Instant now) {
 }
 
 Device& SiteWorld::add_twin(Device& device, Instant now) {
-  Device& twin = add(bus_of(device), device.unit, now);
+  Device& twin = add(device.bus, device.unit, now);
   twins.push_back(&twin);
   return twin;
 }
 
 bool SiteWorld::is_doubled(const Device& device) const {
-  const std::vector<Device*>& there = buses[bus_of(device)].devices;
+  const std::vector<Device*>& there = buses[device.bus].devices;
   return std::ranges::count_if(there, [&](const Device* other) {
            return !other->is_replaced && other->unit == device.unit;
          }) > 1;
@@ -144,7 +136,7 @@ void SiteWorld::remove_twins(Instant now) {
   for (Device* const twin : twins) {
     twin->is_replaced = true;
     for (const auto& device : devices) {
-      if (device->unit == twin->unit && bus_of(*device) == bus_of(*twin)) {
+      if (device->unit == twin->unit && device->bus == twin->bus) {
         // The gateway takes the one for gone before it believes the other.
         device->had_twin = true;
         device->disturb(now + running.leave_after);
@@ -155,10 +147,8 @@ void SiteWorld::remove_twins(Instant now) {
 }
 
 Device* SiteWorld::find(std::uint32_t serial) const {
-  for (const auto& device : devices) {
-    if (device->serial == serial) return device.get();
-  }
-  return nullptr;
+  const std::uint32_t index = serial - first_serial;  // they come in order
+  return index < devices.size() ? devices[index].get() : nullptr;
 }
 
 void SiteWorld::pass_to(Instant now) {

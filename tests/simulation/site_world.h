@@ -79,12 +79,11 @@ class SiteWorld {
   void remove_twins(Instant now);
   // Another one answers at the same unit.
   bool is_doubled(const Device& device) const;
-  std::size_t bus_of(const Device& device) const;
-  // Null: there is none, or more than one.
+  // Null: there is none.
   Device* find(std::uint32_t serial) const;
 
   // The gateway asks it, by the settings that hold.
-  bool is_asked(const Device& device) const { return running.asks(bus_of(device), device.unit); }
+  bool is_asked(const Device& device) const { return running.asks(device.bus, device.unit); }
 
   // Where a gateway finds its settings.
   std::string path() const { return folder_of_file_.path("gateway.toml"); }
@@ -112,7 +111,8 @@ class SiteWorld {
   void open_bus(std::size_t number, std::uint8_t units, Make first_make);
 
   test::ScratchFolder folder_of_file_;
-  std::uint32_t next_serial_ = 1001;
+  static constexpr std::uint32_t first_serial = 1001;
+  std::uint32_t next_serial_ = first_serial;
   std::vector<Position> places_;
 };
 

@@ -45,7 +45,8 @@ std::string ToldNeighbours::look(GatewayRun& run, Instant now) {
     const firmware::NodeRecord* const node =
         run.gateway().nodes().find(firmware::Serial{device->serial});
     // Who stands where another one stood is told that one's until it is heard.
-    if (node == nullptr || !node->is_placed() || site_.is_doubled(*device)) continue;
+    const bool is_heard_there = node != nullptr && !node->unit_index.is_none();
+    if (!is_heard_there || !node->is_placed() || site_.is_doubled(*device)) continue;
     // Changes that are not published yet are in the next generation.
     const bool is_of_now = !run.gateway().is_late(now, std::chrono::hours(-24)) &&
                            device->told->generation == run.gateway().generation() &&
