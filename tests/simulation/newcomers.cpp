@@ -64,13 +64,17 @@ std::string Newcomers::step(Instant now) {
 const Device* Newcomers::answers_beside(const Device& device, Instant now) const {
   const BusWorld& bus = site_.buses[device.bus];
   if (bus.is_out_of_order() || bus.undisturbed_since + heard_for > now) return nullptr;
+  const Device* there = nullptr;
   for (const Device* const other : bus.devices) {
-    const bool is_there = other != &device && other->unit == device.unit && !other->is_replaced &&
-                          other->is_plugged_in && other->ailment == Ailment::none &&
-                          other->undisturbed_since + heard_for <= now;
-    if (is_there) return other;
+    if (other == &device || other->unit != device.unit || other->is_replaced) continue;
+    // Two that talk over one another are silence to who looks.
+    if (there != nullptr) return nullptr;
+    there = other;
   }
-  return nullptr;
+  const bool answers = there != nullptr && there->is_plugged_in &&
+                       there->ailment == Ailment::none &&
+                       there->undisturbed_since + heard_for <= now;
+  return answers ? there : nullptr;
 }
 
 void Newcomers::happen(Instant now) {
