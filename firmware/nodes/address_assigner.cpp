@@ -59,7 +59,10 @@ void AddressAssigner::next(BusIndex bus, BusRequest& request) {
 AddressAssigner::Answerer AddressAssigner::done(BusIndex bus, const port::BusAnswer& answer,
                                                 port::Instant now) {
   Job& job = jobs_[bus.value];
-  if (answer.result == port::BusResult::link_lost) {
+  // For some converters that is silence: they end the connection where nobody answers.
+  const bool is_lost = answer.result == port::BusResult::link_lost;
+  const bool is_as_silent = is_lost && job.step == Step::look && poller_.loses_link(job.unit_index);
+  if (is_lost && !is_as_silent) {
     end(job, now);
     return {};
   }
@@ -70,10 +73,11 @@ AddressAssigner::Answerer AddressAssigner::done(BusIndex bus, const port::BusAns
     case Step::look:
       // Whatever answers there, it is not free. Silence may have been a converter's that was busy:
       // by the second look its unit has the patience that the first one's late answer taught.
-      if (answer.result == port::BusResult::timeout && ++job.silences < silences_wanted) {
+      if ((answer.result == port::BusResult::timeout || is_as_silent) &&
+          ++job.silences < silences_wanted) {
         break;
       }
-      if (port::is_absence(answer)) {
+      if (port::is_absence(answer) || is_as_silent) {
         job.step = Step::write;
       } else if (answer.result == port::BusResult::bad_answer && ++job.tries < unit_looks_max) {
         job.due = now + look_pause;

@@ -97,6 +97,7 @@ port::Instant BusSchedule::update_settings(const PollSettings& poll, const BusSe
 
 // Units with a share of a busy bus come before those that are due; the shares are small.
 std::optional<BusSchedule::Question> BusSchedule::next_question(port::Instant now) {
+  if (!losses_.may_ask()) return std::nullopt;
   if (discovery_start(now) <= now) {
     return Question{.address = next_undiscovered(), .reason = Reason::discovery, .due = now};
   }
@@ -181,6 +182,7 @@ void BusSchedule::ask(const Question& question, port::Instant now) {
   unit.is_made_up_for = unit.is_late && !was_late && late < 2 * poll_.interval;
   if (question.due < *begun_at_) unit.due = now;
   unit.reason = question.reason;
+  losses_.ask(question.address, now);
   unit.asked_at = now;
   unit.wanted_at = due_in_turn();
   if (question.reason != Reason::turn && question.reason != Reason::discovery) {
@@ -205,6 +207,7 @@ void BusSchedule::postpone(const Question& question, port::Instant until) {
 }
 
 port::Instant BusSchedule::next_due(port::Instant now) const {
+  if (!losses_.may_ask()) return port::never;
   return std::min({due_in_turn(), repeat_start(now), retry_start(now)});
 }
 
@@ -222,17 +225,22 @@ port::Instant BusSchedule::start_beside(port::Instant due, port::Instant free_at
 // wait behind another that costs more than the line has time for.
 BusSchedule::Candidate BusSchedule::first_of_failing(const Turns& turns, port::Instant now) const {
   if (turns.empty() || unsure_under_way_ >= half_of_the_requests()) return {};
-  if (!takes_one()) return {.at = 0, .start = turns.front().due};
   Candidate first;
   for (std::size_t i = 0; i < turns.size(); ++i) {
-    const UnitSchedule& unit = units_[turns[i].address.value];
-    const port::Instant start =
-        start_beside(turns[i].due, share_of(unit).free_at(), retry_cost(unit), now);
+    const port::Instant start = failing_start(turns[i], now);
     const bool is_before =
         start < first.start || (start == first.start && turns[i].due < turns[first.at].due);
     if (is_before) first = {.at = i, .start = start};
   }
   return first;
+}
+
+port::Instant BusSchedule::failing_start(const Turn& turn, port::Instant now) const {
+  const UnitSchedule& unit = units_[turn.address.value];
+  const port::Instant start =
+      takes_one() ? start_beside(turn.due, share_of(unit).free_at(), retry_cost(unit), now)
+                  : turn.due;
+  return losses_.is_cause(turn.address) ? std::max(start, losses_.free_at()) : start;
 }
 
 const TimeShare& BusSchedule::share_of(const UnitSchedule& unit) const {
@@ -249,7 +257,7 @@ port::Instant BusSchedule::retry_start(port::Instant now) const {
 }
 
 port::Instant BusSchedule::discovery_start(port::Instant now) const {
-  if (undiscovered_ == 0 || discovery_under_way_) return port::never;
+  if (undiscovered_ == 0 || discovery_under_way_ || !losses_.may_ask()) return port::never;
   return start_beside(discovery_due_, discovery_allowed_,
                       takes_one() ? cost_max_ : port::Duration{}, now);
 }
@@ -298,6 +306,7 @@ port::Duration BusSchedule::cost_to_others(const UnitSchedule& unit, port::Durat
 // What the others had to wait for a unit that failed, or was only looked for, comes off its share.
 void BusSchedule::note_cost(ModbusAddress address, const port::BusAnswer& answer,
                             port::Instant now) {
+  losses_.note_result(address, answer.result);
   UnitSchedule& unit = units_[address.value];
   unit.silence = answer.silence;
   const port::Duration cost = cost_of(unit.asked_at, answer, now);
@@ -406,9 +415,16 @@ void BusSchedule::note_held_up(ModbusAddress address, port::Instant now) {
   }
 }
 
-void BusSchedule::note_link_lost(ModbusAddress address, port::Instant now) {
+bool BusSchedule::note_link_lost(ModbusAddress address, port::Instant now) {
   const UnitSchedule& unit = units_[address.value];
-  unit.is_listed || unit.has_answered ? ask_again(address, now) : rest(address);
+  if (!unit.is_listed && !unit.has_answered) {
+    losses_.forget(address);
+    rest(address);
+    return false;
+  }
+  if (losses_.note_loss(address, now)) return true;
+  ask_again(address, now);
+  return false;
 }
 
 // Being late does not add up, and what is missed by a whole interval is made up for once.
@@ -488,6 +504,7 @@ void BusSchedule::ask_at_once(ModbusAddress address, port::Instant now) {
        {&repeat_share_, &first_repeat_share_, &retry_share_, &lost_share_}) {
     share->open(now);
   }
+  losses_.open(now);
   bring_forward(address, port::Instant{});
 }
 

@@ -8,6 +8,7 @@
 
 #include "etcm/port/node_bus.h"
 #include "firmware/config/settings.h"
+#include "firmware/polling/link_losses.h"
 #include "firmware/polling/time_share.h"
 #include "firmware/protocol/modbus_address.h"
 
@@ -25,7 +26,8 @@ namespace etcm::firmware {
 // 1/32 of the rest, of a line behind a converter 1/100: there a question in vain costs whatever
 // time the converter takes. Those that have answered have 1/32 of their own, and what was not used
 // of it in two minutes may be used at once: they may be back in a moment. A torn read is repeated
-// at once. While a bus has lost its link, its units are not asked and do not count as failing.
+// at once. While a bus has lost its link, its units are not asked and do not count as failing; one
+// that it is lost for each time (link_losses.h) does.
 //
 // Once one has answered, units that nobody has heard yet share that half: those that are not there
 // must not keep the others waiting.
@@ -97,7 +99,8 @@ class BusSchedule {
   void note_more(ModbusAddress address);
   // It has answered after all, as soon as others let it: its failures were none of its own.
   void note_held_up(ModbusAddress address, port::Instant now);
-  void note_link_lost(ModbusAddress address, port::Instant now);
+  // Whether the link is lost for this unit each time: then note_failure() follows.
+  bool note_link_lost(ModbusAddress address, port::Instant now);
 
   // A node is said to be there: the unit is asked next, before all that are due and however often
   // it has failed; call_for() does so as far as the share of such calls allows.
@@ -119,6 +122,7 @@ class BusSchedule {
   std::uint32_t failures(ModbusAddress address) const { return units_[address.value].failures; }
   bool has_answered(ModbusAddress address) const { return units_[address.value].has_answered; }
   bool is_listed(ModbusAddress address) const { return units_[address.value].is_listed; }
+  bool loses_link(ModbusAddress address) const { return losses_.is_cause(address); }
   bool is_sound(ModbusAddress address) const {
     return units_[address.value].has_answered && units_[address.value].failures == 0;
   }
@@ -189,6 +193,7 @@ class BusSchedule {
     std::size_t at = 0;  // among its turns
     port::Instant start = port::never;
   };
+  port::Instant failing_start(const Turn& turn, port::Instant now) const;
   Candidate first_of_failing(const Turns& turns, port::Instant now) const;
   Turn take(Reason reason, port::Instant now);
 
@@ -207,12 +212,13 @@ class BusSchedule {
   port::Duration cost_max_;
   std::vector<UnitSchedule> units_;  // by address
 
-  Turns turns_;                            // of sound units
-  Turns firsts_;                           // of units that nobody has heard yet
-  Turns repeats_;                          // of those that have failed once
-  Turns retries_;                          // of other failing ones
-  std::uint32_t sound_ = 0;                // units that answered when last asked
-  port::Instant mended_at_{};              // when the first of all silent ones answered again
+  Turns turns_;                // of sound units
+  Turns firsts_;               // of units that nobody has heard yet
+  Turns repeats_;              // of those that have failed once
+  Turns retries_;              // of other failing ones
+  std::uint32_t sound_ = 0;    // units that answered when last asked
+  port::Instant mended_at_{};  // when the first of all silent ones answered again
+  LinkLosses losses_;
   std::uint32_t unsure_under_way_ = 0;     // questions to units that failed or are not heard yet
   std::optional<port::Instant> begun_at_;  // the first question
 

@@ -28,6 +28,11 @@ TextLine exception_text(std::uint8_t code, bool is_node) {
   return TextLine() << "exception " << code << ": " << text.meaning << "; " << text.cure;
 }
 
+TextLine link_lost_text() {
+  return TextLine() << "the connection ends each time it is asked, and the others wait for the "
+                       "next one; look at it, or take it out of `units`";
+}
+
 }  // namespace
 
 TextLine explain_unbelieved(const UnitCounters& counters) {
@@ -246,7 +251,10 @@ void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant 
     case port::BusResult::ok:
       return take_registers(answer, index, now);
     case port::BusResult::link_lost:
-      return schedule.note_link_lost(address_of(index), now);
+      if (schedule.note_link_lost(address_of(index), now)) {
+        fail(index, {.why = link_lost_text(), .is_silence = false}, now);
+      }
+      return;
     case port::BusResult::timeout:
     case port::BusResult::bad_answer:
       return fail(

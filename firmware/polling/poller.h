@@ -71,6 +71,8 @@ class Poller {
     return schedule_of(unit).failures(address_of(unit));
   }
   bool is_sound(UnitIndex unit) const { return schedule_of(unit).is_sound(address_of(unit)); }
+  // The link goes each time it is asked, and for no other.
+  bool loses_link(UnitIndex unit) const { return schedule_of(unit).loses_link(address_of(unit)); }
   // Its last question was answered soundly, and the link has not gone since.
   bool is_answering(UnitIndex unit) const;
   TextLine name(UnitIndex unit) const;  // "unit 7 of yard"

@@ -29,6 +29,8 @@ struct Behind {
   port::Duration hold = 1s;        // of one that does not
   std::uint8_t exception = 0x0b;   // then; 0: it says nothing
   bool is_one_line = true;         // else all units answer beside each other
+  // Asked for these it ends the connection.
+  std::vector<std::uint8_t> ends_for{};
 };
 
 class SimulatedConverter final : public port::FrameConnection {
@@ -67,6 +69,10 @@ class SimulatedConverter final : public port::FrameConnection {
       waiting_.erase(done);
       now_ = due;
       if (behind_.is_one_line && !waiting_.empty()) begin(waiting_.front(), due);
+      if (is_among(behind_.ends_for, request.address)) {
+        end();
+        break;
+      }
       answer(request);
     }
     now_ = now;
@@ -76,9 +82,16 @@ class SimulatedConverter final : public port::FrameConnection {
     for (const Request& request : waiting_) next = std::min(next, request.done_at);
     return next;
   }
+  void end() {
+    state_ = State::down;
+    waiting_.clear();
+    ++ends;
+    listener().on_lost("connection closed by the other side");
+  }
   void fall_silent(bool is_silent) { is_silent_ = is_silent; }
 
   std::size_t longest_queue = 0;
+  std::uint32_t ends = 0;  // of connections
   // When units that do not answer held the line.
   std::vector<std::pair<port::Instant, port::Instant>> holds;
   std::array<std::uint32_t, 256> requests{};
@@ -91,9 +104,11 @@ class SimulatedConverter final : public port::FrameConnection {
     port::Instant done_at = port::never;
   };
 
+  static bool is_among(const std::vector<std::uint8_t>& units, std::uint8_t unit) {
+    return std::find(units.begin(), units.end(), unit) != units.end();
+  }
   bool is_dead(std::uint8_t unit) const {
-    return is_silent_ || unit > behind_.units ||
-           std::find(behind_.dead.begin(), behind_.dead.end(), unit) != behind_.dead.end();
+    return is_silent_ || unit > behind_.units || is_among(behind_.dead, unit);
   }
   void begin(Request& request, port::Instant now) {
     request.done_at = now + (is_dead(request.address) ? behind_.hold : behind_.exchange);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -109,6 +110,79 @@ TEST(Converter, ALineThatWasOutIsBackWithinTwoPolls) {
 
 // Nobody answers, and nobody says so: each is asked in its time.
 // They are no reason to mistrust the connection, nor to let the one that is there wait.
+// Some do so for a unit that does not answer, or for a question that they do not understand.
+class ThatEndsItsConnection : public testing::TestWithParam<bool> {
+ protected:
+  Behind behind_{.is_one_line = GetParam(), .ends_for = {7}};
+};
+
+TEST_P(ThatEndsItsConnection, ForAUnitDoesNotKeepTheOthersFromBeingHeard) {
+  ConverterSite site(behind_);
+  site.run_for(60s);
+  const std::uint32_t before = site.all_readings(), ends_before = site.device.ends;
+  site.run_for(600s);
+  // It is asked as one that is dead, each 10 s, and there is another connection at once.
+  EXPECT_LE(site.device.ends - ends_before, 75u);
+  EXPECT_GE(site.device.ends - ends_before, 30u) << "it may be well again";
+  EXPECT_GE(site.all_readings() - before, 19u * 600 * 95 / 100);
+  for (std::uint8_t unit = 1; unit <= behind_.units; ++unit) {
+    if (unit == 7) continue;
+    const std::vector<port::Instant>& at = site.read_at[unit];
+    for (std::size_t i = 1; i < at.size(); ++i) EXPECT_LE(at[i] - at[i - 1], 4s) << int{unit};
+  }
+}
+
+// It is made anew once in a second at the most, and they are asked more often.
+TEST_P(ThatEndsItsConnection, ForManyUnitsCostsTheOthersAThirtiethOfTheirTime) {
+  behind_.units = 60;
+  behind_.ends_for.resize(30);
+  std::iota(behind_.ends_for.begin(), behind_.ends_for.end(), std::uint8_t{31});
+  behind_.exchange = 10ms;
+  ConverterSite site(behind_);
+  site.run_for(200s);
+  const std::uint32_t before = site.all_readings();
+  site.run_for(600s);
+  EXPECT_GE(site.all_readings() - before, 30u * 600 * 95 / 100);
+  for (std::uint8_t unit = 31; unit <= 60; ++unit) EXPECT_GE(site.device.requests[unit], 3u);
+}
+
+TEST_P(ThatEndsItsConnection, ForAUnitIsSaidOnceWithItsName) {
+  ConverterSite site(behind_);
+  site.run_for(120s);
+  unsigned said = 0;
+  for (const std::string& line : site.log.lines) {
+    said += line.find("unit 7 of yard: the connection ends each time it is asked") == 0;
+    EXPECT_TRUE(line.find("unit ") != 0 || line.find("unit 7 ") == 0) << line;
+  }
+  EXPECT_EQ(said, 1u) << site.logged();
+}
+
+// Then it is no unit's fault.
+TEST_P(ThatEndsItsConnection, ForWhomeverItIsAskedIsHeldAgainstNobody) {
+  behind_.ends_for.resize(behind_.units);
+  std::iota(behind_.ends_for.begin(), behind_.ends_for.end(), std::uint8_t{1});
+  ConverterSite site(behind_);
+  site.run_for(120s);
+  EXPECT_GE(site.device.ends, 60u);
+  for (const std::string& line : site.log.lines) EXPECT_NE(line.find("unit "), 0u) << line;
+}
+
+TEST_P(ThatEndsItsConnection, NowAndThenIsHeldAgainstNobody) {
+  behind_.ends_for.clear();
+  ConverterSite site(behind_);
+  for (int minute = 0; minute < 20; ++minute) {
+    site.run_for(30s + minute * 700ms);
+    site.device.end();
+  }
+  EXPECT_EQ(site.device.ends, 20u);
+  for (const std::string& line : site.log.lines) EXPECT_NE(line.find("unit "), 0u) << line;
+}
+
+INSTANTIATE_TEST_SUITE_P(Rows, ThatEndsItsConnection, testing::Bool(),
+                         [](const testing::TestParamInfo<bool>& row) {
+                           return row.param ? "OneLine" : "BesideEachOther";
+                         });
+
 TEST(UnitsBesideEachOther, AreHeardSoonAfterAStartWithManyThatAreNotThere) {
   for (std::uint8_t alive = 1; alive <= 12; ++alive) {
     Behind behind{.units = 12, .exchange = 30ms, .hold = 1s, .exception = 0, .is_one_line = false};

@@ -60,6 +60,33 @@ TEST_F(Joining, AUnitThatAConverterFindsEmptyIsFree) {
   }
 }
 
+// What it does instead of answering.
+TEST_F(Joining, AUnitForWhichAConverterEndsTheConnectionIsFree) {
+  bus().units = {{.first = 1, .last = 1}};
+  bus().assign = {{.first = 10, .last = 12}};
+  put(1, 1, {0, 0});
+  for (std::uint8_t unit = 10; unit <= 12; ++unit) {
+    rig_.bus.set_result(unit, port::BusResult::link_lost);
+  }
+  put(247, 77);
+  rig_.run(5s);
+  EXPECT_EQ(rig_.log.count("node 77 has unit 10 of yard now"), 1u) << logged();
+}
+
+// A cable that is pulled out while it is looked at says nothing of it.
+TEST_F(Joining, AUnitThatWasLookedAtWhenTheLinkWentIsNotFree) {
+  bus().units = {{.first = 1, .last = 1}};
+  bus().assign = {{.first = 10, .last = 10}};
+  put(1, 1, {0, 0});
+  put(247, 77);
+  rig_.bus.set_result(10, port::BusResult::link_lost);
+  rig_.run(150ms);
+  put(10, 90, {50, 60});
+  rig_.run(3s);
+  EXPECT_TRUE(rig_.bus.written.empty());
+  EXPECT_EQ(rig_.log.count("node 90 joined"), 1u) << logged();
+}
+
 // The units that are looked for are in no metric until somebody is there.
 TEST_F(Joining, UnitsThatAConverterFindsEmptyAreAsUnseenAsSilentOnes) {
   bus().units = {{.first = 1, .last = 1}};
