@@ -328,6 +328,25 @@ TEST_F(Restart, KeepsTheNodeThatNowAnswersElsewhere) {
   EXPECT_EQ(after->mesh.node_count(), 2u);
 }
 
+// As it would without a restart (admission_test.cpp).
+TEST_F(Restart, WhoGetsItsSerialBackIsNoSecondNode) {
+  const auto before = rig_of({});
+  before->put(1, 0, 0);
+  before->run(2s);
+  const auto after = rig_of({});
+  after->put(1, 0, 0);
+  after->start();
+  after->gateway->restore(after->clock.now());
+  after->run(500ms);
+  after->bus.set(1, {.serial = Serial{9}, .position = {50, 0}, .status = node_status::fix_valid});
+  after->run(1s);
+  EXPECT_EQ(after->log.count("node 9 is there now, node 1001 is not"), 1u);
+  after->put(1, 0, 0);
+  after->run(4s);
+  EXPECT_EQ(after->log.count("node 1001 is there now, node 9 is not"), 1u);
+  EXPECT_EQ(after->log.count("two nodes answer"), 0u);
+}
+
 TEST_F(Restart, NeverGoesBackInGenerationsWheneverThePowerFails) {
   std::uint32_t highest = 0;
   for (int life = 0; life < 8; ++life) {

@@ -28,7 +28,7 @@ ROOT = Path(__file__).resolve().parents[2]
 WORK = ROOT / "build/mutation"
 COPIED = ("CMakeLists.txt", "lib", "port", "firmware", "tools", "tests")
 CONFIGURE = (
-    "-GNinja", "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG",
+    "-GNinja", "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG -D_GLIBCXX_ASSERTIONS",
     "-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=lld", "-DETCM_BUILD_BENCH=OFF", "-DETCM_INSTALL=OFF",
     # A change may make a comparison that is always true.
     "-DCMAKE_COMPILE_WARNING_AS_ERROR=OFF",

@@ -64,10 +64,10 @@ class SiteWorld {
   }
 
   // What other programs that share the bus may cost a unit: once their share of the time, and what
-  // they had not used before; and where they have asked in vain what would be asked of it, nobody
-  // asks it the same for so long.
+  // they had not used before; where they have asked in vain what would be asked of it, nobody asks
+  // it the same for so long; and once what a third one answers them too late spoils its answer.
   Duration others_cost(std::size_t bus) const {
-    return whole.buses[bus].is_shared ? std::chrono::seconds(15) + running.interval / 2
+    return whole.buses[bus].is_shared ? std::chrono::seconds(15) + running.interval * 3 / 2
                                       : Duration{};
   }
 
