@@ -244,7 +244,10 @@ port::Instant BusSchedule::failing_start(const Turn& turn, port::Instant now) co
   const port::Instant start =
       takes_one() ? start_beside(turn.due, share_of(unit).free_at(), retry_cost(unit), now)
                   : turn.due;
-  return is_failing(turn.address) ? std::max(start, losses_.free_at()) : start;
+  // Where none answers nobody has to wait for them, and it may be the gateway that ends
+  // connections.
+  const bool is_bounded = is_failing(turn.address) && sound_ > 0;
+  return is_bounded ? std::max(start, losses_.free_at()) : start;
 }
 
 const TimeShare& BusSchedule::share_of(const UnitSchedule& unit) const {

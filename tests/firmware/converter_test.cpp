@@ -110,6 +110,22 @@ TEST(Converter, ALineThatWasOutIsBackWithinTwoPolls) {
 
 // Nobody answers, and nobody says so: each is asked in its time.
 // They are no reason to mistrust the connection, nor to let the one that is there wait.
+// Connections that the gateway gives up itself are no unit's fault.
+TEST(Converter, ALineThatWasOutForMinutesIsBackWithinOne) {
+  for (const bool is_one_line : {false, true}) {
+    ConverterSite site({.exception = 0, .is_one_line = is_one_line});
+    site.run_for(20s);
+    site.device.fall_silent(true);
+    site.run_for(600s);
+    site.device.fall_silent(false);
+    const std::vector<std::uint32_t> before = site.readings;
+    site.run_for(60s);
+    for (std::uint8_t unit = 1; unit <= 20; ++unit) {
+      EXPECT_GT(site.readings[unit], before[unit]) << "unit " << int{unit} << ' ' << is_one_line;
+    }
+  }
+}
+
 // Some do so for a unit that does not answer, or for a question that they do not understand.
 class ThatEndsItsConnection : public testing::TestWithParam<bool> {
  protected:
