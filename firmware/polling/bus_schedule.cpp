@@ -182,7 +182,7 @@ void BusSchedule::ask(const Question& question, port::Instant now) {
   unit.is_made_up_for = unit.is_late && !was_late && late < 2 * poll_.interval;
   if (question.due < *begun_at_) unit.due = now;
   unit.reason = question.reason;
-  losses_.ask(question.address, is_failing(question.address), now);
+  losses_.ask(question.address, now);
   unit.asked_at = now;
   unit.wanted_at = due_in_turn();
   if (question.reason != Reason::turn && question.reason != Reason::discovery) {
@@ -235,19 +235,12 @@ BusSchedule::Candidate BusSchedule::first_of_failing(const Turns& turns, port::I
   return first;
 }
 
-bool BusSchedule::is_failing(ModbusAddress address) const {
-  return units_[address.value].failures > failures_free || losses_.is_cause(address);
-}
-
 port::Instant BusSchedule::failing_start(const Turn& turn, port::Instant now) const {
   const UnitSchedule& unit = units_[turn.address.value];
   const port::Instant start =
       takes_one() ? start_beside(turn.due, share_of(unit).free_at(), retry_cost(unit), now)
                   : turn.due;
-  // Where none answers nobody has to wait for them, and it may be the gateway that ends
-  // connections.
-  const bool is_bounded = is_failing(turn.address) && sound_ > 0;
-  return is_bounded ? std::max(start, losses_.free_at()) : start;
+  return losses_.is_cause(turn.address) ? std::max(start, losses_.free_at()) : start;
 }
 
 const TimeShare& BusSchedule::share_of(const UnitSchedule& unit) const {
@@ -429,11 +422,11 @@ bool BusSchedule::note_link_lost(ModbusAddress address, port::Instant now) {
     rest(address);
     return false;
   }
-  losses_.note_down(now);
-  if (losses_.note_loss(address, is_failing(address))) return true;
+  if (losses_.note_loss(address, now)) return true;
   // That it lost its answer says nothing of when one that failed will be there again.
-  ask_again(address,
-            is_failing(address) ? std::max(now, due_after(unit, pause_of(address, false))) : now);
+  const bool is_failing = unit.failures > failures_free;
+  if (is_failing) losses_.forget(address);
+  ask_again(address, is_failing ? std::max(now, due_after(unit, pause_of(address, false))) : now);
   return false;
 }
 

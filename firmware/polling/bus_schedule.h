@@ -101,7 +101,6 @@ class BusSchedule {
   void note_held_up(ModbusAddress address, port::Instant now);
   // Whether the link is lost for this unit each time: then note_failure() follows.
   bool note_link_lost(ModbusAddress address, port::Instant now);
-  void note_down(port::Instant now) { losses_.note_down(now); }
 
   // A node is said to be there: the unit is asked next, before all that are due and however often
   // it has failed; call_for() does so as far as the share of such calls allows.
@@ -194,8 +193,6 @@ class BusSchedule {
     std::size_t at = 0;  // among its turns
     port::Instant start = port::never;
   };
-  // It has failed so often that it is asked less often.
-  bool is_failing(ModbusAddress address) const;
   port::Instant failing_start(const Turn& turn, port::Instant now) const;
   Candidate first_of_failing(const Turns& turns, port::Instant now) const;
   Turn take(Reason reason, port::Instant now);

@@ -129,7 +129,7 @@ void Poller::step(port::Instant now) {
     }
     if (!bus.bus->is_up()) {
       bus.clients.refuse_all();
-      if (std::exchange(bus.counters.up_since, {}) != port::Instant{}) bus.schedule.note_down(now);
+      bus.counters.up_since = {};
     } else if (bus.counters.up_since == port::Instant{}) {
       bus.counters.up_since = now;
     }

@@ -162,19 +162,6 @@ TEST_P(ThatEndsItsConnection, ForManyUnitsCostsTheOthersAThirtiethOfTheirTime) {
   for (std::uint8_t unit = 31; unit <= 60; ++unit) EXPECT_GE(site.device.requests[unit], 3u);
 }
 
-// Nor where it does so when the gateway has given up the question.
-TEST_P(ThatEndsItsConnection, ForManyUnitsThatItHasWaitedForCostsTheOthersLittle) {
-  behind_ = {.units = 40, .exchange = 10ms, .is_one_line = GetParam()};
-  for (std::uint8_t unit = 21; unit <= 40; ++unit) behind_.ends_for.push_back(unit);
-  behind_.dead = behind_.ends_for;
-  ConverterSite site(behind_);
-  site.run_for(200s);
-  const std::uint32_t before = site.all_readings();
-  site.run_for(600s);
-  EXPECT_GE(site.all_readings() - before, 20u * 600 * 9 / 10);
-  for (std::uint8_t unit = 21; unit <= 40; ++unit) EXPECT_GE(site.device.requests[unit], 3u);
-}
-
 TEST_P(ThatEndsItsConnection, ForAUnitIsSaidOnceWithItsName) {
   ConverterSite site(behind_);
   site.run_for(120s);

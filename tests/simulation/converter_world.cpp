@@ -57,13 +57,9 @@ void ConverterWorld::close() { state_ = State::down; }
 
 void ConverterWorld::cut(bool is_now_cut) {
   is_cut_ = is_now_cut;
-  if (is_cut_) end("connection reset by peer");
-}
-
-void ConverterWorld::end(const char* why) {
-  if (state_ == State::down) return;
+  if (!is_cut_ || state_ == State::down) return;
   state_ = State::down;
-  listener().on_lost(why);
+  listener().on_lost("connection reset by peer");
 }
 
 void ConverterWorld::begin() {
@@ -102,9 +98,6 @@ void ConverterWorld::finish() {
   done_at_ = port::never;
   if (!queue_.empty()) begin();
   if (said.empty()) {
-    if (habits_.ends_connection && !hangs && request.connection == connection_) {
-      return end("connection closed by the other side");
-    }
     if (!habits_.says_nobody) return;
     said = {static_cast<std::uint8_t>(request.pdu[0] | 0x80), nobody_there};
   }

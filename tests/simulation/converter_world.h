@@ -12,11 +12,10 @@
 namespace etcm::simulation {
 
 struct ConverterHabits {
-  Duration hold{};               // for who says nothing
-  bool says_nobody = true;       // then: exception 0x0b; else nothing
-  bool keeps_queue = false;      // over connections
-  bool ends_connection = false;  // for who says nothing
-  std::size_t queue_max = 16;    // more are dropped
+  Duration hold{};             // for who says nothing
+  bool says_nobody = true;     // then: exception 0x0b; else nothing
+  bool keeps_queue = false;    // over connections
+  std::size_t queue_max = 16;  // more are dropped
 };
 
 class ConverterWorld final : public port::FrameConnection {
@@ -56,7 +55,6 @@ class ConverterWorld final : public port::FrameConnection {
   };
   void begin();
   void finish();
-  void end(const char* why);
 
   const ConverterHabits habits_;
   const Duration timeout_;

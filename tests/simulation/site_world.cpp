@@ -54,8 +54,7 @@ void SiteWorld::open_bus(std::size_t number, std::uint8_t units, Make first_make
     text.outstanding = static_cast<std::uint32_t>(1 + random.below(4));
     const ConverterHabits habits{.hold = random.below(2) == 0 ? Duration(300ms) : Duration(1s),
                                  .says_nobody = random.below(2) == 0,
-                                 .keeps_queue = random.below(2) == 0,
-                                 .ends_connection = aside.below(5) == 2};
+                                 .keeps_queue = random.below(2) == 0};
     bus.converter = std::make_unique<ConverterWorld>(habits, unit_timeout, bus.devices, random);
   }
   whole.buses.push_back(text);
