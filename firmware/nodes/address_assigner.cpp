@@ -77,7 +77,8 @@ AddressAssigner::Answerer AddressAssigner::done(BusIndex bus, const port::BusAns
           ++job.silences < silences_wanted) {
         break;
       }
-      if (port::is_absence(answer) || is_as_silent) {
+      // A poll may have been answered meanwhile.
+      if ((port::is_absence(answer) || is_as_silent) && is_free(job.unit_index)) {
         job.step = Step::write;
       } else if (answer.result == port::BusResult::bad_answer && ++job.tries < unit_looks_max) {
         job.due = now + look_pause;

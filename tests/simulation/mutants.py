@@ -55,7 +55,7 @@ MUTANTS = {
         "return nullptr;"),
     # Nodes that have no unit yet.
     "units_are_given_where_somebody_answers": (
-        "firmware/nodes/address_assigner.cpp", "if (port::is_absence(answer) || is_as_silent) {\n        job.step",
+        "firmware/nodes/address_assigner.cpp", "if ((port::is_absence(answer) || is_as_silent) && is_free(job.unit_index)) {\n        job.step",
         "if (true) {\n        job.step"),
     "newcomers_who_talk_at_once_get_no_unit": (
         "firmware/nodes/address_assigner.cpp", "++job.tries < unit_looks_max", "false"),

@@ -92,6 +92,8 @@ void Newcomers::happen(Instant now) {
   } else if (what == 6) {
     device.keeps_unit = !device.keeps_unit;
   } else {
+    // Who is gone, and talked with another one until then, was heard last when it is hard to say.
+    if (site_.is_doubled(device)) disturb(device.bus, device.unit, now);
     device.is_replaced = true;
     disturb(device.bus, device.unit, now);
   }

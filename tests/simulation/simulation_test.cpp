@@ -38,6 +38,10 @@ TEST(Simulation, AGatewayLivesThroughWhatItFailedAtBefore) {
   }
   // A number of Modbus TCP came again, and what had it before was never answered.
   EXPECT_EQ(live(238, 6h, Company::others).wrong, "");
+  // A lost unit that cost much was never asked again beside others that cost less.
+  EXPECT_EQ(live(7700035, 6h, Company::others_and_newcomers).wrong, "");
+  // A unit was given that was looked at twice in vain, while a poll was answered there.
+  EXPECT_EQ(live(8110015, 6h, Company::others_and_newcomers).wrong, "");
   // A reload took features out that somebody was reading about.
   EXPECT_EQ(live(26122700000378, 6h, Company::others).wrong, "");
 }
