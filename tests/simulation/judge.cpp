@@ -151,7 +151,8 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
     const bool was_there = device->make == Make::in_blocks
                                ? device->held_apart(node.position, asked)
                                : device->held(node.position, asked);
-    if (!was_there && !(is_in_blocks && site_.is_doubled(*device))) {
+    const bool was_doubled = device->had_twin && device->undisturbed_since > now;
+    if (!was_there && !(is_in_blocks && (site_.is_doubled(*device) || was_doubled))) {
       return "position " + text_of(node.position) + " is accepted, and it was at " +
              text_of(device->place()) + " when it was asked " +
              std::to_string(seconds_of(now - asked)) + " s ago";
