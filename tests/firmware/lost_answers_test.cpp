@@ -149,8 +149,7 @@ class SomeLine {
     port::Duration takes{};
     port::Duration silence{};  // after a wait in vain
     bool answers = true;
-    bool loses_every_other =
-        false;  // of its answers, which are waited for like those of silent units
+    bool loses_every_other = false;  // of its answers: the bus waits for it in vain
     std::uint32_t asked = 0;
   };
 
@@ -208,13 +207,17 @@ class SomeLine {
   port::Instant now_{1h};
 };
 
-// One that never answers in time keeps the line for longer than there is between two polls.
-TEST(OneThatWasSilent, DoesNotWaitBehindAnotherThatCostsMore) {
+BusSettings serial_line() {
   BusSettings settings;
   settings.link = port::SerialLine{.path = "", .baud = 19200};
   settings.outstanding_max = 1;
   settings.timeout = 250ms;
-  SomeLine line(settings, false, 5);
+  return settings;
+}
+
+// One that never answers in time keeps the line for longer than there is between two polls.
+TEST(OneThatWasSilent, DoesNotWaitBehindAnotherThatCostsMore) {
+  SomeLine line(serial_line(), false, 5);
   for (std::uint8_t slow = 3; slow <= 5; ++slow) {
     line.units[slow] = {.takes = 250ms, .silence = 1100ms, .answers = false};
   }
@@ -232,11 +235,7 @@ TEST(OneThatWasSilent, DoesNotWaitBehindAnotherThatCostsMore) {
 
 // What is asked in time that nobody needs is none of the share that the dear one waits for.
 TEST(OneThatWasSilent, ThatCostsMuchDoesNotWaitForEverBehindManyThatCostLittle) {
-  BusSettings settings;
-  settings.link = port::SerialLine{.path = "", .baud = 19200};
-  settings.outstanding_max = 1;
-  settings.timeout = 250ms;
-  SomeLine line(settings, false, 14);
+  SomeLine line(serial_line(), false, 14);
   line.run(20s);
   line.units[3] = {.takes = 250ms, .silence = 1100ms, .answers = false};
   for (std::uint8_t cheap = 4; cheap <= 14; ++cheap) {
@@ -255,11 +254,7 @@ TEST(OneThatWasSilent, ThatCostsMuchDoesNotWaitForEverBehindManyThatCostLittle) 
 
 // Nor one that has missed a single answer, behind those that miss one all the time.
 TEST(OneThatWasSilent, IsRepeatedBesideThoseThatLoseEveryOtherAnswer) {
-  BusSettings settings;
-  settings.link = port::SerialLine{.path = "", .baud = 19200};
-  settings.outstanding_max = 1;
-  settings.timeout = 250ms;
-  SomeLine line(settings, false, 5);
+  SomeLine line(serial_line(), false, 5);
   line.run(20s);
   for (std::uint8_t unit = 3; unit <= 5; ++unit) line.units[unit].loses_every_other = true;
   line.run(3min);
