@@ -225,6 +225,7 @@ port::Instant BusSchedule::start_beside(port::Instant due, port::Instant free_at
 // wait behind another that costs more than the line has time for.
 BusSchedule::Candidate BusSchedule::first_of_failing(const Turns& turns, port::Instant now) const {
   if (turns.empty() || unsure_under_way_ >= half_of_the_requests()) return {};
+  if (!takes_one() && !losses_.has_cause()) return {.at = 0, .start = turns.front().due};
   Candidate first;
   for (std::size_t i = 0; i < turns.size(); ++i) {
     const port::Instant start = failing_start(turns[i], now);

@@ -46,17 +46,20 @@ class LinkLosses {
     if (sole_ == address && is_its_own && unit.losses < losses_max) {
       ++unit.losses;
       unit.answers_before = answers_;
+      if (is_cause(address)) ++causes_;
     }
     if (is_cause(address)) lost_at_ = now;
     suspect(unit, !is_cause(address));
     return is_cause(address);
   }
   bool is_cause(ModbusAddress address) const { return units_[address.value].losses == losses_max; }
+  bool has_cause() const { return causes_ > 0; }
   // From when on one that is the cause may be asked.
   port::Instant free_at() const { return share_.free_at(); }
   void open(port::Instant now) { share_.open(now); }
 
   void forget(ModbusAddress address) {
+    if (is_cause(address)) --causes_;
     suspect(units_[address.value], false);
     units_[address.value].losses = 0;
   }
@@ -78,6 +81,7 @@ class LinkLosses {
 
   std::array<Unit, 256> units_{};  // by address
   std::uint32_t suspects_ = 0;
+  std::uint32_t causes_ = 0;
   std::uint32_t under_way_ = 0;
   std::uint32_t answers_ = 0;             // of all units
   std::optional<ModbusAddress> sole_;     // under way with nobody beside it

@@ -28,10 +28,9 @@ TextLine exception_text(std::uint8_t code, bool is_node) {
   return TextLine() << "exception " << code << ": " << text.meaning << "; " << text.cure;
 }
 
-TextLine link_lost_text() {
-  return TextLine() << "the connection ends each time it is asked, and the others wait for the "
-                       "next one; look at it, or take it out of `units`";
-}
+constexpr std::string_view link_lost_text =
+    "the connection ends each time it is asked, and the others wait for the next one; look at it, "
+    "or take it out of `units`";
 
 }  // namespace
 
@@ -252,7 +251,7 @@ void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant 
       return take_registers(answer, index, now);
     case port::BusResult::link_lost:
       if (schedule.note_link_lost(address_of(index), now)) {
-        fail(index, {.why = link_lost_text(), .is_silence = false}, now);
+        fail(index, {.why = link_lost_text, .is_silence = false}, now);
       }
       return;
     case port::BusResult::timeout:
