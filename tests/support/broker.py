@@ -2,9 +2,10 @@
 import os
 import pathlib
 import re
+import signal
 import subprocess
 
-from programs import PATIENCE_S, free_port
+from programs import PATIENCE_S, free_port, wait_for
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "firmware/examples"
 SITE = "harbour"
@@ -40,6 +41,12 @@ class Broker:
         self.program.wait_for_line("mosquitto version .* running")
 
     def stop(self):
+        # Mosquitto forgets a signal that comes after its word that it runs and before its loop.
+        def has_ended():
+            self.program.process.send_signal(signal.SIGTERM)
+            return self.program.process.poll() is not None
+
+        wait_for(f"{self.name} to end", has_ended)
         self.program.stop()
 
 
