@@ -92,11 +92,15 @@ void Newcomers::happen(Instant now) {
   } else if (what == 6) {
     device.keeps_unit = !device.keeps_unit;
   } else {
-    // Who is gone, and talked with another one until then, was heard last when it is hard to say.
-    if (site_.is_doubled(device)) disturb(device.bus, device.unit, now);
-    device.is_replaced = true;
-    disturb(device.bus, device.unit, now);
+    take_away(device, now);
   }
+}
+
+void Newcomers::take_away(Device& device, Instant now) {
+  // Who is gone, and talked with another one until then, was heard last when it is hard to say.
+  if (site_.is_doubled(device)) disturb(device.bus, device.unit, now);
+  device.is_replaced = true;
+  disturb(device.bus, device.unit, now);
 }
 
 void Newcomers::come(std::size_t bus, Instant now) {
@@ -138,6 +142,13 @@ void Newcomers::end_faults(Instant now) {
   parted_at_ = now + 1min;
   for (Device* const device : all()) device->keeps_unit = false;
   part();
+  // Twins that became nodes of their own wait too. Two for whom there is never a unit would talk
+  // over one another for ever.
+  for (Device* const device : all()) {
+    const bool is_one_too_many =
+        count_on(device->bus) > site_.whole.buses[device->bus].assigned + 1U;
+    if (is_one_too_many && device->unit == newcomers_unit) take_away(*device, now);
+  }
   // Only hands have put anybody anywhere since the last step.
   static_cast<void>(step(now));
 }

@@ -39,6 +39,7 @@ class Newcomers {
   // Who answers at the unit of this one, and has for a while.
   const Device* answers_beside(const Device& device, Instant now) const;
   void come(std::size_t bus, Instant now);
+  void take_away(Device& device, Instant now);
   // Those that have none, or were given one.
   std::vector<Device*> all() const;
   std::size_t count_on(std::size_t bus) const;
