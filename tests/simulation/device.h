@@ -76,6 +76,7 @@ class Device {
   void note_answer(Instant now) {
     answered_at = now;
     if (undisturbed_since <= now) ++answers;
+    spoilt = 0;
   }
 
   // Whether it stood there at any moment from `from` on.
@@ -103,6 +104,9 @@ class Device {
   Instant silent_until{};     // nobody has plugged it in before
   Instant answered_at{};      // soundly and in time
   std::uint32_t answers = 0;  // such, since it was disturbed
+  int spoilt = 0;             // questions and answers since, by others who talked meanwhile
+  // When that was asked which it has said last; never, unless another one had answered it by then.
+  Instant second_to = port::never;
   bool is_plugged_in = true;
   bool is_replaced = false;  // for good
   bool is_leaving = false;

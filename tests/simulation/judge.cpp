@@ -120,18 +120,32 @@ Instant Judge::settled_at(const Device& device, GatewayRun& run) const {
   return silence + std::max(device.undisturbed_since, site_.buses[device.bus].undisturbed_since);
 }
 
+bool Judge::may_be_two(const Device& device, Instant now) const {
+  return site_.is_doubled(device) || (device.had_twin && device.undisturbed_since > now);
+}
+
 std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& run, Instant now) {
   const Device* const device = site_.find(node.serial.value);
-  if (device == nullptr) return "there is none";
-  const BusWorld& bus = site_.buses[device->bus];
   Seen& seen = seen_[node.serial.value];
+  if (device == nullptr) {
+    // Of two of another make at one address, one block may be taken for the other.
+    for (const auto& each : site_.devices) {
+      if (each->make != Make::ours && may_be_two(*each, now)) seen.is_mixture = true;
+    }
+    return seen.is_mixture ? std::string() : "there is none";
+  }
+  const BusWorld& bus = site_.buses[device->bus];
   if (seen.positioned_at != node.positioned_at) {
     seen.positioned_at = node.positioned_at;
     if (!node.has_position()) return {};
     ++positions;
     positions_of_others += device->make != Make::ours;
     seen.accepted_at = now;
-    const Instant asked = bus.asked_at(device->unit, now);
+    const bool are_two = may_be_two(*device, now);
+    // What comes late of one of two, to a question that the other has answered, nobody can tell
+    // from an answer to the next one.
+    const Instant last = bus.asked_at(device->unit, now);
+    const Instant asked = are_two ? std::min(last, device->second_to) : last;
     // On a line without numbers an answer counts in its time alone; behind a converter the gateway
     // learns to wait for longer, and knows to which question it belongs. Where another one answered
     // at the same unit, what came late of this one may have been taken for the next answer.
@@ -151,8 +165,7 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
     const bool was_there = device->make == Make::in_blocks
                                ? device->held_apart(node.position, asked)
                                : device->held(node.position, asked);
-    const bool was_doubled = device->had_twin && device->undisturbed_since > now;
-    if (!was_there && !(is_in_blocks && (site_.is_doubled(*device) || was_doubled))) {
+    if (!was_there && !(is_in_blocks && are_two)) {
       return "position " + text_of(node.position) + " is accepted, and it was at " +
              text_of(device->place()) + " when it was asked " +
              std::to_string(seconds_of(now - asked)) + " s ago";
@@ -179,7 +192,7 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
            " s ago";
   }
   const Instant since = std::max({device->undisturbed_since, began_, bus.undisturbed_since});
-  const bool is_old = node.has_position() && now - accepted_at > site_.age_max(device->bus);
+  const bool is_old = node.has_position() && now - accepted_at > site_.age_max(*device);
   if (!is_old && !node.stale) return {};
   const bool is_well =
       site_.is_asked(*device) && !bus.is_out_of_order() && !site_.is_doubled(*device) &&
@@ -189,7 +202,7 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
     return "is well, and told its position " + std::to_string(seconds_of(now - accepted_at)) +
            " s ago";
   }
-  if (is_well && node.stale) {
+  if (is_well && node.stale && site_.spoilt_by_others(*device) == 0) {
     return "is stale, and nothing has been wrong with it for " +
            std::to_string(seconds_of(now - since)) + " s";
   }

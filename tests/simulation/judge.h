@@ -39,6 +39,8 @@ class Judge {
   std::string look_for_unknown(GatewayRun& run, Instant now);
   // From when on the gateway knows that it alone is there.
   Instant settled_at(const Device& device, GatewayRun& run) const;
+  // Another one answers at its unit, or has, and may not be forgotten.
+  bool may_be_two(const Device& device, Instant now) const;
   std::string look_at_foreign(const firmware::NodeRecord& node) const;
   std::string look_at_node(const firmware::NodeRecord& node, GatewayRun& run, Instant now);
   std::string look_at_mesh(GatewayRun& run);
@@ -49,6 +51,7 @@ class Judge {
     Instant accepted_at{};  // a position, as the judge saw it; in any run
     // Its answers, when it was declared to be missing, or was alone at its unit; none: it is not.
     std::optional<std::uint32_t> missing_from;
+    bool is_mixture = false;  // of what two devices have said
   };
 
   const SiteWorld& site_;

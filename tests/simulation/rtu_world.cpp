@@ -32,7 +32,8 @@ RtuWorld::RtuWorld(const port::SerialLine& line, Duration network_max, Duration 
       network_max_(network_max),
       timeout_(timeout),
       devices_(devices),
-      random_(random) {}
+      random_(random),
+      has_answered_(256) {}
 
 bool RtuWorld::open(Instant, std::string& why) {
   is_open_ = !is_cut;
@@ -56,9 +57,7 @@ bool RtuWorld::write(std::span<const std::uint8_t> frame, std::string& why) {
   const Instant asked = now_ + on_the_network() + time_of(frame.size());
   const bool is_clients =
       clients != nullptr && clients->is_sending(frame[0], frame.subspan(1, frame.size() - 3));
-  if (!is_clients && begins_a_sweep(frame.subspan(1, frame.size() - 3))) {
-    asked_before[frame[0]] = std::exchange(asked_at[frame[0]], now_);
-  }
+  if (!is_clients && begins_a_sweep(frame.subspan(1, frame.size() - 3))) note_question(frame[0]);
   // Two who talk at once spoil each other's bytes.
   bool is_heard = true;
   for (Sending& sending : sendings_) {
@@ -71,11 +70,25 @@ bool RtuWorld::write(std::span<const std::uint8_t> frame, std::string& why) {
   const auto body = frame.first(frame.size() - 2);
   const std::uint16_t sum = checksum(body);
   if (frame[frame.size() - 2] != (sum & 0xff) || frame.back() != sum >> 8) return true;
-  if (!is_heard) return true;
   for (Device* const device : devices_) {
-    if (device->unit == frame[0]) answer(*device, frame, is_clients, asked);
+    if (device->unit != frame[0]) continue;
+    if (is_heard) answer(*device, frame, is_clients, asked);
+    if (!is_heard && !is_clients) ++device->spoilt;
   }
   return true;
+}
+
+void RtuWorld::note_question(std::uint8_t unit) {
+  for (Sending& sending : sendings_) {
+    if (sending.unit == unit && has_answered_[unit]) sending.is_second = true;
+  }
+  has_answered_[unit] = false;
+  asked_before[unit] = std::exchange(asked_at[unit], now_);
+}
+
+void RtuWorld::note_heard(const Sending& sending) {
+  has_answered_[sending.unit] = true;
+  sending.said_by->second_to = sending.is_second ? sending.question : port::never;
 }
 
 void RtuWorld::answer(Device& device, std::span<const std::uint8_t> frame, bool is_clients,
@@ -91,6 +104,9 @@ void RtuWorld::answer(Device& device, std::span<const std::uint8_t> frame, bool 
   sending.begin = asked + silence_ + said->after;
   sending.end = sending.begin + time_of(sending.bytes.size());
   sending.answered = said->is_sound && !is_clients ? &device : nullptr;
+  sending.said_by = &device;
+  sending.unit = frame[0];
+  sending.question = asked_at[frame[0]];
   if (device.ailment == Ailment::noisy && random_.below(2) == 0) spoil(sending);
   if (device.ailment == Ailment::cut_off && random_.below(2) == 0) {
     sending.bytes.resize(1 + random_.index(sending.bytes.size() - 1));
@@ -121,6 +137,7 @@ void RtuWorld::answer(Device& device, std::span<const std::uint8_t> frame, bool 
 
 // One burst of up to sixteen bits, which the checksum always shows; once, for two may undo it.
 void RtuWorld::spoil(Sending& sending) {
+  if (sending.answered != nullptr) ++sending.answered->spoilt;
   sending.answered = nullptr;
   if (sending.is_spoilt) return;
   sending.is_spoilt = true;
@@ -171,6 +188,7 @@ void RtuWorld::pass_to(Instant now) {
       show_harm(*sending, piece);
       hear(piece);
       if (is_whole && sending->answered != nullptr) sending->answered->note_answer(sending->end);
+      if (is_whole && !sending->is_spoilt) note_heard(*sending);
     } else {
       sending->answered = nullptr;
     }

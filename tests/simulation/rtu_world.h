@@ -49,11 +49,19 @@ class RtuWorld final : public port::RtuLine {
     Instant next() const { return heard < piece ? piece_at : end; }
     Device* answered = nullptr;  // soundly, where it arrives as it is
     bool is_spoilt = false;
+    Device* said_by = nullptr;
+    std::uint8_t unit = 0;
+    // When its unit had been asked for a position, and whether somebody else had answered that when
+    // the unit was asked again.
+    Instant question{};
+    bool is_second = false;
   };
 
   bool write(std::span<const std::uint8_t> frame, std::string& why) override;
   void answer(Device& device, std::span<const std::uint8_t> frame, bool is_clients, Instant asked);
   void spoil(Sending& sending);
+  void note_question(std::uint8_t unit);
+  void note_heard(const Sending& sending);
   void show_harm(Sending& sending, std::span<std::uint8_t> piece);
   Duration on_the_network();
   Duration time_of(std::size_t bytes) const {
@@ -69,6 +77,7 @@ class RtuWorld final : public port::RtuLine {
   bool is_open_ = false;
   Instant now_{};
   std::vector<Sending> sendings_;
+  std::vector<bool> has_answered_;   // by unit, since it was asked for a position
   std::vector<std::uint8_t> heard_;  // since the last question
 };
 

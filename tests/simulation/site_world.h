@@ -57,10 +57,16 @@ class SiteWorld {
   // its bus are: it is asked once in an interval, and once more where another one spoils its
   // answer; and each other one may hold the line once. Behind a converter one that had to wait too
   // long for a dead one counts as failing itself, and is found again as such are.
-  Duration age_max(std::size_t bus) const {
+  Duration age_max(const Device& device) const {
+    const std::size_t bus = device.bus;
     if (!buses[bus].line) return found_again_within(bus);
-    return 2 * running.interval + whole.buses[bus].unit_count() * held_on_a_line_max +
-           others_cost(bus);
+    return 2 * (1 + spoilt_by_others(device)) * running.interval +
+           whole.buses[bus].unit_count() * held_on_a_line_max + others_cost(bus);
+  }
+  // Where others ask, answers that come too late for them may spoil this one's time and again, and
+  // who has failed several times is asked less often.
+  int spoilt_by_others(const Device& device) const {
+    return whole.buses[device.bus].is_shared ? device.spoilt : 0;
   }
 
   // What other programs that share the bus may cost a unit: once their share of the time, and what
