@@ -1,9 +1,10 @@
 // Gives nodes that answer at the default unit a unit of their own.
 //
 // First the new unit is asked, more than once where the answer is spoilt: others who wait at the
-// default unit talk into it. Where it does not answer twice, the node is written its new
-// unit together with its serial, so that only the node with that serial takes it, however many wait
-// at the default unit; then it must answer at the new unit. One node of a bus at a time.
+// default unit talk into it. Where it does not answer twice, and its bus was heard between the two,
+// the node is written its new unit together with its serial, so that only the node with that serial
+// takes it, however many wait at the default unit; then it must answer at the new unit. One node of
+// a bus at a time.
 //
 // A unit that answered before is given last, and of these the one that has been silent
 // longest first: its node may come back, and two nodes at one unit can be told nothing.
@@ -59,6 +60,7 @@ class AddressAssigner {
     port::Instant unit_used_at{};  // as it was when the unit was chosen
     std::uint8_t tries = 0;        // of the step, in vain
     std::uint8_t silences = 0;     // looks that nobody answered
+    port::Instant silent_at{};     // the end of the last of them
     Serial last_serial;
     port::Instant retry_at{};  // with the same node as last time
     bool is_full = false;      // and said so

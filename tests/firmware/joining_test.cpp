@@ -153,6 +153,24 @@ TEST_F(Joining, AUnitIsFreeWhereNobodyAnswersTwice) {
   EXPECT_GT(rig_.bus.reads[10], 2u) << "once as one of its units, and twice whether it is free";
 }
 
+// Nor is it silence twice while one dead unit holds up all that is asked behind it.
+TEST_F(Joining, AUnitIsNotFreeWhereNobodyElseWasHeardSinceTheFirstLook) {
+  bus().units = {{.first = 1, .last = 1}};
+  bus().assign = {{.first = 10, .last = 10}};
+  put(1, 1, {0, 0});
+  put(247, 77);
+  for (int turn = 0; turn < 1000 && rig_.log.count("node 77 joined") == 0; ++turn) rig_.run(1ms);
+  for (const int unit : {1, 10, 247}) rig_.bus.silence(static_cast<std::uint8_t>(unit));
+  rig_.run(500ms);
+  EXPECT_TRUE(rig_.bus.writes.empty());
+  put(10, 90, {50, 60});
+  put(1, 1, {0, 0});
+  put(247, 77);
+  rig_.run(3s);
+  EXPECT_TRUE(rig_.bus.writes.empty());
+  EXPECT_EQ(rig_.log.count("node 90 joined"), 1u) << logged();
+}
+
 // Two who have one unit are never understood either.
 TEST_F(Joining, AUnitWhoseAnswersAreAlwaysSpoiltIsNotGiven) {
   bus().assign = {{.first = 10, .last = 11}};

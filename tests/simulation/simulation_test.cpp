@@ -42,6 +42,8 @@ TEST(Simulation, AGatewayLivesThroughWhatItFailedAtBefore) {
   EXPECT_EQ(live(7700035, 6h, Company::others_and_newcomers).wrong, "");
   // A unit was given that was looked at twice in vain, while a poll was answered there.
   EXPECT_EQ(live(8110015, 6h, Company::others_and_newcomers).wrong, "");
+  // And one that was looked at twice while a dead unit held the converter up.
+  EXPECT_EQ(live(50009075, 6h, Company::others_and_newcomers).wrong, "");
   // A reload took features out that somebody was reading about.
   EXPECT_EQ(live(26122700000378, 6h, Company::others).wrong, "");
 }
