@@ -19,6 +19,7 @@ DAYS = os.environ.get("ETCM_SIMULATION_DAYS", "60")
 # Those that want a rare meeting of faults begin at a life that has one.
 FIRST_OF = {"a_position_that_jumps_counts": "157", "a_standstill_is_a_cost": "1239",
             "one_who_will_not_take_a_unit_is_never_asked_again": "67", "others_may_hold_a_bus": "37",
+            "silence_counts_while_a_converter_is_held_up": "50009075",
             "units_are_given_where_somebody_answers": "31"}
 # Only one life in hundreds meets these, another one after each change of the order in which units are asked. They
 # are tried where they are named: ETCM_SIMULATION_DAYS in the environment is for how long.
@@ -57,6 +58,9 @@ MUTANTS = {
     "units_are_given_where_somebody_answers": (
         "firmware/nodes/address_assigner.cpp", "if ((port::is_absence(answer) || is_as_silent) && is_free(job.unit_index)) {\n        job.step",
         "if (true) {\n        job.step"),
+    "silence_counts_while_a_converter_is_held_up": (
+        "firmware/nodes/address_assigner.cpp", "const bool is_repeated = job.step == Step::look && job.silences > 0;",
+        "const bool is_repeated = false;"),
     "newcomers_who_talk_at_once_get_no_unit": (
         "firmware/nodes/address_assigner.cpp", "++job.tries < unit_looks_max", "false"),
     "one_who_will_not_take_a_unit_is_never_asked_again": (
