@@ -160,8 +160,10 @@ std::optional<BusSchedule::Reason> BusSchedule::next_reason(port::Instant now) c
   if (repeat <= now) return Reason::repeat;
   // A retry of a busy line has its share of the time, however long the others have waited; but
   // where they will soon have been asked it comes after them, unless it is called for.
-  const bool is_first =
-      retry <= now && (retries_[lost.at].due == port::Instant{} || now - retry >= poll_.interval);
+  if (retry > now) return in_turn;
+  const Turn& next = retries_[lost.at];
+  const bool is_first = next.due == port::Instant{} || units_[next.address.value].has_more ||
+                        now - retry >= poll_.interval;
   return is_first ? Reason::retry : in_turn;
 }
 
@@ -183,6 +185,7 @@ void BusSchedule::ask(const Question& question, port::Instant now) {
   if (question.due < *begun_at_) unit.due = now;
   unit.reason = question.reason;
   losses_.ask(question.address, now);
+  unit.has_more = false;
   unit.asked_at = now;
   unit.wanted_at = due_in_turn();
   if (question.reason != Reason::turn && question.reason != Reason::discovery) {
@@ -238,6 +241,8 @@ BusSchedule::Candidate BusSchedule::first_of_failing(const Turns& turns, port::I
 
 port::Instant BusSchedule::failing_start(const Turn& turn, port::Instant now) const {
   const UnitSchedule& unit = units_[turn.address.value];
+  // The rest of a sweep that waits for a share comes too late for what was read before it.
+  if (unit.has_more) return turn.due;
   const port::Instant start =
       takes_one() ? start_beside(turn.due, share_of(unit).free_at(), retry_cost(unit), now)
                   : turn.due;
@@ -329,6 +334,7 @@ void BusSchedule::note_cost(ModbusAddress address, const port::BusAnswer& answer
     case Reason::repeat:
       --unsure_under_way_;
       // One that loses every other answer has the time of the lost ones from this share too.
+      if (is_ok) unit.missed_cost = {};
       if (unit.has_answered) return repeat_share_.charge(waited + missed, now);
       first_repeat_share_.charge(waited, now);
       if (!is_ok) charge_retry(unit, waited, now);
@@ -398,6 +404,7 @@ void BusSchedule::note_failure(ModbusAddress address, bool is_miss, port::Instan
 }
 
 void BusSchedule::note_more(ModbusAddress address) {
+  units_[address.value].has_more = true;
   ask_again(address, units_[address.value].due);
 }
 

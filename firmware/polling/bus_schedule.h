@@ -149,6 +149,7 @@ class BusSchedule {
     std::uint32_t repeats = 0;     // that it has answered, in a row
     bool is_late = false;          // by an interval and more, when it was asked last
     bool is_made_up_for = false;   // and is asked once more for that
+    bool has_more = false;         // it has answered, and is asked for the rest
     port::Instant due{};           // for the question asked at
     port::Instant asked_at{};
     port::Instant wanted_at{};     // when, then, the next was due whose turn it is

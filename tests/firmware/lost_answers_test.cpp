@@ -150,7 +150,10 @@ class SomeLine {
     port::Duration silence{};  // after a wait in vain
     bool answers = true;
     bool loses_every_other = false;  // of its answers: the bus waits for it in vain
+    std::uint32_t blocks = 1;        // that it is read in, each soon after the one before
     std::uint32_t asked = 0;
+    std::uint32_t read = 0;  // blocks of a sweep
+    port::Instant read_at{};
   };
 
   SomeLine(const BusSettings& settings, bool is_behind_a_converter, std::uint8_t count)
@@ -180,7 +183,12 @@ class SomeLine {
         answer.silence = unit.silence;
       }
       schedule_.note_cost(question->address, answer, now_);
-      if (!is_lost) schedule_.note_success(question->address, now_);
+      if (is_lost || unit.read_at + 5s < now_) unit.read = 0;
+      unit.read_at = now_;
+      const bool is_whole = !is_lost && ++unit.read >= unit.blocks;
+      if (is_whole) unit.read = 0;
+      if (is_whole) schedule_.note_success(question->address, now_);
+      if (!is_whole && !is_lost) schedule_.note_more(question->address);
       if (is_lost) schedule_.note_failure(question->address, true, now_);
       now_ += answer.silence;
     }
@@ -263,6 +271,22 @@ TEST(OneThatWasSilent, IsRepeatedBesideThoseThatLoseEveryOtherAnswer) {
   line.units[1] = {.takes = 30ms};
   ASSERT_FALSE(line.is_sound(1));
   line.run(50s);
+  EXPECT_TRUE(line.is_sound(1));
+}
+
+// Its second block does not wait for a share that the first one has used up: by then that is old.
+TEST(OneThatWasSilent, IsReadInAllItsBlocksOnceTheFirstOneHasCome) {
+  SomeLine line(serial_line(), false, 5);
+  line.units[1].blocks = 2;
+  line.run(20s);
+  for (std::uint8_t unit = 3; unit <= 5; ++unit) line.units[unit].loses_every_other = true;
+  line.run(3min);
+  ASSERT_TRUE(line.is_sound(1));
+  line.units[1] = {.takes = 250ms, .silence = 1100ms, .answers = false, .blocks = 2};
+  line.run(1010ms);
+  ASSERT_FALSE(line.is_sound(1));
+  line.units[1] = {.takes = 30ms, .blocks = 2};
+  line.run(10min);
   EXPECT_TRUE(line.is_sound(1));
 }
 
