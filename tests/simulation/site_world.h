@@ -37,6 +37,8 @@ struct BusWorld {
 
 // A unit that does not answer holds a serial line for so long: its time, and the silence behind it.
 inline constexpr Duration held_on_a_line_max = std::chrono::milliseconds(1500);
+// So late an answer may come at the most where nothing numbers them.
+inline constexpr Duration late_answer_max = std::chrono::seconds(5);
 // Questions that a standstill of the gateway falls into count for as long as they can take at all,
 // a hundred times over, before units that are silent behind a converter are asked again.
 inline constexpr Duration standstill_cost_max = std::chrono::seconds(1600);
@@ -60,7 +62,9 @@ class SiteWorld {
   Duration age_max(const Device& device) const {
     const std::size_t bus = device.bus;
     if (!buses[bus].line) return found_again_within(bus);
-    return 2 * (1 + spoilt_by_others(device)) * running.interval +
+    // Who can be asked in one way alone is not asked the same while a spoilt answer to it may come.
+    const Duration owed = device.make == Make::ours ? Duration{} : late_answer_max;
+    return 2 * (1 + spoilt_by_others(device)) * running.interval + owed +
            whole.buses[bus].unit_count() * held_on_a_line_max + others_cost(bus);
   }
   // Where others ask, answers that come too late for them may spoil this one's time and again, and
