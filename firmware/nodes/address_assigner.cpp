@@ -36,7 +36,7 @@ port::Instant AddressAssigner::due(BusIndex bus) const {
   // Behind a converter one dead unit may hold up all that is asked for a while: until another
   // answer has come silence says nothing.
   const bool is_repeated = job.step == Step::look && job.silences > 0;
-  if (is_repeated && poller_.bus_counters(bus).heard_at <= job.silent_at) return port::never;
+  if (is_repeated && poller_.bus_counters(bus).heard_at <= job.looked_at) return port::never;
   const port::Instant free_at = job.step == Step::write
                                     ? poller_.write_free_at(poller_.unit_at(bus, default_unit))
                                     : poller_.read_free_at(job.unit_index);
@@ -75,7 +75,7 @@ AddressAssigner::Answerer AddressAssigner::done(BusIndex bus, const port::BusAns
     case Step::none:
       break;
     case Step::look:
-      job.silent_at = now;
+      job.looked_at = now;
       // Whatever answers there, it is not free. Silence may have been a converter's that was busy:
       // by the second look its unit has the patience that the first one's late answer taught.
       if ((answer.result == port::BusResult::timeout || is_as_silent) &&

@@ -60,7 +60,7 @@ class AddressAssigner {
     port::Instant unit_used_at{};  // as it was when the unit was chosen
     std::uint8_t tries = 0;        // of the step, in vain
     std::uint8_t silences = 0;     // looks that nobody answered
-    port::Instant silent_at{};     // the end of the last of them
+    port::Instant looked_at{};     // the end of the last look
     Serial last_serial;
     port::Instant retry_at{};  // with the same node as last time
     bool is_full = false;      // and said so

@@ -158,9 +158,10 @@ std::optional<BusSchedule::Reason> BusSchedule::next_reason(port::Instant now) c
   if (!takes_one()) return turn <= std::min(repeat, retry) ? in_turn : failing;
   if (turn > now) return failing;
   if (repeat <= now) return Reason::repeat;
-  // A retry of a busy line has its share of the time, however long the others have waited; but
-  // where they will soon have been asked it comes after them, unless it is called for.
   if (retry > now) return in_turn;
+  // A retry of a busy line has its share of the time, however long the others have waited; but
+  // where they will soon have been asked it comes after them, unless it is called for or has begun
+  // to answer.
   const Turn& next = retries_[lost.at];
   const bool is_first = next.due == port::Instant{} || units_[next.address.value].has_more ||
                         now - retry >= poll_.interval;
@@ -319,10 +320,8 @@ void BusSchedule::note_cost(ModbusAddress address, const port::BusAnswer& answer
   const port::Duration waited = cost_to_others(unit, cost);
   const port::Duration missed = unit.missed_cost;
   const bool is_ok = answer.result == port::BusResult::ok;
-  if (!is_ok) {
-    unit.cost = cost;
-    unit.missed_cost = waited;
-  }
+  if (!is_ok) unit.cost = cost;
+  unit.missed_cost = is_ok ? port::Duration{} : waited;
   switch (unit.reason) {
     case Reason::first:
       --unsure_under_way_;
@@ -334,7 +333,6 @@ void BusSchedule::note_cost(ModbusAddress address, const port::BusAnswer& answer
     case Reason::repeat:
       --unsure_under_way_;
       // One that loses every other answer has the time of the lost ones from this share too.
-      if (is_ok) unit.missed_cost = {};
       if (unit.has_answered) return repeat_share_.charge(waited + missed, now);
       first_repeat_share_.charge(waited, now);
       if (!is_ok) charge_retry(unit, waited, now);
