@@ -33,10 +33,10 @@ void AddressAssigner::on_newcomer(BusIndex bus, Serial serial, port::Instant now
 port::Instant AddressAssigner::due(BusIndex bus) const {
   const Job& job = jobs_[bus.value];
   if (job.step == Step::none) return port::never;
-  // Behind a converter one dead unit may hold up all that is asked for a while: until another
-  // answer has come silence says nothing.
+  // Behind a converter one dead unit may hold up all that is asked for a while: until there is an
+  // answer to something that was asked later silence says nothing.
   const bool is_repeated = job.step == Step::look && job.silences > 0;
-  if (is_repeated && poller_.bus_counters(bus).heard_at <= job.looked_at) return port::never;
+  if (is_repeated && poller_.bus_counters(bus).heard_asked_at <= job.looked_at) return port::never;
   const port::Instant free_at = job.step == Step::write
                                     ? poller_.write_free_at(poller_.unit_at(bus, default_unit))
                                     : poller_.read_free_at(job.unit_index);

@@ -1,10 +1,10 @@
 // Gives nodes that answer at the default unit a unit of their own.
 //
 // First the new unit is asked, more than once where the answer is spoilt: others who wait at the
-// default unit talk into it. Where it does not answer twice, and its bus was heard between the two,
-// the node is written its new unit together with its serial, so that only the node with that serial
-// takes it, however many wait at the default unit; then it must answer at the new unit. One node of
-// a bus at a time.
+// default unit talk into it. Where it does not answer twice, and its bus has answered what was
+// asked between the two, the node is written its new unit together with its serial, so that only
+// the node with that serial takes it, however many wait at the default unit; then it must answer at
+// the new unit. One node of a bus at a time.
 //
 // A unit that answered before is given last, and of these the one that has been silent
 // longest first: its node may come back, and two nodes at one unit can be told nothing.

@@ -123,6 +123,7 @@ struct BusCounters {
   port::Instant up_since{};         // the link is there; the origin: it is not
   port::Instant answered_at{};      // last, by any of its units; the origin: never
   port::Instant heard_at{};         // anything else came last, sound or not
+  port::Instant heard_asked_at{};   // that was asked then which came so, the last of it
   port::Instant absence_told_at{};  // a converter said last that nobody is there
   port::Duration busy{};            // while at least one question was under way
   port::Duration floor{};  // least time the bytes and silences of the answered ones need on a line

@@ -14,12 +14,14 @@ constexpr std::uint8_t torn_repeats_max = 3;
 // was lost, or an answer to the same question may still come.
 constexpr port::Duration sweep_pause_max = std::chrono::seconds(5);
 
-void note_heard(BusCounters& counters, const port::BusAnswer& answer, port::Instant now) {
+void note_heard(BusCounters& counters, const port::BusAnswer& answer, port::Instant asked_at,
+                port::Instant now) {
   if (port::is_of_converter(answer.result, answer.exception)) {
     counters.absence_told_at = now;
   } else if (answer.result != port::BusResult::timeout &&
              answer.result != port::BusResult::link_lost) {
     counters.heard_at = now;
+    counters.heard_asked_at = std::max(counters.heard_asked_at, asked_at);
   }
 }
 
@@ -234,7 +236,8 @@ TextLine Poller::name(UnitIndex unit) const {
 void Poller::take(const port::BusAnswer& answer, UnitIndex index, port::Instant now) {
   const bool is_absence = port::is_absence(answer);
   PolledUnit& unit = units_[index.value];
-  note_heard(buses_[unit.bus.value].counters, answer, now);
+  Bus& bus = buses_[unit.bus.value];
+  note_heard(bus.counters, answer, bus.schedule.asked_at(unit.address), now);
   count_answer(unit, is_absence ? port::BusResult::timeout : answer.result, now);
   if (answer.result == port::BusResult::exception) unit.counters.exception = answer.exception;
   pause_after(answer, index, now);

@@ -21,7 +21,10 @@ void ScriptedBus::start_read(const port::RegisterRead& read, port::Instant now) 
   ++reads[read.address];
   timeouts[read.address] = read.timeout;
   const Request request{.address = read.address, .ticket = read.ticket, .is_write = false};
-  if (units_.contains(read.address)) {
+  const auto delay = delays.find(read.address);
+  if (delay != delays.end() && delay->second < read.timeout) {
+    waiting_.push_back({.request = request, .deadline = now + delay->second, .is_answered = true});
+  } else if (delay == delays.end() && units_.contains(read.address)) {
     done_.push_back(request);
   } else {
     waiting_.push_back({.request = request, .deadline = now + read.timeout});
@@ -71,7 +74,7 @@ void ScriptedBus::advance(port::Instant now) {
   now_ = now;
   std::erase_if(waiting_, [&](const Waiting& waiting) {
     if (waiting.deadline > now) return false;
-    timed_out_.push_back(waiting.request);
+    (waiting.is_answered ? done_ : timed_out_).push_back(waiting.request);
     return true;
   });
 }

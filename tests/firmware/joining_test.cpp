@@ -171,6 +171,27 @@ TEST_F(Joining, AUnitIsNotFreeWhereNobodyElseWasHeardSinceTheFirstLook) {
   EXPECT_EQ(rig_.log.count("node 90 joined"), 1u) << logged();
 }
 
+// Behind a converter that takes several questions: an answer that is under way says nothing of what
+// was asked after its question.
+TEST_F(Joining, AUnitIsNotFreeForAnAnswerToWhatWasAskedBeforeTheFirstLook) {
+  for (port::Duration phase{}; phase < 100ms; phase += 5ms) {
+    Rig rig;
+    rig.settings.buses[0].units = {{.first = 1, .last = 1}};
+    rig.settings.buses[0].assign = {{.first = 10, .last = 10}};
+    rig.put(1, 0, 0);
+    rig.bus.delays[1] = 40ms;
+    rig.run(1s + phase, 1ms);
+    rig.put(247, 5, 6);
+    for (int turn = 0; turn < 1000 && rig.log.count("node 1247 joined") == 0; ++turn) rig.run(1ms);
+    ASSERT_EQ(rig.log.count("node 1247 joined"), 1u);
+    rig.bus.silence(247);
+    rig.run(45ms, 1ms);
+    rig.bus.delays[1] = 1h;
+    rig.run(1s);
+    EXPECT_TRUE(rig.bus.writes.empty()) << "at " << phase / 1ms;
+  }
+}
+
 // Two who have one unit are never understood either.
 TEST_F(Joining, AUnitWhoseAnswersAreAlwaysSpoiltIsNotGiven) {
   bus().assign = {{.first = 10, .last = 11}};
