@@ -41,7 +41,7 @@ void follow_plane(const SiteSettings& to, const SiteSettings& from, const AskedD
   for (NodeRecord& node : nodes.records()) {
     // What another gateway hears, that one tells.
     if (!node.is_known() || node.is_foreign() || !node.has_position()) continue;
-    if (!is_device(asked, node.is_missing ? node.last_unit : node.unit_index)) continue;
+    if (!is_device(asked, node.last_unit)) continue;
     if (const auto place = position_in(plane, before, node.position)) {
       node.position = *place;
       moved.push_back(&node);

@@ -36,8 +36,14 @@ class PlaneChange : public DeviceTest {
 name = "rover"
 x = { register = 10, type = "i16" }
 y = { register = 11, type = "i16" }
+[[profile]]
+name = "tracker"
+serial = { register = 12, type = "u16" }
+x = { register = 10, type = "i16" }
+y = { register = 11, type = "i16" }
 )" + device_line +
-           "[[bus.device]]\nunits = \"2-3\"\nprofile = \"rover\"\n";
+           "[[bus.device]]\nunits = \"2-3\"\nprofile = \"rover\"\n"
+           "[[bus.device]]\nunits = \"4\"\nprofile = \"tracker\"\n";
   }
   // The rig begins with settings that save.
   void start_saving(Rig& rig, const std::string& plane) {
@@ -90,6 +96,24 @@ TEST_F(PlaneChange, ASilentDeviceStandsWhereItDidAfterAReload) {
   rig_.run(300ms);
   EXPECT_EQ(rig_.log.count("the site has another plane: 2 devices stand where before"), 1u);
   EXPECT_EQ(nodes(rig_), (Places{{9, {50, 60}}, {1002, {180, -20}}, {1003, {-20, 400}}}));
+}
+
+TEST_F(PlaneChange, OneThatAnotherHasReplacedStandsWhereItDidToo) {
+  bus_.put(4, 10, {30, 40, 71});
+  start_saving(rig_, "unit = \"1\"\n");
+  rig_.run(1s);
+  // The one that was there is sought, and not missed yet.
+  bus_.put(4, 10, {30, 41, 72});
+  rig_.run(1s);
+  const NodeRecord* const before = rig_.gateway->nodes().find(Serial{71});
+  ASSERT_NE(before, nullptr);
+  ASSERT_TRUE(before->unit_index.is_none());
+  ASSERT_FALSE(before->is_missing);
+  reload(rig_, "unit = \"0.5\"\norigin = [\"10\", \"0\"]\n");
+  rig_.run(300ms);
+  const Places places = nodes(rig_);
+  EXPECT_EQ(places.at(71), (std::pair<std::int64_t, std::int64_t>{40, 80}));
+  EXPECT_EQ(places.at(72), (std::pair<std::int64_t, std::int64_t>{40, 82}));
 }
 
 TEST_F(PlaneChange, ASilentDeviceStandsWhereItDidAfterARestart) {
