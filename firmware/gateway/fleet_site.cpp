@@ -50,11 +50,13 @@ FleetSite::Pointer FleetSite::restored(std::span<const std::byte> saved) {
 }
 
 void FleetSite::begin(FleetMember& member, port::Instant now) {
+  has_begun_ = true;
   if (own_) return member.set_site(*own_, false, now);
   member.clear_site(now);
 }
 
 void FleetSite::update_settings(Pointer own, FleetMember& member, port::Instant now) {
+  has_begun_ = true;
   const std::optional<SiteDocument> before = std::exchange(own_, std::nullopt);
   settings_ = std::move(own);
   read_own();
@@ -72,6 +74,8 @@ void FleetSite::update_settings(Pointer own, FleetMember& member, port::Instant 
 std::string FleetSite::take(const SiteDocument& document) {
   const SiteVersion version = document.version();
   if (!is_shared_ || is_own(version)) return "";
+  // What was saved of its own file, which has been changed since: that is the next one.
+  if (!has_begun_ && own_ && document.gateway == settings_->mqtt->name) return "";
   if (foreign_ && foreign_version_.hash == version.hash) return "";
   std::string wrong;
   std::optional<Settings> next = with_site(*settings_, document, projections_, wrong);

@@ -54,6 +54,7 @@ class FleetSite {
   // Of the operator's, where there is one that can be shared.
   std::optional<SiteDocument> own_{};
   std::uint64_t own_hash_ = 0;
+  bool has_begun_ = false;  // the fleet has been told of it
   std::string unshared_{};  // why it cannot be shared, or empty
   Pointer foreign_{};       // with the site of another gateway
   SiteVersion foreign_version_{};

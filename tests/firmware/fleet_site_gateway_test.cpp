@@ -281,6 +281,18 @@ TEST_F(FleetSiteGateway, AFileThatWasEditedBeforeARestartIsTheNextOne) {
   EXPECT_EQ(office_.mesh_hash(), again->mesh_hash());
 }
 
+TEST_F(FleetSiteGateway, AnotherPlaneBeforeARestartIsNotRefusedForWhatItsOwnFileWas) {
+  run_all();
+  west_.rig.settings.site.origin = {.x = 5 * site_nano};
+  const std::unique_ptr<Member> again = west_.restarted(hub_, 77);
+  run({again.get(), &east_, &office_}, 6s);
+  EXPECT_EQ(sent().number, 2u);
+  EXPECT_EQ(sent().plane.x, 5 * site_nano);
+  EXPECT_EQ(again->rig.log.count("is refused"), 0u);
+  EXPECT_EQ(again->features().size(), 1u);
+  EXPECT_EQ(again->fleet().site_trouble, "");
+}
+
 TEST_F(FleetSiteGateway, AFileThatTheBrokerRefusesIsGoneWhenItIsTakenOut) {
   run_all();
   east_.client.denied = site_topic;
