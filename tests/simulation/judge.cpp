@@ -18,6 +18,8 @@ namespace {
 constexpr std::uint32_t sightings = 3;
 // The blocks of one sweep follow each other.
 constexpr Duration sweep_max = 15s;
+// So many places are remembered of a node.
+constexpr std::size_t said_max = 2000;
 // Where some of its answers are spoilt in between.
 constexpr std::uint32_t sightings_max = 12;
 
@@ -35,6 +37,7 @@ double seconds_of(Duration time) { return std::chrono::duration<double>(time).co
 
 void Judge::begin(GatewayRun& run, Instant now) {
   began_ = now;
+  is_to_look_at_places_ = true;
   // What no disk took is not known any more.
   if (site_.disk.is_behind()) generation_ = 0;
   for (auto& [serial, seen] : seen_) {
@@ -48,6 +51,7 @@ void Judge::begin(GatewayRun& run, Instant now) {
 
 std::string Judge::look(GatewayRun& run, Instant now) {
   std::string wrong = look_at_nodes(run, now);
+  if (wrong.empty() && std::exchange(is_to_look_at_places_, false)) wrong = look_at_places(run);
   if (!wrong.empty()) return wrong;
   looked_at_ = now;
   const std::uint32_t generation = run.gateway().generation();
@@ -81,6 +85,24 @@ std::string Judge::look_at_nodes(GatewayRun& run, Instant now) {
     if (!node.is_known()) continue;
     std::string wrong = node.is_foreign() ? look_at_foreign(node) : look_at_node(node, run, now);
     if (!wrong.empty()) return name_of(node) + ": " + wrong;
+  }
+  return {};
+}
+
+std::string Judge::look_at_places(GatewayRun& run) {
+  for (const firmware::NodeRecord& node : run.gateway().nodes().records()) {
+    if (!node.is_known() || node.is_foreign() || !node.has_position()) continue;
+    const Device* const device = site_.find(node.serial.value);
+    Seen& seen = seen_[node.serial.value];
+    if (device == nullptr || seen.is_mixture) continue;
+    // Who does not know its unit does not know that it counts in what the plane counts in.
+    const bool has_unit = site_.is_asked(*device) && !node.last_unit.is_none();
+    seen.had_no_unit = seen.had_no_unit || (device->make != Make::ours && !has_unit);
+    if (seen.had_no_unit) continue;
+    const std::optional<Position> said = site_.said_for(*device, node.position);
+    if (!said || std::ranges::find(seen.said, *said) == seen.said.end()) {
+      return name_of(node) + ": is believed at " + text_of(node.position) + ", which it never said";
+    }
   }
   return {};
 }
@@ -162,12 +184,19 @@ std::string Judge::look_at_node(const firmware::NodeRecord& node, GatewayRun& ru
     }
     // Of who moves between two blocks, and has not said how fast, each coordinate counts for
     // itself; of two at one address either may say one block.
-    const bool was_there = device->make == Make::in_blocks
-                               ? device->held_apart(node.position, asked)
-                               : device->held(node.position, asked);
+    const std::optional<Position> said = site_.said_for(*device, node.position);
+    const bool was_there =
+        said && (device->make == Make::in_blocks ? device->held_apart(*said, asked)
+                                                 : device->held(*said, asked));
+    if (!said) {
+      seen.is_mixture = true;
+    } else if (seen.said.empty() || seen.said.back() != *said) {
+      if (seen.said.size() == said_max) seen.said.erase(seen.said.begin());
+      seen.said.push_back(*said);
+    }
     if (!was_there && !(is_in_blocks && are_two)) {
       return "position " + text_of(node.position) + " is accepted, and it was at " +
-             text_of(device->place()) + " when it was asked " +
+             text_of(site_.in_mesh(*device, device->place())) + " when it was asked " +
              std::to_string(seconds_of(now - asked)) + " s ago";
     }
   }
@@ -275,12 +304,13 @@ std::string Judge::look_at_rest(GatewayRun& run) {
     ++known;
     if (node->is_missing) return name + " is missing";
     if (node->stale) return name + " is stale";
-    if (node->position != device->place()) return name + " is believed elsewhere";
+    const Position place = site_.in_mesh(*device, device->place());
+    if (node->position != place) return name + " is believed elsewhere";
     const bool has_room =
         !site_.is_small && gateway.settings().mesh.vertices_max > site_.devices.size();
     if (node->is_quarantined() && (!has_room || gateway.settings().work_max > 0)) continue;
     if (!node->is_placed()) return name + " is not in the mesh";
-    if (node->placed != device->place()) return name + " is placed elsewhere";
+    if (node->placed != place) return name + " is placed elsewhere";
   }
   for (const firmware::NodeRecord& node : gateway.nodes().records()) {
     if (node.is_known() && !node.is_foreign() && --known + 1 == 0)

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "gateway_run.h"
 #include "others.h"
@@ -22,6 +23,7 @@ class Judge {
   // Other times hold from now on: no silence counts before all were asked once.
   void change_settings(Instant now) {
     fresh_from_ = now + site_.running.interval + std::chrono::seconds(10);
+    is_to_look_at_places_ = true;
   }
 
   // What is wrong after a step; empty: nothing.
@@ -36,6 +38,8 @@ class Judge {
 
  private:
   std::string look_at_nodes(GatewayRun& run, Instant now);
+  // In another plane too each must be where it said once.
+  std::string look_at_places(GatewayRun& run);
   std::string look_for_unknown(GatewayRun& run, Instant now);
   // From when on the gateway knows that it alone is there.
   Instant settled_at(const Device& device, GatewayRun& run) const;
@@ -51,7 +55,9 @@ class Judge {
     Instant accepted_at{};  // a position, as the judge saw it; in any run
     // Its answers, when it was declared to be missing, or was alone at its unit; none: it is not.
     std::optional<std::uint32_t> missing_from;
-    bool is_mixture = false;  // of what two devices have said
+    bool is_mixture = false;       // of what two devices have said
+    bool had_no_unit = false;      // that the gateway knew, when the plane may have changed
+    std::vector<Position> said{};  // what was accepted, the last of it
   };
 
   const SiteWorld& site_;
@@ -59,6 +65,7 @@ class Judge {
   std::unordered_map<std::uint32_t, Seen> seen_;  // by serial
   std::uint32_t generation_ = 0;
   bool is_to_look_at_ = false;  // the mesh of that generation
+  bool is_to_look_at_places_ = false;
   Instant published_at_{};
   Instant began_{};
   Instant looked_at_{};

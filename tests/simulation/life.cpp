@@ -20,6 +20,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
+constexpr std::int64_t nano = 1'000'000'000;  // of what the plane counts in
+
 class Life {
  public:
   Life(std::uint64_t seed, Company company)
@@ -369,9 +371,12 @@ class Life {
       case 0:
         site_.draw_times(file);
         break;
-      case 1:
+      case 1: {
+        const auto before = file.features;
         site_.draw_features(file);
+        if (site_.has_other_makes && goes_by_the_fleet(file)) file.features = before;
         break;
+      }
       case 2:
         if (bus.units > 2) --bus.units;
         break;
@@ -381,6 +386,14 @@ class Life {
       case 4:
         if (count < site_.whole.buses.size()) file.buses.push_back(site_.whole.buses[count]);
         break;
+      case 5:
+        if (site_.has_other_makes && !goes_by_the_fleet(file)) {
+          site_.draw_plane(file);
+          // Half of those who edit it wait for the next start.
+          if (random_.below(2) == 0) return;
+          break;
+        }
+        [[fallthrough]];
       default:
         for (std::size_t i = 0; i < count; ++i) {
           file.buses[i].units = std::max(file.buses[i].units, site_.running.units(i));
@@ -393,6 +406,11 @@ class Life {
 
   std::size_t bus_number(const BusText& bus) const {
     return static_cast<std::size_t>(&bus - site_.file.buses.data());
+  }
+
+  // It has no site of its own, and goes on by what the fleet has kept, also by the plane of that.
+  static bool goes_by_the_fleet(const SiteFile& file) {
+    return file.is_site_shared && file.features.empty();
   }
 
   void reload() {
@@ -425,8 +443,12 @@ class Life {
         settings.poll.leave_after != site_.running.leave_after) {
       note("the times are not those of the file");
     }
-    // A gateway without any has those that the fleet has kept, also from it.
-    if (site_.running.is_site_shared && site_.running.features.empty()) return;
+    const PlaneText& expected = site_.running.plane;
+    const firmware::SitePlane plane = settings.site.plane();
+    if (plane.unit_length * expected.units != nano || plane.origin_x != expected.origin * nano) {
+      note("the plane is not that of the file");
+    }
+    if (goes_by_the_fleet(site_.running)) return;
     if (settings.features.size() != site_.running.features.size() ||
         run_->gateway().features().size() != site_.running.features.size()) {
       note("the features are not those of the file");

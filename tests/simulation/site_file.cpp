@@ -51,6 +51,10 @@ std::string SiteFile::text() const {
          "[files]\nfolder = \"/files\"\nname = \"mesh\"\ninterval = \"5s\"\n"
          "[http]\nlisten = \"127.0.0.1:8080\"\n"
          "[analysis]\nradio_range = 1500\nsensing_range = 900\n";
+  if (plane != PlaneText{}) {
+    out << "[site]\nunit = \"" << 1.0 / plane.units << "\"\norigin = [\"" << plane.origin
+        << "\", \"" << -plane.origin << "\"]\n";
+  }
   if (has_broker) {
     out << "[mqtt]\nbroker = \"192.0.2.200\"\nsite = \"yard\"\nname = \"west\"\n"
         << "home_assistant = \"homeassistant\"\nshare = \"" << (is_site_shared ? "site" : "publish")

@@ -31,6 +31,14 @@ struct BusText {
   std::uint32_t unit_count() const { return units + (assigned > 0 ? assigned + 1u : 0u); }
 };
 
+// What the devices of other makes count in, and where the mesh begins in it.
+struct PlaneText {
+  std::int32_t units = 1;  // of the mesh, in what the plane counts in: 1, 2 or 4
+  std::int32_t origin = 0;
+
+  friend bool operator==(const PlaneText&, const PlaneText&) = default;
+};
+
 struct SiteFile {
   Duration interval{};
   Duration absent_interval{};
@@ -42,6 +50,7 @@ struct SiteFile {
   bool is_site_shared = false;  // with that one
   bool has_sparkplug = false;   // and there a host
   bool has_write_back = false;  // of its neighbours, to each node
+  PlaneText plane;
   std::vector<BusText> buses;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> features;  // serials
 

@@ -14,8 +14,8 @@ constexpr Duration replaced_within = 10s;
 
 }  // namespace
 
-SiteWorld::SiteWorld(inputs::Random& chance, bool has_other_makes, Instant now)
-    : random(chance), disk(chance) {
+SiteWorld::SiteWorld(inputs::Random& chance, bool with_other_makes, Instant now)
+    : random(chance), has_other_makes(with_other_makes), disk(chance) {
   const std::size_t bus_count = 1 + random.index(3);
   std::uint32_t unit_count = 0;
   buses.resize(bus_count);
@@ -68,6 +68,29 @@ void SiteWorld::draw_times(SiteFile& of) {
   of.absent_interval = 30s;
   of.stale_after = round;
   of.leave_after = 2 * round + 60s;
+}
+
+// No device of another make is where ours may be, in any plane but the one that counts in units of
+// the mesh, so that no two meet at one place that stand at two.
+void SiteWorld::draw_plane(SiteFile& of) {
+  of.plane = {};
+  const std::size_t which = random.index(4);
+  if (which == 0) return;
+  of.plane.units = std::int32_t{1} << (which - 1);
+  of.plane.origin = 4 * side * random.between(1, 3);
+}
+
+Position SiteWorld::in_mesh(const Device& device, Position said) const {
+  if (device.make == Make::ours) return said;
+  const auto& [units, origin] = running.plane;
+  return {(said.x - origin) * units, (said.y + origin) * units};
+}
+
+std::optional<Position> SiteWorld::said_for(const Device& device, Position in_mesh) const {
+  if (device.make == Make::ours) return in_mesh;
+  const auto& [units, origin] = running.plane;
+  if (in_mesh.x % units != 0 || in_mesh.y % units != 0) return std::nullopt;
+  return Position{in_mesh.x / units + origin, in_mesh.y / units - origin};
 }
 
 void SiteWorld::draw_features(SiteFile& of) {

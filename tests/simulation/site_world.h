@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,7 @@ inline constexpr Duration standstill_cost_max = std::chrono::seconds(1600);
 
 class SiteWorld {
  public:
-  SiteWorld(inputs::Random& random, bool has_other_makes, Instant now);
+  SiteWorld(inputs::Random& random, bool with_other_makes, Instant now);
 
   void pass_to(Instant now);
   Instant next() const;
@@ -95,6 +96,11 @@ class SiteWorld {
   // The gateway asks it, by the settings that hold.
   bool is_asked(const Device& device) const { return running.asks(device.bus, device.unit); }
 
+  // Where a device is in the mesh that says to be there, and what it must have said to be there in
+  // the mesh; none: nothing does it. Ours count in units of the mesh.
+  Position in_mesh(const Device& device, Position said) const;
+  std::optional<Position> said_for(const Device& device, Position in_mesh) const;
+
   // Where a gateway finds its settings.
   std::string path() const { return folder_of_file_.path("gateway.toml"); }
   void write_file() const { write_file(file.text()); }
@@ -102,9 +108,11 @@ class SiteWorld {
     static_cast<void>(folder_of_file_.write("gateway.toml", text));
   }
   void draw_times(SiteFile& of);
+  void draw_plane(SiteFile& of);
   void draw_features(SiteFile& of);
 
   inputs::Random& random;
+  bool has_other_makes = false;
   bool is_small = false;  // there is no room for all
   SiteFile whole;         // with all that there is
   SiteFile file;          // as it stands on the disk
