@@ -66,7 +66,8 @@ FleetLink::FleetLink(std::shared_ptr<const Settings> settings, const FleetPorts&
   make_report(now);
 }
 
-void FleetLink::restore(std::span<const std::byte> saved, port::Instant now) {
+void FleetLink::restore(std::span<const std::byte> saved, bool is_moved, port::Instant now) {
+  is_moved_ = is_moved_ || is_moved;
   if (saved.empty()) return;
   if (const std::string wrong = member_.restore(saved, now); !wrong.empty()) {
     log_.write(port::Level::warning, TextLine() << "fleet: what was saved of it is of no use: "
@@ -131,13 +132,14 @@ void FleetLink::tell_own(const NodeRecord& node, port::Instant now) {
 }
 
 // It is waited for as for any other that was heard before a restart. Where neighbours are written
-// to devices it is nobody's before it answers here: its place has come by MQTT.
+// to devices it is nobody's before it answers here: its place has come by MQTT. Nor has it one
+// where that may be in units of another plane.
 void FleetLink::adopt(const FleetRecord& record, port::Instant now) {
   NodeRecord* const node = nodes_.add(record.node.serial, now);
   if (node == nullptr) return member_.remove(record.node.serial, LeftReason::removed, now);
   node->stale = true;
   node->status = record.node.status;
-  if (!writes_back_) place(*node, record.node.position);
+  if (!writes_back_ && !is_moved_) place(*node, record.node.position);
 }
 
 void FleetLink::step(port::Instant now, std::uint32_t generation) {
@@ -307,8 +309,13 @@ std::string FleetLink::on_site(const SiteDocument& document, port::Instant) {
   return site_.take(document);
 }
 
+void FleetLink::take_plane(const Settings& settings) {
+  const SitePlane before = std::exchange(plane_, settings.site.plane());
+  is_moved_ = is_moved_ || before != plane_;
+}
+
 void FleetLink::update_settings(std::shared_ptr<const Settings> settings, port::Instant now) {
-  plane_ = settings->site.plane();
+  take_plane(*settings);
   member_.set_apart_min(apart_min_of(*settings));
   stale_after_ = settings->poll.stale_after;
   leave_after_ = settings->poll.leave_after;
@@ -320,7 +327,7 @@ void FleetLink::update_settings(std::shared_ptr<const Settings> settings, port::
 std::shared_ptr<const Settings> FleetLink::take_settings() {
   std::shared_ptr<const Settings> settings = site_.take_news(member_);
   if (settings == nullptr) return settings;
-  plane_ = settings->site.plane();
+  take_plane(*settings);
   member_.set_apart_min(apart_min_of(*settings));
   return settings;
 }

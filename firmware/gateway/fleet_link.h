@@ -57,8 +57,8 @@ class FleetLink final : private FleetListener {
     return site_.restored(saved);
   }
   // Goes on with what save() gave in an earlier run; after the node table is restored. An empty
-  // one is none.
-  void restore(std::span<const std::byte> saved, port::Instant now);
+  // one is none. `is_moved`: the site had another plane then.
+  void restore(std::span<const std::byte> saved, bool is_moved, port::Instant now);
   std::vector<std::byte> save() const { return member_.save(); }
   bool take_news_to_save() { return member_.take_news_to_save(); }
 
@@ -123,6 +123,7 @@ class FleetLink final : private FleetListener {
                     port::Instant now) const;
   void tell_own(const NodeRecord& node, port::Instant now);
   void adopt(const FleetRecord& record, port::Instant now);
+  void take_plane(const Settings& settings);
   void take_readings(const FleetRecord& record, port::Instant taken_at, bool is_stale);
   void place(NodeRecord& node, std::optional<Position> position);
   void make_report(port::Instant now);
@@ -158,6 +159,7 @@ class FleetLink final : private FleetListener {
   const bool writes_back_;
   const std::string version_;
   SitePlane plane_;
+  bool is_moved_ = false;  // nobody knows in which plane an earlier run has told its places
   port::Duration stale_after_;
   port::Duration leave_after_;
   NeighbourList neighbours_;

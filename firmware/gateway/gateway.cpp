@@ -84,6 +84,7 @@ void Gateway::restore(port::Instant now) {
   // Before the nodes: the mesh was one of that site.
   auto settings = fleet_ ? fleet_->restore_site(saved->fleet) : nullptr;
   if (settings != nullptr) take_site(std::move(settings), now);
+  const bool is_moved = saved->plane && *saved->plane != plane_of(settings_->site);
   follow_plane(settings_->site, ports_.projections, {.devices = devices_, .poller = poller_},
                *saved, ports_.log);
   const bool is_shared = fleet_ && settings_->mqtt->share == FleetShare::site;
@@ -92,7 +93,7 @@ void Gateway::restore(port::Instant now) {
   // Before the first mesh only a promise about generations is saved.
   if (saved->generation > 0) log_restored(*saved, is_same);
   sensors_.restore(saved->sensors, saved->quantities, time_since(*saved), now);
-  if (fleet_) fleet_->restore(saved->fleet, now);
+  if (fleet_) fleet_->restore(saved->fleet, is_moved, now);
   presence_.tell_missing(now);
   static_cast<void>(kept_.take_changed());
   // Units where a node was are asked at once, before their turn.

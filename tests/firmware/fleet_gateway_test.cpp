@@ -364,6 +364,41 @@ TEST_F(FleetGateway, WhoComesBackHasItsNodesAgain) {
   EXPECT_FALSE(west_.find(11)->stale);
 }
 
+// A node that the broker has, and what was saved before the power failed has not.
+class NodeOfTheBroker : public WestAndEast {
+ protected:
+  std::unique_ptr<Member> restarted() {
+    settle();
+    const std::vector<std::byte> saved = west_.store.last;
+    west_.put(3, 3, 40, 43);
+    run_both(3s);
+    EXPECT_TRUE(east_.has(3, 40, 43));
+    west_.store.last = saved;
+    west_.rig.bus.silence(3);
+    west_.rig.settings.site.origin = origin_;
+    std::unique_ptr<Member> again = west_.restarted(hub_, 77);
+    run({again.get(), &east_}, 600ms);
+    return again;
+  }
+
+  SiteOrigin origin_{};
+};
+
+TEST_F(NodeOfTheBroker, IsWhereItWasAfterARestart) {
+  const std::unique_ptr<Member> again = restarted();
+  EXPECT_TRUE(again->has(3, 40, 43));
+}
+
+TEST_F(NodeOfTheBroker, HasNoPlaceAfterARestartInAnotherPlane) {
+  origin_.x = 5 * site_nano;
+  const std::unique_ptr<Member> again = restarted();
+  ASSERT_NE(again->find(3), nullptr);
+  EXPECT_FALSE(again->find(3)->is_placed());
+  again->put(3, 3, 40, 43);
+  run({again.get(), &east_}, 1s);
+  EXPECT_TRUE(again->has(3, 40, 43));
+}
+
 // Of nodes that it does not hear itself nothing is known in the mesh of its own.
 TEST_F(FleetGateway, WhoHasItsOwnNodesAloneFromNowOnKeepsNoOthersOverARestart) {
   settle();
