@@ -216,6 +216,7 @@ void RtuBus::listen(Instant now) {
         continue;
       }
     }
+    if (phase_ == Phase::waiting && is_within_answer(*found)) return;
     const bool is_late = note_late(*found, now);
     if (!is_late) note_unasked(*found, now);
     if (is_late && phase_ == Phase::silent && found->address == request_.address) {
@@ -234,6 +235,24 @@ void RtuBus::listen(Instant now) {
   } else {
     silent_until_ = std::clamp(until, silent_until_, silent_at_latest_);
   }
+}
+
+// Whether the answer to the question has begun before this frame and is still to come: what it
+// tells may look like a whole frame, and stands there alone while the bytes come piece by piece.
+// Taken out it would spoil that answer, and each one for as long as the unit tells the same.
+bool RtuBus::is_within_answer(const RtuAnswer& found) const {
+  const std::size_t pdu_bytes = answer_bytes(request_.question);
+  const std::size_t size = rtu_unit_bytes + pdu_bytes + rtu_checksum_bytes;
+  const std::span<const std::uint8_t> heard = line_.heard();
+  const std::size_t begin_of_frame =
+      found.end - (rtu_unit_bytes + found.pdu.size() + rtu_checksum_bytes);
+  for (std::size_t begin = 0; begin < begin_of_frame; ++begin) {
+    const std::span<const std::uint8_t> rest = heard.subspan(begin);
+    const bool is_begun = rest[0] == request_.address && rest[1] == request_.question.function &&
+                          rest[2] + 2u == pdu_bytes;
+    if (is_begun && rest.size() < size) return true;
+  }
+  return false;
 }
 
 // Takes the answer of the unit that was asked, if it is one to what was asked.

@@ -155,6 +155,7 @@ class RtuBus final : public NodeBus {
   void send(const Request& request, std::span<std::uint8_t> frame, std::size_t pdu_bytes,
             std::size_t answer_bytes, Duration timeout, Instant now);
   void listen(Instant now);
+  bool is_within_answer(const RtuAnswer& found) const;
   void settle(const RtuAnswer& found, Instant now);
   void settle_for_client(const RtuAnswer& found, Instant now);
   void settle_exception(std::uint8_t exception, Instant now);

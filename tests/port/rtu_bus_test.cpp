@@ -102,6 +102,38 @@ TEST_F(SerialBus, AnAnswerMayComeByteByByte) {
   EXPECT_EQ(result(), BusResult::ok);
 }
 
+// One value in 65536 has that, and stays what it is.
+TEST_F(SerialBus, AnAnswerThatHoldsWhatLooksLikeAFrameMayComeByteByByte) {
+  become_ready();
+  bus().start_read({.address = 7,
+                    .kind = RegisterKind::holding,
+                    .first = 0,
+                    .count = 3,
+                    .timeout = answer_timeout},
+                   now_);
+  take(rtu_read_request_bytes);
+  Bytes pdu{read_holding_registers, 6, 0};
+  const Bytes within = rtu_of(84, {0x81, 2});
+  pdu.insert(pdu.end(), within.begin(), within.end());
+  for (const std::uint8_t byte : rtu_of(7, pdu)) {
+    EXPECT_EQ(result(), std::nullopt);
+    say({byte});
+  }
+  EXPECT_EQ(result(), BusResult::ok);
+}
+
+// What has begun and does not go on takes nothing away from whom else the line belongs to.
+TEST_F(SerialBus, AnAnswerThatBreaksOffHidesNoLateOne) {
+  request(3);
+  while (!result()) pass(1ms);
+  request(7);
+  const Bytes whole = two_registers(7, 42);
+  say(Bytes(whole.begin(), whole.begin() + 4));
+  say(two_registers(3, 41));
+  while (!result()) pass(1ms);
+  EXPECT_NE(log_.lines.back().find("unit 3 answered too late"), std::string::npos);
+}
+
 TEST_F(SerialBus, FramesAreApartByTheirSilence) {
   request(7);
   say(two_registers(7, 1));
