@@ -95,10 +95,12 @@ std::string Judge::look_at_places(GatewayRun& run) {
     const Device* const device = site_.find(node.serial.value);
     Seen& seen = seen_[node.serial.value];
     if (device == nullptr || seen.is_mixture) continue;
-    // Who does not know its unit does not know that it counts in what the plane counts in.
-    const bool has_unit = site_.is_asked(*device) && !node.last_unit.is_none();
-    seen.had_no_unit = seen.had_no_unit || (device->make != Make::ours && !has_unit);
-    if (seen.had_no_unit) continue;
+    // Who does not know its unit does not know that it counts in what the plane counts in; and whom
+    // the mesh cannot move stays where it was, and is saved so.
+    const bool can_move =
+        site_.is_asked(*device) && !node.last_unit.is_none() && !node.is_quarantined();
+    seen.was_left_behind = seen.was_left_behind || (device->make != Make::ours && !can_move);
+    if (seen.was_left_behind) continue;
     const std::optional<Position> said = site_.said_for(*device, node.position);
     if (!said || std::ranges::find(seen.said, *said) == seen.said.end()) {
       return name_of(node) + ": is believed at " + text_of(node.position) + ", which it never said";

@@ -56,7 +56,7 @@ class Judge {
     // Its answers, when it was declared to be missing, or was alone at its unit; none: it is not.
     std::optional<std::uint32_t> missing_from;
     bool is_mixture = false;       // of what two devices have said
-    bool had_no_unit = false;      // that the gateway knew, when the plane may have changed
+    bool was_left_behind = false;  // by a change of the plane
     std::vector<Position> said{};  // what was accepted, the last of it
   };
 
