@@ -39,8 +39,9 @@ void follow_plane(const SiteSettings& to, const SiteSettings& from, const AskedD
   const SitePlane plane = to.plane(), before = from.plane();
   std::vector<NodeRecord*> moved;
   for (NodeRecord& node : nodes.records()) {
-    // What another gateway hears, that one tells.
-    if (!node.is_known() || node.is_foreign() || !node.has_position()) continue;
+    // What another gateway hears, that one tells. Whose place the broker has told has not said it.
+    const bool has_place = node.has_position() || node.is_placed() || node.is_quarantined();
+    if (!node.is_known() || node.is_foreign() || !has_place) continue;
     if (!is_device(asked, node.last_unit)) continue;
     if (const auto place = position_in(plane, before, node.position)) {
       node.position = *place;

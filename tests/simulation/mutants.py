@@ -17,7 +17,9 @@ from pathlib import Path
 
 DAYS = os.environ.get("ETCM_SIMULATION_DAYS", "60")
 # Those that want a rare meeting of faults begin at a life that has one.
-FIRST_OF = {"a_position_that_jumps_counts": "157", "a_standstill_is_a_cost": "1239",
+FIRST_OF = {"a_frame_in_the_middle_of_an_answer_is_one": "190045063",
+            "a_position_that_jumps_counts": "157", "a_standstill_is_a_cost": "1239",
+            "one_that_was_replaced_is_left_behind": "300013", "what_the_broker_has_counts_in_any_plane": "160008005",
             "one_who_will_not_take_a_unit_is_never_asked_again": "67", "others_may_hold_a_bus": "37",
             "silence_counts_while_a_converter_is_held_up": "50009075",
             "units_are_given_where_somebody_answers": "31"}
@@ -35,6 +37,8 @@ MUTANTS = {
     "late_answers_are_owed_no_more": (
         "port/modbus/owed_answers.cpp", "if (const Owed* const owed = find(question)) return owed->until;",
         "if (find(question) != nullptr) return {};"),
+    "a_frame_in_the_middle_of_an_answer_is_one": (
+        "port/modbus/rtu_bus.cpp", "if (phase_ == Phase::waiting && is_within_answer(*found)) return;", ""),
     "a_cut_line_is_not_opened_again": (
         "port/modbus/rtu_bus.cpp", "next_attempt_ = now + options_.reopen_interval;",
         "next_attempt_ = never;"),
@@ -55,6 +59,11 @@ MUTANTS = {
         "firmware/nodes/admission.cpp", "if (conflict.sightings < sightings_wanted) return nullptr;",
         "return nullptr;"),
     # Where the site has another plane.
+    "one_that_was_replaced_is_left_behind": (
+        "firmware/gateway/plane_change.cpp", "if (!is_device(asked, node.last_unit)) continue;",
+        "if (!is_device(asked, node.is_missing ? node.last_unit : node.unit_index)) continue;"),
+    "what_the_broker_has_counts_in_any_plane": (
+        "firmware/gateway/fleet_link.cpp", "if (!writes_back_ && !is_moved_) place", "if (!writes_back_) place"),
     "devices_stay_where_they_were_in_another_plane": (
         "firmware/gateway/plane_change.cpp", "      node.position = *place;\n", ""),
     "what_was_saved_in_another_plane_is_taken_as_it_is": (
