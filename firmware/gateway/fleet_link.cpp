@@ -144,7 +144,7 @@ void FleetLink::adopt(const FleetRecord& record, port::Instant now) {
 
 void FleetLink::step(port::Instant now, std::uint32_t generation) {
   generation_ = generation;
-  if (!std::exchange(has_begun_, true)) site_.begin(member_, now);
+  site_.begin(member_, now);
   member_.step(now);
   if (now >= report_due_) make_report(now);
 }
@@ -320,7 +320,6 @@ void FleetLink::update_settings(std::shared_ptr<const Settings> settings, port::
   stale_after_ = settings->poll.stale_after;
   leave_after_ = settings->poll.leave_after;
   site_.update_settings(std::move(settings), member_, now);
-  has_begun_ = true;
   report_due_ = {};
 }
 

@@ -178,7 +178,6 @@ class FleetLink final : private FleetListener {
   LastingDifferences differences_;
   bool is_full_ = false;  // a node of another gateway found no room
   FleetSite site_;
-  bool has_begun_ = false;
   FleetMember member_;
 };
 

@@ -50,7 +50,7 @@ FleetSite::Pointer FleetSite::restored(std::span<const std::byte> saved) {
 }
 
 void FleetSite::begin(FleetMember& member, port::Instant now) {
-  has_begun_ = true;
+  if (std::exchange(has_begun_, true)) return;
   if (own_) return member.set_site(*own_, false, now);
   member.clear_site(now);
 }

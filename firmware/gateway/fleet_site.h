@@ -28,7 +28,7 @@ class FleetSite {
 
   // Settings with the site that was saved, or null: their own is as good. O(what was saved).
   Pointer restored(std::span<const std::byte> saved);
-  // What the operator has, to the fleet. Once, after FleetMember::restore().
+  // What the operator has, to the fleet; after FleetMember::restore(). Once: then it does nothing.
   void begin(FleetMember& member, port::Instant now);
   // Others of the operator.
   void update_settings(Pointer own, FleetMember& member, port::Instant now);

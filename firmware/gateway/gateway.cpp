@@ -84,9 +84,8 @@ void Gateway::restore(port::Instant now) {
   // Before the nodes: the mesh was one of that site.
   auto settings = fleet_ ? fleet_->restore_site(saved->fleet) : nullptr;
   if (settings != nullptr) take_site(std::move(settings), now);
-  const bool is_moved = saved->plane && *saved->plane != plane_of(settings_->site);
-  follow_plane(settings_->site, ports_.projections, {.devices = devices_, .poller = poller_},
-               *saved, ports_.log);
+  const bool is_moved = follow_plane(settings_->site, ports_.projections,
+                                     {.devices = devices_, .poller = poller_}, *saved, ports_.log);
   const bool is_shared = fleet_ && settings_->mqtt->share == FleetShare::site;
   const bool is_same =
       state_transfer_.restore(*saved, time_since(*saved), is_shared, generation_ + 1, now);

@@ -68,9 +68,9 @@ void follow_plane(const SiteSettings& to, const SiteSettings& from, const AskedD
   }
 }
 
-void follow_plane(const SiteSettings& to, port::ProjectionSource* projections,
+bool follow_plane(const SiteSettings& to, port::ProjectionSource* projections,
                   const AskedDevices& asked, SavedState& saved, port::Log& log) {
-  if (!saved.plane || *saved.plane == plane_of(to)) return;
+  if (!saved.plane || *saved.plane == plane_of(to)) return false;
   std::string why;
   const SitePlane plane = to.plane();
   const std::optional<SitePlane> before = site_plane_of(*saved.plane, projections, why);
@@ -92,16 +92,17 @@ void follow_plane(const SiteSettings& to, port::ProjectionSource* projections,
     has_devices = true;
     return loses_place(node);
   });
-  if (!has_devices) return;
+  if (!has_devices) return true;
   saved.anchors.clear();
   saved.features.clear();
   saved.steiner.clear();
   saved.is_canonical = true;
-  if (left_out == 0) return;
+  if (left_out == 0) return true;
   log.write(port::Level::warning,
             to_string(Counted{left_out, "device has", "devices have"}) +
                 " no place in the plane of the site until heard" +
                 (before ? "" : ": the plane of before cannot be had: " + why));
+  return true;
 }
 
 }  // namespace etcm::firmware

@@ -36,8 +36,8 @@ void follow_plane(const SiteSettings& to, const SiteSettings& from, const AskedD
 // Moves them in what was saved; those that have no place in the new plane are left out, and the log
 // tells how many; of who is missing only the position. What else the mesh had is left out then: it
 // is made anew. Where nobody knows that plane any more, as without `projections`, none has a place.
-// Does nothing where the plane is the same, or was not saved.
-void follow_plane(const SiteSettings& to, port::ProjectionSource* projections,
-                  const AskedDevices& asked, SavedState& saved, port::Log& log);
+// False where the plane is the same, or was not saved: then it does nothing.
+[[nodiscard]] bool follow_plane(const SiteSettings& to, port::ProjectionSource* projections,
+                                const AskedDevices& asked, SavedState& saved, port::Log& log);
 
 }  // namespace etcm::firmware

@@ -88,8 +88,8 @@ class ScriptedBus : public port::NodeBus {
   bool is_stuck = false;  // neither answers nor lets time pass
   std::size_t outstanding_max = 100;
   port::Duration silence_after_timeout{};
-  std::map<std::uint8_t, port::Duration>
-      delays;  // of answers to reads, by unit; too long: none comes
+  // Of answers to reads, by unit; where it is too long none comes.
+  std::map<std::uint8_t, port::Duration> delays;
   std::map<std::uint8_t, std::uint32_t> reads;      // by unit
   std::map<std::uint8_t, port::Duration> timeouts;  // of the last read, by unit
   std::map<std::uint8_t, std::uint32_t> writes;     // by unit, also in vain

@@ -18,10 +18,10 @@ namespace {
 constexpr std::uint32_t sightings = 3;
 // The blocks of one sweep follow each other.
 constexpr Duration sweep_max = 15s;
-// So many places are remembered of a node.
-constexpr std::size_t said_max = 2000;
 // Where some of its answers are spoilt in between.
 constexpr std::uint32_t sightings_max = 12;
+// So many places are remembered of a node.
+constexpr std::size_t said_max = 2000;
 
 std::string name_of(const firmware::NodeRecord& node) {
   return "node " + std::to_string(node.serial.value);

@@ -67,7 +67,8 @@ MUTANTS = {
     "devices_stay_where_they_were_in_another_plane": (
         "firmware/gateway/plane_change.cpp", "      node.position = *place;\n", ""),
     "what_was_saved_in_another_plane_is_taken_as_it_is": (
-        "firmware/gateway/plane_change.cpp", "if (!saved.plane || *saved.plane == plane_of(to)) return;", "return;"),
+        "firmware/gateway/plane_change.cpp", "if (!saved.plane || *saved.plane == plane_of(to)) return false;",
+        "return false;"),
     # Nodes that have no unit yet.
     "units_are_given_where_somebody_answers": (
         "firmware/nodes/address_assigner.cpp", "if ((port::is_absence(answer) || is_as_silent) && is_free(job.unit_index)) {\n        job.step",
