@@ -1,7 +1,8 @@
 // What a member knows, as bytes that outlive a restart. All numbers are little-endian:
-//   u32 version of this form, 2; u32 epoch; u32 count of records
+//   u32 version of this form, 3; u32 epoch; u32 count of records
 //   record: u8 1 where this member had it published, else 0; u16 length, the JSON of it
 //   u32 length, the JSON of the site; 0: there was none; bit 31: the broker has never had it
+//   u32 greatest number of a site that was taken out before it was the fleet's for certain
 //   u32 count of members that were dismissed; u8 length of the name, the name
 //   u64 FNV-1a of all before
 #include <algorithm>
@@ -17,7 +18,7 @@ namespace etcm::firmware {
 
 namespace {
 
-constexpr std::uint32_t blob_form = 2;
+constexpr std::uint32_t blob_form = 3;
 constexpr std::size_t blob_head_size = 12;
 constexpr std::size_t blob_sum_size = 8;
 constexpr std::uint32_t own_site_bit = 1u << 31;
@@ -31,6 +32,7 @@ struct Saved {
   std::vector<Entry> entries{};
   std::optional<SiteDocument> site{};
   bool is_fleets_site = true;
+  std::uint32_t dropped_number = 0;
   std::vector<std::string> dismissed{};
 };
 
@@ -85,6 +87,7 @@ std::string decode(std::span<const std::byte> bytes, std::uint32_t nodes_max, Sa
   const auto site_size = reader.take<std::uint32_t>();
   const std::string_view site = reader.take_text(site_size & ~own_site_bit);
   saved.is_fleets_site = (site_size & own_site_bit) == 0;
+  saved.dropped_number = std::min(fleet_number_max, reader.take<std::uint32_t>());
   take_dismissed(reader, saved);
   if (reader.is_cut_off()) return "it is cut off";
   if (reader.left() != 0) return "it is too long";
@@ -96,7 +99,7 @@ std::string decode(std::span<const std::byte> bytes, std::uint32_t nodes_max, Sa
 
 std::size_t save_bytes_max(const FleetSettings& settings) {
   return blob_head_size + 2 * std::size_t{settings.nodes_max} * (3 + record_bytes_max) + 4 +
-         port::broker_message_bytes_max + 4 + settings.members_max * (1 + fleet_name_max) +
+         port::broker_message_bytes_max + 8 + settings.members_max * (1 + fleet_name_max) +
          blob_sum_size;
 }
 
@@ -133,6 +136,7 @@ std::vector<std::byte> FleetMember::State::save() const {
   const std::uint32_t own_bit = has_site && !site.is_fleets ? own_site_bit : 0;
   port::put_number(saved, static_cast<std::uint32_t>(document.size()) | own_bit);
   port::put_text(saved, document);
+  port::put_number(saved, site.dropped_number);
   port::put_number(saved, static_cast<std::uint32_t>(dismissed.size()));
   for (const std::string& name : dismissed) {
     port::put_number(saved, static_cast<std::uint8_t>(name.size()));
@@ -164,6 +168,7 @@ std::string FleetMember::State::restore(std::span<const std::byte> bytes, port::
       dismissed.insert(std::move(name));
     }
   }
+  site.dropped_number = saved.dropped_number;
   if (saved.site && saved.is_fleets_site) {
     consider_site(std::move(*saved.site), now);
   } else if (saved.site) {

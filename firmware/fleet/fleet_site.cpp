@@ -89,10 +89,11 @@ void FleetMember::State::drop_site(port::Instant now) {
 // Before it is known what the broker has, it is less than all.
 void FleetMember::State::hold_own_site(port::Instant now) {
   const std::uint32_t refused = site.refused ? site.refused->number : 0;
-  const std::uint32_t greatest =
-      std::max({site.version.number, site.on_broker.number, site.dropped_number, refused});
+  const std::uint32_t there = std::max({site.version.number, site.on_broker.number, refused});
+  const std::uint32_t greatest = std::max(there, site.dropped_number);
+  const bool is_known = is_settled || there > 0 || (site.is_settled && greatest > 0);
   SiteDocument document = *site.own;
-  document.number = is_settled || greatest > 0 ? std::min(fleet_number_max - 1, greatest) + 1 : 0;
+  document.number = is_known ? std::min(fleet_number_max - 1, greatest) + 1 : 0;
   hold_site(std::move(document), false, now);
 }
 

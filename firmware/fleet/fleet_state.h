@@ -270,7 +270,7 @@ struct FleetMember::State {
     std::optional<SiteDocument> refused{};      // the newest that the gateway does not take
     std::optional<SiteVersion> denied{};        // that the broker does not let this gateway tell
     std::optional<SiteDocument> passed_over{};  // the fleet's, while the one held is not
-    std::uint32_t dropped_number = 0;           // the greatest that was not
+    std::uint32_t dropped_number = 0;           // the greatest that was taken out
     SiteVersion on_broker{};
     port::Instant behind_since = port::never;  // other members are, or since they were told again
     port::Duration mend_pause{};

@@ -443,6 +443,37 @@ TEST_F(FleetSiteTest, AFileAfterOneThatWasTakenOutUnsentIsNewerThanThat) {
   EXPECT_EQ(number(), 5u);
 }
 
+// Others may have it, and tell it once the broker has forgotten all.
+TEST_F(FleetSiteTest, AFileAfterOneThatWasTakenOutUnsentIsNewerThanThatAfterARestartToo) {
+  settle();
+  say_site(numbered(3, 7));
+  refuse_own(5);
+  restart_without_file();
+  const std::vector<std::byte> saved = member->save();
+  start();
+  ASSERT_EQ(member->restore(saved, now), "");
+  member->set_site(drawing(6), false, now);
+  settle();
+  say_site(numbered(4, 5, "a"));
+  pass(settings_.period);
+  EXPECT_EQ(on_broker(), encode_site(numbered(5, 6, "a")));
+}
+
+TEST_F(FleetSiteTest, AFileAfterOneThatWasTakenOutIsLessThanAnothersAtAStart) {
+  settle();
+  refuse_own(5);
+  member->clear_site(now);
+  const std::vector<std::byte> saved = member->save();
+  start();
+  ASSERT_EQ(member->restore(saved, now), "");
+  member->set_site(drawing(6), false, now);
+  connect();
+  say_site(numbered(1, 7));
+  pass(settings_.period);
+  EXPECT_TRUE(holds(7));
+  EXPECT_EQ(broker.count("yard/site"), 0u);
+}
+
 TEST_F(FleetSiteTest, NoSavedSiteIsNoneInRubbish) {
   const std::vector<std::byte> saved = member->save();
   EXPECT_FALSE(FleetMember::saved_site(saved));
