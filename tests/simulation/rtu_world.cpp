@@ -125,6 +125,11 @@ void RtuWorld::answer(Device& device, std::span<const std::uint8_t> frame, bool 
     sending.piece_at = sending.begin + time_of(sending.piece) + on_the_network();
     sending.end = std::max(sending.end, sending.piece_at) + on_the_network();
     if (sending.end - now_ > timeout_) sending.answered = nullptr;
+  } else {
+    // A port hands on what has come so far, which ends anywhere in an answer.
+    const auto place = static_cast<std::uint64_t>(sending.begin.time_since_epoch() / 1us);
+    sending.piece = place % sending.bytes.size();
+    sending.piece_at = std::min(sending.end, sending.begin + time_of(sending.piece));
   }
   for (Sending& other : sendings_) {
     if (other.begin < sending.end && sending.begin < other.end) {
