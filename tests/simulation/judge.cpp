@@ -1,6 +1,7 @@
 #include "judge.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,8 @@ constexpr std::uint32_t sightings = 3;
 constexpr Duration sweep_max = 15s;
 // Where some of its answers are spoilt in between.
 constexpr std::uint32_t sightings_max = 12;
+// What is to be told, from when on it is so.
+constexpr Duration told_within = 10s;
 // So many places are remembered of a node.
 constexpr std::size_t said_max = 2000;
 
@@ -43,6 +46,7 @@ void Judge::begin(GatewayRun& run, Instant now) {
   for (auto& [serial, seen] : seen_) {
     seen.positioned_at = {};
     seen.missing_from.reset();
+    seen.missing_at = port::never;
   }
   for (const firmware::NodeRecord& node : run.gateway().nodes().records()) {
     if (node.is_known()) seen_[node.serial.value].positioned_at = node.positioned_at;
@@ -84,7 +88,35 @@ std::string Judge::look_at_nodes(GatewayRun& run, Instant now) {
   for (const firmware::NodeRecord& node : run.gateway().nodes().records()) {
     if (!node.is_known()) continue;
     std::string wrong = node.is_foreign() ? look_at_foreign(node) : look_at_node(node, run, now);
+    if (wrong.empty() && !node.is_foreign()) wrong = look_at_alarm(node, run, now);
     if (!wrong.empty()) return name_of(node) + ": " + wrong;
+  }
+  return {};
+}
+
+std::string Judge::look_at_alarm(const firmware::NodeRecord& node, GatewayRun& run, Instant now) {
+  Instant& missing_at = seen_[node.serial.value].missing_at;
+  if (!node.is_missing) {
+    missing_at = port::never;
+    return {};
+  }
+  missing_at = std::min(missing_at, now);
+  const bool is_told = run.alarms().book().is_on(
+      {.kind = firmware::AlarmKind::missing_node, .subject = node.serial.value});
+  return is_told || now - missing_at <= told_within ? std::string()
+                                                    : "is missing, and no alarm tells it";
+}
+
+// What is wrong then is what somebody has drawn, where there is no room, or of another gateway.
+std::string Judge::look_at_alarms_at_rest(GatewayRun& run) {
+  using enum firmware::AlarmKind;
+  constexpr std::array may_be_on{unheard_end, refused_feature, refused_node,    far_node,
+                                 other_mesh,  refused_anchor,  rejected_gateway};
+  const firmware::AlarmBook& book = run.alarms().book();
+  for (std::uint32_t i = 0; i < book.open_count(); ++i) {
+    const firmware::Alarm& alarm = book.open(i);
+    if (!alarm.is_on || std::ranges::find(may_be_on, alarm.key.kind) != may_be_on.end()) continue;
+    return "at rest, an alarm is on: " + std::string(alarm.text());
   }
   return {};
 }
@@ -322,7 +354,8 @@ std::string Judge::look_at_rest(GatewayRun& run) {
   if (site_.disk.is_behind() || site_.disk.saved_at() <= site_.faults_ended_at) {
     return "at rest, the disk has another state";
   }
-  return look_at_mesh(run);
+  std::string wrong = look_at_alarms_at_rest(run);
+  return wrong.empty() ? look_at_mesh(run) : wrong;
 }
 
 }  // namespace etcm::simulation

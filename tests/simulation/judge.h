@@ -48,6 +48,9 @@ class Judge {
   std::string look_at_foreign(const firmware::NodeRecord& node) const;
   std::string look_at_node(const firmware::NodeRecord& node, GatewayRun& run, Instant now);
   std::string look_at_mesh(GatewayRun& run);
+  // Who is missing is told.
+  std::string look_at_alarm(const firmware::NodeRecord& node, GatewayRun& run, Instant now);
+  std::string look_at_alarms_at_rest(GatewayRun& run);
   std::string compare_with_build(GatewayRun& run);
 
   struct Seen {
@@ -55,9 +58,10 @@ class Judge {
     Instant accepted_at{};  // a position, as the judge saw it; in any run
     // Its answers, when it was declared to be missing, or was alone at its unit; none: it is not.
     std::optional<std::uint32_t> missing_from;
-    bool is_mixture = false;       // of what two devices have said
-    bool was_left_behind = false;  // by a change of the plane
-    std::vector<Position> said{};  // what was accepted, the last of it
+    Instant missing_at = port::never;  // since when, as the judge saw it
+    bool is_mixture = false;           // of what two devices have said
+    bool was_left_behind = false;      // by a change of the plane
+    std::vector<Position> said{};      // what was accepted, the last of it
   };
 
   const SiteWorld& site_;

@@ -195,6 +195,9 @@ MUTANTS = {
         "watchdog_due_ = now + 2 * watchdog_interval;"),
     "the_lamp_hides_that_there_is_no_node": (
         "firmware/gateway/board_io.cpp", "  if (node_count == 0) return 5;\n", "  static_cast<void>(node_count);\n"),
+    "who_is_missing_is_not_told": (
+        "firmware/alarms/alarm_watch.cpp", "if (is_with_its_gateway(gateway, node)) return;", "return;"),
+    "an_alarm_never_ends": ("firmware/alarms/alarm_book.cpp", "  slot.alarm.is_on = false;\n", ""),
 }
 
 
