@@ -44,6 +44,12 @@ class DiskWorld final : public port::Store {
   }
 
   void pass_to(Instant now) { now_ = now; }
+  // Whoever was saving waits for it, as far as there is something to wait for.
+  void wait() {
+    if (!is_under_way_ || hangs || is_full) return;
+    is_under_way_ = false;
+    take_in();
+  }
   Instant next() const {
     return is_under_way_ && !hangs && done_at_ > now_ ? done_at_ : port::never;
   }
@@ -71,6 +77,8 @@ class DiskWorld final : public port::Store {
   }
   // It has not what the gateway has tried to save.
   bool is_behind() const { return is_behind_; }
+  // It has what was to be saved last.
+  bool has_all() const { return !is_behind_ && !is_under_way_; }
   // When something was saved last.
   Instant saved_at() const { return saved_at_; }
 

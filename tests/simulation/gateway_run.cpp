@@ -80,7 +80,12 @@ void GatewayRun::open_alarms(const port::WallClock& wall_clock, Instant now) {
                                          .readers = nullptr,
                                          .refusal = refusal_,
                                          .started_at = now});
-  if (company_.broker != nullptr) {
+  if (company_.broker == nullptr) {
+    // A broker would be told of other alarms, and lives that have failed once would be others.
+    alarm_keeper_.emplace(alarms_->book(), site_.disk_of_alarms, wall_clock, events_);
+    alarms_->watch_disk_of_alarms(alarm_keeper_->disk());
+    alarm_keeper_->restore(now);
+  } else {
     teller_.emplace(alarms_->book(), *gateway_, wall_clock);
     announcer_.emplace(*settings_, "simulated", gateway_->nodes(), gateway_->readings(),
                        *company_.broker);
@@ -164,6 +169,7 @@ void GatewayRun::step(Instant now) {
   }
   if (alarms_->next_deadline() <= now) alarms_->step(now);
   if (teller_ && teller_->next_deadline() <= now) teller_->step(now);
+  if (alarm_keeper_) alarm_keeper_->step(now);
   page_->advance(now);
 }
 
@@ -179,6 +185,10 @@ Instant GatewayRun::next_deadline() const {
 void GatewayRun::finish(Instant now) {
   gateway_->finish(now);
   gateway_->finish_saving(now);
+  if (!alarm_keeper_) return;
+  site_.disk_of_alarms.wait();
+  alarm_keeper_->finish(now);
+  site_.disk_of_alarms.wait();
 }
 
 }  // namespace etcm::simulation

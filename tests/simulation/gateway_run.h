@@ -9,6 +9,7 @@
 
 #include "board_world.h"
 #include "bus_clients.h"
+#include "firmware/alarms/alarm_keeper.h"
 #include "firmware/alarms/alarm_teller.h"
 #include "firmware/alarms/alarm_watch.h"
 #include "firmware/gateway/board_io.h"
@@ -73,7 +74,7 @@ class GatewayRun {
   const Mesh& mesh() const { return mesh_; }
   MastersWorld& masters() { return masters_; }
   PageReaders& readers() { return *readers_; }
-  const firmware::AlarmWatch& alarms() const { return *alarms_; }
+  const firmware::AlarmBook& alarms() const { return alarms_->book(); }
 
  private:
   static std::shared_ptr<const firmware::Settings> read(const std::string& path);
@@ -96,6 +97,7 @@ class GatewayRun {
   std::string refusal_;
   std::unique_ptr<firmware::Gateway> gateway_;
   std::optional<firmware::AlarmWatch> alarms_;
+  std::optional<firmware::AlarmKeeper> alarm_keeper_;
   std::optional<firmware::AlarmTeller> teller_;
   std::optional<firmware::Announcer> announcer_;
   std::optional<firmware::sparkplug::EdgeNode> edge_node_;

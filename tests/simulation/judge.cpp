@@ -53,6 +53,25 @@ void Judge::begin(GatewayRun& run, Instant now) {
   }
 }
 
+void Judge::finish(const GatewayRun& run) {
+  alarms_.clear();
+  if (others_ != nullptr || !site_.disk_of_alarms.has_all()) return;
+  const firmware::AlarmBook& book = run.alarms();
+  for (std::uint32_t i = 0; i < book.open_count(); ++i) {
+    if (book.open(i).is_on) alarms_.push_back(book.open(i));
+  }
+}
+
+std::string Judge::look_at_kept_alarms(const GatewayRun& run) {
+  for (const firmware::Alarm& kept : std::exchange(alarms_, {})) {
+    const firmware::Alarm* const alarm = run.alarms().find_on(kept.key);
+    if (alarm == nullptr || alarm->number != kept.number) {
+      return "an alarm has not outlived the restart: " + std::string(kept.text());
+    }
+  }
+  return {};
+}
+
 std::string Judge::look(GatewayRun& run, Instant now) {
   std::string wrong = look_at_nodes(run, now);
   if (wrong.empty() && std::exchange(is_to_look_at_places_, false)) wrong = look_at_places(run);
@@ -101,8 +120,8 @@ std::string Judge::look_at_alarm(const firmware::NodeRecord& node, GatewayRun& r
     return {};
   }
   missing_at = std::min(missing_at, now);
-  const bool is_told = run.alarms().book().is_on(
-      {.kind = firmware::AlarmKind::missing_node, .subject = node.serial.value});
+  const bool is_told =
+      run.alarms().is_on({.kind = firmware::AlarmKind::missing_node, .subject = node.serial.value});
   return is_told || now - missing_at <= told_within ? std::string()
                                                     : "is missing, and no alarm tells it";
 }
@@ -112,7 +131,7 @@ std::string Judge::look_at_alarms_at_rest(GatewayRun& run) {
   using enum firmware::AlarmKind;
   constexpr std::array may_be_on{unheard_end, refused_feature, refused_node,    far_node,
                                  other_mesh,  refused_anchor,  rejected_gateway};
-  const firmware::AlarmBook& book = run.alarms().book();
+  const firmware::AlarmBook& book = run.alarms();
   for (std::uint32_t i = 0; i < book.open_count(); ++i) {
     const firmware::Alarm& alarm = book.open(i);
     if (!alarm.is_on || std::ranges::find(may_be_on, alarm.key.kind) != may_be_on.end()) continue;

@@ -19,6 +19,9 @@ class Judge {
 
   // A run has begun: what it restores was judged before.
   void begin(GatewayRun& run, Instant now);
+  // One has ended in order: the next one begins with the alarms that are on, if the disk took them.
+  void finish(const GatewayRun& run);
+  std::string look_at_kept_alarms(const GatewayRun& run);
 
   // Other times hold from now on: no silence counts before all were asked once.
   void change_settings(Instant now) {
@@ -67,6 +70,7 @@ class Judge {
   const SiteWorld& site_;
   const Others* others_ = nullptr;
   std::unordered_map<std::uint32_t, Seen> seen_;  // by serial
+  std::vector<firmware::Alarm> alarms_;           // that were on when the last run ended
   std::uint32_t generation_ = 0;
   bool is_to_look_at_ = false;  // the mesh of that generation
   bool is_to_look_at_places_ = false;

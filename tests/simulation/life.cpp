@@ -136,6 +136,7 @@ class Life {
         std::make_unique<GatewayRun>(site_, clock_, wall_clock_, ++runs_,
                                      others_ ? others_->company(clock_.now()) : GatewayCompany{});
     judge_.begin(*run_, clock_.now());
+    note(judge_.look_at_kept_alarms(*run_));
   }
 
   void note(const std::string& wrong) {
@@ -320,10 +321,10 @@ class Life {
         for (BusWorld& each : site_.buses) mend(each);
         break;
       case Event::disk_full:
-        site_.disk.is_full = site_.folder.is_full = true;
+        site_.disk.is_full = site_.disk_of_alarms.is_full = site_.folder.is_full = true;
         break;
       case Event::disk_hangs:
-        site_.disk.hangs = site_.folder.hangs = true;
+        site_.disk.hangs = site_.disk_of_alarms.hangs = site_.folder.hangs = true;
         break;
       case Event::mend_disk:
         mend_disk();
@@ -476,14 +477,19 @@ class Life {
     }
   }
   void mend_disk() {
-    site_.disk.is_full = site_.disk.hangs = site_.folder.is_full = site_.folder.hangs = false;
+    site_.disk.is_full = site_.disk_of_alarms.is_full = site_.folder.is_full = false;
+    site_.disk.hangs = site_.disk_of_alarms.hangs = site_.folder.hangs = false;
   }
 
   void restart(bool is_orderly) {
-    if (is_orderly) run_->finish(clock_.now());
+    if (is_orderly) {
+      run_->finish(clock_.now());
+      judge_.finish(*run_);
+    }
     run_.reset();
     if (others_) others_->leave();
     site_.disk.lose_power();
+    site_.disk_of_alarms.lose_power();
     for (BusWorld& bus : site_.buses) {
       if (bus.converter) bus.converter->close();
       if (bus.line) bus.line->close();

@@ -198,6 +198,12 @@ MUTANTS = {
     "who_is_missing_is_not_told": (
         "firmware/alarms/alarm_watch.cpp", "if (is_with_its_gateway(gateway, node)) return;", "return;"),
     "an_alarm_never_ends": ("firmware/alarms/alarm_book.cpp", "  slot.alarm.is_on = false;\n", ""),
+    "alarms_are_forgotten_at_a_restart": (
+        "firmware/alarms/alarm_keeper.cpp", "book_ = std::move(read);", "static_cast<void>(read);"),
+    "alarms_of_before_never_end": (
+        "firmware/alarms/alarm_judging.cpp",
+        "  if (now - from > 2 * sources_.gateway.settings().poll.leave_after + 1min) return true;\n"
+        "  return is_judged_by_what_came(key, now);", "  return key.kind == AlarmKind{} && now < from;"),
 }
 
 

@@ -15,7 +15,11 @@ constexpr Duration replaced_within = 10s;
 }  // namespace
 
 SiteWorld::SiteWorld(inputs::Random& chance, bool with_other_makes, Instant now)
-    : random(chance), has_other_makes(with_other_makes), disk(chance) {
+    : random(chance),
+      for_later(chance),
+      has_other_makes(with_other_makes),
+      disk(chance),
+      disk_of_alarms(for_later) {
   const std::size_t bus_count = 1 + random.index(3);
   std::uint32_t unit_count = 0;
   buses.resize(bus_count);
@@ -177,6 +181,7 @@ Device* SiteWorld::find(std::uint32_t serial) const {
 void SiteWorld::pass_to(Instant now) {
   for (BusWorld& bus : buses) bus.pass_to(now);
   disk.pass_to(now);
+  disk_of_alarms.pass_to(now);
 }
 
 Instant SiteWorld::next() const {

@@ -112,6 +112,7 @@ class SiteWorld {
   void draw_features(SiteFile& of);
 
   inputs::Random& random;
+  inputs::Random for_later;  // what came later: lives are what they were before
   bool has_other_makes = false;
   bool is_small = false;  // there is no room for all
   SiteFile whole;         // with all that there is
@@ -120,6 +121,7 @@ class SiteWorld {
   std::vector<std::unique_ptr<Device>> devices;
   std::vector<BusWorld> buses;
   DiskWorld disk;
+  DiskWorld disk_of_alarms;  // another folder of it
   FolderWorld folder;
   Instant faults_ended_at{};
   // Others have its unit too.
