@@ -86,12 +86,13 @@ void FleetMember::State::drop_site(port::Instant now) {
   if (fleets) consider_site(std::move(*fleets), now);
 }
 
-// Before it is known what the broker has, it is less than all.
+// Before it is known what the broker has, it is less than all; what an earlier run has taken out
+// says nothing of that.
 void FleetMember::State::hold_own_site(port::Instant now) {
   const std::uint32_t refused = site.refused ? site.refused->number : 0;
   const std::uint32_t there = std::max({site.version.number, site.on_broker.number, refused});
+  const bool is_known = is_settled || there > 0 || (site.is_settled && site.dropped_number > 0);
   const std::uint32_t greatest = std::max(there, site.dropped_number);
-  const bool is_known = is_settled || there > 0 || (site.is_settled && greatest > 0);
   SiteDocument document = *site.own;
   document.number = is_known ? std::min(fleet_number_max - 1, greatest) + 1 : 0;
   hold_site(std::move(document), false, now);

@@ -44,11 +44,14 @@ class FleetSiteTest : public FleetMemberTest {
     ASSERT_TRUE(sent.topic.ends_with("yard/site"));
     member->on_refused(sent.token, "not allowed", now);
   }
-  // Starts again with what was saved, and no file.
-  void restart_without_file() {
+  // Starts again with what was saved; whether there is a file is said next.
+  void restart() {
     const std::vector<std::byte> saved = member->save();
     start();
     ASSERT_EQ(member->restore(saved, now), "");
+  }
+  void restart_without_file() {
+    restart();
     member->clear_site(now);
   }
   bool holds(std::int32_t x) {
@@ -302,10 +305,8 @@ TEST_F(FleetSiteTest, WhatIsNotSoundIsForgottenWhereThereIsNone) {
 TEST_F(FleetSiteTest, ItOutlivesARestart) {
   connect();
   say_site(numbered(2, 5));
-  const std::vector<std::byte> saved = member->save();
-  EXPECT_EQ(FleetMember::saved_site(saved), numbered(2, 5));
-  start();
-  ASSERT_EQ(member->restore(saved, now), "");
+  EXPECT_EQ(FleetMember::saved_site(member->save()), numbered(2, 5));
+  restart();
   EXPECT_TRUE(holds(5));
   EXPECT_EQ(number(), 2u);
   member->set_site(drawing(6), false, now);
@@ -315,9 +316,7 @@ TEST_F(FleetSiteTest, ItOutlivesARestart) {
 TEST_F(FleetSiteTest, AFileThatWasChangedMeanwhileIsItsNewOne) {
   member->set_site(drawing(5), false, now);
   settle();
-  const std::vector<std::byte> saved = member->save();
-  start();
-  ASSERT_EQ(member->restore(saved, now), "");
+  restart();
   member->set_site(drawing(6), false, now);
   EXPECT_TRUE(holds(6));
   settle();
@@ -395,9 +394,7 @@ TEST_F(FleetSiteTest, AFileThatWasRefusedAndIsStillThereOutlivesARestart) {
   settle();
   say_site(numbered(3, 7));
   refuse_own(5);
-  const std::vector<std::byte> saved = member->save();
-  start();
-  ASSERT_EQ(member->restore(saved, now), "");
+  restart();
   member->set_site(drawing(5), false, now);
   connect();
   say_site(numbered(3, 7));
@@ -449,9 +446,7 @@ TEST_F(FleetSiteTest, AFileAfterOneThatWasTakenOutUnsentIsNewerThanThatAfterARes
   say_site(numbered(3, 7));
   refuse_own(5);
   restart_without_file();
-  const std::vector<std::byte> saved = member->save();
-  start();
-  ASSERT_EQ(member->restore(saved, now), "");
+  restart();
   member->set_site(drawing(6), false, now);
   settle();
   say_site(numbered(4, 5, "a"));
@@ -463,9 +458,7 @@ TEST_F(FleetSiteTest, AFileAfterOneThatWasTakenOutIsLessThanAnothersAtAStart) {
   settle();
   refuse_own(5);
   member->clear_site(now);
-  const std::vector<std::byte> saved = member->save();
-  start();
-  ASSERT_EQ(member->restore(saved, now), "");
+  restart();
   member->set_site(drawing(6), false, now);
   connect();
   say_site(numbered(1, 7));

@@ -321,10 +321,10 @@ class Life {
         for (BusWorld& each : site_.buses) mend(each);
         break;
       case Event::disk_full:
-        site_.disk.is_full = site_.disk_of_alarms.is_full = site_.folder.is_full = true;
+        set_disk_full(true);
         break;
       case Event::disk_hangs:
-        site_.disk.hangs = site_.disk_of_alarms.hangs = site_.folder.hangs = true;
+        set_disk_hanging(true);
         break;
       case Event::mend_disk:
         mend_disk();
@@ -476,9 +476,16 @@ class Life {
       bus.converter->cut(false);
     }
   }
+  // All folders are on one disk.
+  void set_disk_full(bool is_full) {
+    site_.disk.is_full = site_.disk_of_alarms.is_full = site_.folder.is_full = is_full;
+  }
+  void set_disk_hanging(bool hangs) {
+    site_.disk.hangs = site_.disk_of_alarms.hangs = site_.folder.hangs = hangs;
+  }
   void mend_disk() {
-    site_.disk.is_full = site_.disk_of_alarms.is_full = site_.folder.is_full = false;
-    site_.disk.hangs = site_.disk_of_alarms.hangs = site_.folder.hangs = false;
+    set_disk_full(false);
+    set_disk_hanging(false);
   }
 
   void restart(bool is_orderly) {
