@@ -141,7 +141,7 @@ class SerialBus : public testing::Test {
   std::optional<BusResult> result() {
     BusAnswer found;
     if (!bus().take_answer(found)) return std::nullopt;
-    value_ = found.registers.empty() ? -1 : found.registers[1];
+    value_ = found.registers.empty() ? -1 : found.registers.back();
     exception_ = found.exception;
     ticket_ = found.ticket;
     return found.result;
