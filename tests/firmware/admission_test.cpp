@@ -192,6 +192,17 @@ TEST_F(NodesBySerial, TwoNodesAtOneUnitAreAnAlarmNotAFlipFlop) {
   EXPECT_EQ(quarantine()[0].conflict, IdentityConflict::same_unit);
 }
 
+TEST_F(NodesBySerial, TheAlarmOfTwoNodesAtOneUnitEndsWhereOneOfThemIsTakenAway) {
+  let_nine_come_and_go();
+  put(1, 9, {50, 0});
+  rig_.run(1s);
+  ASSERT_EQ(quarantine().size(), 1u) << logged();
+  put(1, 7, {0, 0});
+  rig_.run(5s);
+  EXPECT_TRUE(quarantine().empty());
+  EXPECT_EQ(rig_.server.header("quarantined_count"), 0u);
+}
+
 // Such as a device that was given the serial of another by mistake.
 TEST_F(NodesBySerial, WhoGetsItsSerialBackIsNoSecondNode) {
   let_nine_come_and_go();
@@ -262,6 +273,25 @@ TEST_F(NodesBySerial, MoreNodesThanThereIsRoomForAreRefusedAndSaid) {
   }
   EXPECT_EQ(rig_.log.count("no room to know node"), 13u) << logged();
   EXPECT_EQ(rig_.mesh.node_count(), 17u);
+}
+
+TEST_F(NodesBySerial, WhoHadNoRoomMustAnswerInARowAgainOnceThereIsSome) {
+  rig_.settings.buses[0].units = {{.first = 1, .last = 1}};
+  rig_.settings.poll.leave_after = 20s;
+  rig_.settings.poll.stale_after = 20s;
+  for (std::uint32_t serial = 1; serial <= 18; ++serial) {
+    put(1, serial, {static_cast<std::int32_t>(serial), 0});
+    rig_.run(600ms);
+  }
+  ASSERT_EQ(rig_.log.count("no room to know node 18"), 1u) << logged();
+  put(1, 17, {17, 0});
+  rig_.run(12s);
+  ASSERT_EQ(rig_.log.count("node 1 left"), 1u) << logged();
+  put(1, 18, {18, 0});
+  run_reads(2);
+  EXPECT_EQ(rig_.log.count("node 18 is there now"), 0u) << logged();
+  run_reads(1);
+  EXPECT_EQ(rig_.log.count("node 18 is there now, node 17 is not"), 1u) << logged();
 }
 
 TEST_F(NodesBySerial, WhoIsNotMissedGivesWayToNobodyThoughItHasToldNoPlace) {

@@ -354,6 +354,21 @@ TEST_F(Reload, OneThatIsSilentAlreadyLeavesAfterTheNewPause) {
   EXPECT_EQ(rig.log.count("node 1001 left (silent)"), 1u) << "3 s of silence";
 }
 
+TEST_F(Reload, AnAlarmOfTwoNodesEndsAfterTheNewPause) {
+  Rig rig;
+  rig.put_square();
+  rig.bus.set(5, {.serial = Serial{1001}, .position = {50, 50}, .status = node_status::fix_valid});
+  rig.run(5s);
+  ASSERT_EQ(rig.gateway->quarantine().size(), 1u) << testing::PrintToString(rig.log.lines);
+  rig.settings.poll.leave_after = 20s;
+  rig.update_settings();
+  rig.bus.silence(5);
+  rig.run(10s);
+  EXPECT_EQ(rig.gateway->quarantine().size(), 1u) << "it was 3 s";
+  rig.run(12s);
+  EXPECT_TRUE(rig.gateway->quarantine().empty());
+}
+
 TEST_F(Reload, TheRunningGatewayGoesByIt) {
   Rig rig;
   rig.put(1, 10, 10);

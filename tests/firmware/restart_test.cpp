@@ -64,6 +64,30 @@ TEST_F(Restart, ServesTheLastMeshAtOnceAllStale) {
             1u);
 }
 
+// Such as a device that was given the serial of another by mistake.
+TEST_F(Restart, WhoGetsItsSerialBackAfterItIsNoSecondNode) {
+  const auto before = rig_of({});
+  before->put_square();
+  before->run(2s);
+  const auto after = rig_of({});
+  const auto answer_as = [&](std::uint32_t serial) {
+    after->bus.set(1, {.serial = Serial{serial}, .status = node_status::fix_valid});
+  };
+  after->put_square();
+  after->start();
+  after->gateway->restore(after->clock.now());
+  after->run(1s);
+  answer_as(9);
+  after->run(1s);
+  EXPECT_EQ(after->log.count("node 9 is there now, node 1001 is not"), 1u)
+      << testing::PrintToString(after->log.lines);
+  answer_as(1001);
+  after->run(4s);
+  EXPECT_EQ(after->log.count("node 1001 is there now, node 9 is not"), 1u)
+      << testing::PrintToString(after->log.lines);
+  EXPECT_EQ(after->log.count("two nodes answer"), 0u);
+}
+
 // The state on the disk, with other bytes.
 template <class Change>
 std::vector<std::byte> changed_state(std::span<const std::byte> bytes, Change change) {

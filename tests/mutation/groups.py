@@ -36,7 +36,8 @@ GROUPS = {
          "firmware_test --gtest_filter=LateAnswers.*:BusSilence.*:*LineTime*:*BusyLine*:LostAnswers.*"]),
     "admission": Group(
         sources("firmware/nodes", "admission"),
-        ["firmware_test --gtest_filter=Joining.*:NodesBySerial.*:Gateway.*:*Missing*:OneSite.*:Restart.*:"
+        ["firmware_test --gtest_filter=Joining.*:NodesBySerial.*:Gateway.*:*Missing*:OneSite.*:Reload.*:"
          "WithoutAFix.*:Names*.*:StatusPageTest.*",
+         "log_and_state_test --gtest_filter=Restart.*",
          "fleet_gateway_test --gtest_filter=*OneSerial*:Wanderers.*:FleetGateway.*"]),
 }
