@@ -112,11 +112,14 @@ void FleetMember::State::consider_site(SiteDocument document, port::Instant now)
     if (!site.is_fleets && version != site.version) site.passed_over = std::move(document);
     return;
   }
-  // Later it is of a second program with this name, and the two would go on for ever.
-  const bool is_own_of_before = site.own && !site.is_settled &&
-                                document.gateway == settings.gateway &&
-                                version.hash != site.own->version().hash;
-  if (is_own_of_before) {
+  const bool is_other_of_here =
+      site.own && document.gateway == settings.gateway && version.hash != site.own->version().hash;
+  // Later a greater one is of a second program with this name, and the two would go on for ever.
+  // One of the same number may be of an earlier run that was not saved; to answer that ends, for
+  // then the numbers differ.
+  const bool is_tie =
+      site.held && site.held->gateway == settings.gateway && document.number == site.version.number;
+  if (is_other_of_here && (!site.is_settled || is_tie)) {
     site.version.number = document.number;
     hold_own_site(now);
     site.passed_over = std::move(document);

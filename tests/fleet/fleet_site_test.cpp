@@ -187,6 +187,19 @@ TEST_F(FleetSiteTest, ASecondOfItsNameIsNotOutbid) {
   EXPECT_EQ(broker.count("yard/site"), 1u);
 }
 
+// An earlier run had told it, and its power failed before that was saved.
+TEST_F(FleetSiteTest, ItsOwnOfBeforeOfTheSameNumberIsReplacedThoughItComesLate) {
+  member->set_site(drawing(5), false, now);
+  settle();
+  ASSERT_EQ(number(), 1u);
+  std::int32_t x = 6;
+  while (numbered(1, x, "a").version() < member->site_version()) ++x;
+  say_site(numbered(1, x, "a"));
+  pass(5s);
+  EXPECT_TRUE(gateway.offered.empty());
+  EXPECT_EQ(on_broker(), encode_site(numbered(2, 5, "a")));
+}
+
 TEST_F(FleetSiteTest, ANewerOneIsOfferedAndAnOlderOneReplaced) {
   member->set_site(drawing(5), false, now);
   settle();

@@ -50,6 +50,8 @@ TEST(Simulation, AGatewayLivesThroughWhatItFailedAtBefore) {
   EXPECT_EQ(live(200067065, 6h, Company::others_and_makes).wrong, "");
   // A site file that was taken out and put in again was less than itself of before.
   EXPECT_EQ(live(200040058, 6h, Company::others).wrong, "");
+  // A site file had the number that one of an earlier run had, which was told and not saved.
+  EXPECT_EQ(live(310002037, 6h, Company::others_and_makes).wrong, "");
   // The second block of a device waited for a share that the first one had used up, for ever.
   EXPECT_EQ(live(80045069, 6h, Company::others_and_makes).wrong, "");
   // A reload took features out that somebody was reading about.
