@@ -134,6 +134,16 @@ TEST_F(SerialBus, AnAnswerThatBreaksOffHidesNoLateOne) {
   EXPECT_NE(log_.lines.back().find("unit 3 answered too late"), std::string::npos);
 }
 
+// Only the unit that was asked has begun its answer.
+TEST_F(SerialBus, WhatAnotherUnitBeginsHidesNoLateException) {
+  request(3);
+  while (!result()) pass(1ms);
+  request(7);
+  say({9, read_input_registers, 4});
+  say(rtu_of(3, {read_input_registers | 0x80, 2}));
+  EXPECT_NE(log_.lines.back().find("unit 3 answered too late"), std::string::npos);
+}
+
 TEST_F(SerialBus, FramesAreApartByTheirSilence) {
   request(7);
   say(two_registers(7, 1));
