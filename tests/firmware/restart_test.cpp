@@ -71,7 +71,8 @@ TEST_F(Restart, WhoGetsItsSerialBackAfterItIsNoSecondNode) {
   before->run(2s);
   const auto after = rig_of({});
   const auto answer_as = [&](std::uint32_t serial) {
-    after->bus.set(1, {.serial = Serial{serial}, .status = node_status::fix_valid});
+    after->bus.set(
+        1, {.serial = Serial{serial}, .position = {0, 0}, .status = node_status::fix_valid});
   };
   after->put_square();
   after->start();
