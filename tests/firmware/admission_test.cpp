@@ -33,6 +33,18 @@ class NodesBySerial : public testing::Test {
     rig_.run(4s);
     EXPECT_EQ(rig_.log.count("node 7 is there now, node 9 is not"), 1u) << logged();
   }
+  void ask_one_unit(port::Duration patience) {
+    rig_.settings.buses[0].units = {{.first = 1, .last = 1}};
+    rig_.settings.poll.leave_after = patience;
+    rig_.settings.poll.stale_after = patience;
+  }
+  // Node after node at unit 1, each for long enough to be believed.
+  void let_answer_in_turn(std::uint32_t count) {
+    for (std::uint32_t serial = 1; serial <= count; ++serial) {
+      put(1, serial, {static_cast<std::int32_t>(serial), 0});
+      rig_.run(600ms);
+    }
+  }
   // Until unit 1 has answered so often.
   void run_reads(std::uint32_t count) { run_reads_of(1, count); }
   void run_reads_of(std::uint8_t unit, std::uint32_t count) {
@@ -263,26 +275,15 @@ TEST_F(NodesBySerial, NodesOnSeveralBusesChangeTheirBus) {
 }
 
 TEST_F(NodesBySerial, MoreNodesThanThereIsRoomForAreRefusedAndSaid) {
-  // One unit where node after node answers, each for long enough to be believed.
-  rig_.settings.buses[0].units = {{.first = 1, .last = 1}};
-  rig_.settings.poll.leave_after = 10min;
-  rig_.settings.poll.stale_after = 10min;
-  for (std::uint32_t serial = 1; serial <= 30; ++serial) {
-    put(1, serial, {static_cast<std::int32_t>(serial), 0});
-    rig_.run(600ms);
-  }
+  ask_one_unit(10min);
+  let_answer_in_turn(30);
   EXPECT_EQ(rig_.log.count("no room to know node"), 13u) << logged();
   EXPECT_EQ(rig_.mesh.node_count(), 17u);
 }
 
 TEST_F(NodesBySerial, WhoHadNoRoomMustAnswerInARowAgainOnceThereIsSome) {
-  rig_.settings.buses[0].units = {{.first = 1, .last = 1}};
-  rig_.settings.poll.leave_after = 20s;
-  rig_.settings.poll.stale_after = 20s;
-  for (std::uint32_t serial = 1; serial <= 18; ++serial) {
-    put(1, serial, {static_cast<std::int32_t>(serial), 0});
-    rig_.run(600ms);
-  }
+  ask_one_unit(20s);
+  let_answer_in_turn(18);
   ASSERT_EQ(rig_.log.count("no room to know node 18"), 1u) << logged();
   put(1, 17, {17, 0});
   rig_.run(12s);
@@ -295,9 +296,7 @@ TEST_F(NodesBySerial, WhoHadNoRoomMustAnswerInARowAgainOnceThereIsSome) {
 }
 
 TEST_F(NodesBySerial, WhoIsNotMissedGivesWayToNobodyThoughItHasToldNoPlace) {
-  rig_.settings.buses[0].units = {{.first = 1, .last = 1}};
-  rig_.settings.poll.leave_after = 10min;
-  rig_.settings.poll.stale_after = 10min;
+  ask_one_unit(10min);
   for (std::uint32_t serial = 1; serial <= 20; ++serial) {
     rig_.bus.set(1, {.serial = Serial{serial}, .position = {}, .status = 0});
     rig_.run(600ms);
